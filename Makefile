@@ -1,0 +1,58 @@
+# The two commands of the README are `make demo` and `make test`; `make help` lists the others.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+STAMP := $(VENV)/.installed
+PROTO := protocol/passafe.proto
+GENERATE := $(BIN)/python -m grpc_tools.protoc -I .
+DEMO ?=
+
+.PHONY: help demo test check fast proto lock docs pictures bench clean
+
+help:  ## list the targets
+	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 12
+
+$(STAMP): pyproject.toml constraints.txt
+	@$(PYTHON) -c 'import sys; sys.exit("passafe needs Python 3.11 or newer; this is " + sys.version.split()[0] + ". Try: make PYTHON=python3.12 …") if sys.version_info < (3, 11) else None'
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --upgrade "pip>=24"
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev]'
+	@touch $(STAMP)
+
+demo: $(STAMP)  ## the multi-process demo; options by DEMO='--mode off --duration 10'
+	$(BIN)/passafe demo $(DEMO)
+
+test: $(STAMP)  ## every test that CI runs, with coverage of core and protocol
+	$(BIN)/python -m pytest --cov --cov-report=term:skip-covered --cov-fail-under=100
+
+fast: $(STAMP)  ## the tests that start no process and no browser
+	$(BIN)/python -m pytest -m 'not live and not browser'
+
+check: $(STAMP)  ## lint, format, types, import direction, generated files current
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	@mkdir -p .build && $(GENERATE) --python_out=.build --pyi_out=.build $(PROTO)
+	@for f in passafe_pb2.py passafe_pb2.pyi; do cmp .build/protocol/$$f protocol/$$f || { echo "protocol/$$f is not current: run make proto"; exit 1; }; done
+	$(BIN)/python -m protocol.wire_table --check docs/wire-protocol.md
+
+proto: $(STAMP)  ## generate the protobuf code
+	$(GENERATE) --python_out=. --pyi_out=. $(PROTO)
+
+docs: $(STAMP)  ## generate docs/wire-protocol.md from the topic table
+	$(BIN)/python -m protocol.wire_table --write docs/wire-protocol.md
+
+pictures: $(STAMP)  ## the README's pictures, from live runs
+	$(BIN)/python -m dashboard.pictures docs/pictures
+
+bench: $(STAMP)  ## benchmarks; the peers are installed first
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[peers]'
+	$(BIN)/python benchmarks/filter_step.py
+	$(BIN)/python benchmarks/lockstep_speed.py
+
+lock: $(STAMP)  ## pin what is installed now
+	$(BIN)/python -m pip freeze --exclude-editable | grep -v ' @ ' > constraints.txt
+
+clean:  ## remove everything generated
+	rm -rf $(VENV) .build .mypy_cache .ruff_cache .pytest_cache .hypothesis runs

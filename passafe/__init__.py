@@ -1,0 +1,68 @@
+"""Safety and passivity filters for teleoperated robots: pure mathematics, no clock, no network, no files.
+
+A filter is derived from symbolic expressions and then decides, tick by tick::
+
+    robot = damped_point(sigma=1.0, gamma_1=10.0)
+    design = FilterDesign(
+        system=robot.system,
+        u_fb=robot.proportional_derivative(k_p=10.0, k_d=5.0),
+        fail_safe=robot.fail_safe,
+        barriers=(Barrier(name="disk", h=disk_keep_out(robot.position, centre=(0, 0), radius=1.0), class_k=gains),),
+        passivity=Passivity(V=ca.sumsqr(robot.system.x)),
+        k_i=100.0,
+        dt_s=1e-3,
+        input_bound=100.0,
+    )
+    decision = SafetyPassivityFilter(design).decide(x, u, u_h, u_h_rate)
+
+``docs/theory.md`` states the mathematics, ``docs/guarantees.md`` what holds and when.
+"""
+
+from passafe.barrier import Barrier, BarrierChain, derive_chain
+from passafe.class_k import ClassK, Cubic, Linear, Piecewise
+from passafe.decision import Decision, Status
+from passafe.design import FilterDesign, Law, Mode
+from passafe.errors import DesignError, IntegrationError, PassafeError, RelativeDegreeError, ShapeError
+from passafe.filter import SafetyPassivityFilter
+from passafe.models.damped_point import damped_point
+from passafe.models.drag_point import drag_point
+from passafe.models.robot import Robot
+from passafe.passivity import Passivity, power_margin
+from passafe.quadratic_program import Tolerance
+from passafe.sampled_plant import Sample, SampledPlant
+from passafe.shapes import disk_keep_out, half_plane
+from passafe.system import System
+from passafe.tank import Tank
+
+__all__ = [
+    "Barrier",
+    "BarrierChain",
+    "ClassK",
+    "Cubic",
+    "Decision",
+    "DesignError",
+    "FilterDesign",
+    "IntegrationError",
+    "Law",
+    "Linear",
+    "Mode",
+    "PassafeError",
+    "Passivity",
+    "Piecewise",
+    "RelativeDegreeError",
+    "Robot",
+    "SafetyPassivityFilter",
+    "Sample",
+    "SampledPlant",
+    "ShapeError",
+    "Status",
+    "System",
+    "Tank",
+    "Tolerance",
+    "damped_point",
+    "derive_chain",
+    "disk_keep_out",
+    "drag_point",
+    "half_plane",
+    "power_margin",
+]

@@ -1,0 +1,71 @@
+"""Extended class-K functions γ: continuous, strictly increasing, γ(0) = 0 (Ames et al. 2019, Definition 2)."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from math import inf
+
+import casadi as ca
+
+from passafe.errors import DesignError
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ClassK(ABC):
+    """An extended class-K function with a positive gain.
+
+    Attributes:
+        gain: Slope or coefficient; 1/s where γ acts on a value and its derivative.
+    """
+
+    gain: float
+
+    def __post_init__(self) -> None:
+        """Refuse gains for which γ would not be strictly increasing."""
+        _require_gain("gain", self.gain)
+
+    @abstractmethod
+    def __call__(self, s: ca.SX) -> ca.SX:
+        """Return γ(s) as an expression, same shape as ``s``."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Linear(ClassK):
+    """γ(s) = gain·s."""
+
+    def __call__(self, s: ca.SX) -> ca.SX:
+        """Return gain·s."""
+        return self.gain * s
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Cubic(ClassK):
+    """γ(s) = gain·s³: hardly anything near the boundary, much far from it."""
+
+    def __call__(self, s: ca.SX) -> ca.SX:
+        """Return gain·s³."""
+        return self.gain * s * s * s
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Piecewise(ClassK):
+    """γ(s) = gain·s for s > 0 and gain_below·s otherwise: back to the set faster than towards its boundary.
+
+    Attributes:
+        gain_below: Slope for s ≤ 0.
+    """
+
+    gain_below: float
+
+    def __post_init__(self) -> None:
+        """Refuse gains for which γ would not be strictly increasing."""
+        _require_gain("gain", self.gain)
+        _require_gain("gain_below", self.gain_below)
+
+    def __call__(self, s: ca.SX) -> ca.SX:
+        """Return gain·s where s > 0, gain_below·s elsewhere."""
+        return ca.if_else(s > 0, self.gain * s, self.gain_below * s)
+
+
+def _require_gain(field: str, value: float) -> None:
+    if not 0.0 < value < inf:
+        raise DesignError(f"class-K function {field}", value, "a positive finite number")

@@ -1,0 +1,112 @@
+"""What the filter decided in one tick, and the evidence for it."""
+
+from collections.abc import Mapping
+from enum import IntEnum
+
+from msgspec import Struct
+
+from passafe.quadratic_program import DUAL, GAP, PRIMAL
+from passafe.workspace import Array
+
+
+class Status(IntEnum):
+    """Outcome of one decision, from best to worst."""
+
+    PASSED = 1
+    """v = 0: no row stood in the way."""
+
+    MODIFIED = 2
+    """v ≠ 0, every row kept."""
+
+    RELAXED = 3
+    """Every hard row kept, the passivity row relaxed by the slack."""
+
+    UNCERTIFIED = 4
+    """The solver's answer failed the certificate: u is the fail-safe law's."""
+
+    INFEASIBLE = 5
+    """The hard rows conflict, or need more than the input bound: u is the fail-safe law's."""
+
+    @property
+    def is_fallback(self) -> bool:
+        """Whether u comes from the fail-safe law instead of the quadratic program."""
+        return self >= Status.UNCERTIFIED
+
+
+class Decision(Struct, frozen=True, eq=False):
+    """One decision. Vectors are views of one block of numbers, copied once, never written again.
+
+    A msgspec struct: a frozen dataclass costs ten times as much to make (``docs/decisions/0003-msgspec-structs.md``).
+
+    Attributes:
+        block: Everything that was computed, shape (layout size,).
+        parts: Where each named part lies in ``block``.
+        status: Outcome.
+        solver: Whose answer was judged; ``none`` where v = 0 is optimal by inspection.
+        u: The input to hold over the next period, within the bound and finite, m numbers.
+    """
+
+    block: Array
+    parts: Mapping[str, slice]
+    status: Status
+    solver: str
+    u: tuple[float, ...]
+
+    def part(self, name: str) -> Array:
+        """Return a named part: see ``SafetyPassivityFilter`` for the names and shapes."""
+        return self.block[self.parts[name]]
+
+    @property
+    def v(self) -> Array:
+        """V = (u⁺ − u)/dt − φ, shape (m,), units of u per second."""
+        return self.part("v")
+
+    @property
+    def phi(self) -> Array:
+        """Tracking term φ, shape (m,), units of u per second."""
+        return self.part("phi")
+
+    @property
+    def u_nominal(self) -> Array:
+        """û = u_fb(x) + u_h, shape (m,)."""
+        return self.part("u_nominal")
+
+    @property
+    def psi(self) -> Array:
+        """ψ₀ … ψ_r of every barrier at (x, u⁺), one barrier after the other."""
+        return self.part("psi")
+
+    @property
+    def power_margin(self) -> float:
+        """h_u(x, u⁺), W."""
+        return float(self.part("h_u")[0])
+
+    @property
+    def slack(self) -> float:
+        """δ of the passivity row, W; 0 where there is none."""
+        return float(self.part("slack")[0])
+
+    @property
+    def margins(self) -> Array:
+        """Distance of the decision to each row, shape (N,), units of u; negative means violated."""
+        return self.part("margins")
+
+    @property
+    def duals(self) -> Array:
+        """Multiplier of each unit-length row, shape (N,)."""
+        return self.part("lam")
+
+    @property
+    def primal_residual(self) -> float:
+        """Largest violation of a row, relative to 1 + ‖z‖."""
+        return float(self.part("residuals")[PRIMAL])
+
+    @property
+    def dual_residual(self) -> float:
+        """Distance from stationarity and dual feasibility, relative to 1 + ‖z‖."""
+        return float(self.part("residuals")[DUAL])
+
+    @property
+    def gap(self) -> float:
+        """Duality gap, relative to 1 + ‖z‖²."""
+        return float(self.part("residuals")[GAP])

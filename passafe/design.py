@@ -1,0 +1,88 @@
+"""What a filter is made of: plant, feedback, barriers, passivity, law and mode."""
+
+from dataclasses import dataclass, field
+from enum import Enum
+from math import inf
+
+import casadi as ca
+
+from passafe.barrier import Barrier
+from passafe.errors import DesignError
+from passafe.passivity import Passivity
+from passafe.quadratic_program import Tolerance
+from passafe.system import System
+
+
+class Law(Enum):
+    """Which rows the quadratic program has.
+
+    The sampled law puts ψ_r and h_u on the input that is held over the next period; the continuous law is the
+    paper's, which puts their time derivatives on v and can diverge (``docs/theory.md``, section 4).
+    """
+
+    SAMPLED = "sampled"
+    CONTINUOUS = "continuous"
+
+
+class Mode(Enum):
+    """Which properties the filter enforces."""
+
+    OFF = "off"
+    SAFE = "safe"
+    PASSIVE = "passive"
+    BOTH = "both"
+
+    @property
+    def enforces_safety(self) -> bool:
+        """Whether the barriers' rows are in the quadratic program."""
+        return self in {Mode.SAFE, Mode.BOTH}
+
+    @property
+    def enforces_passivity(self) -> bool:
+        """Whether the passivity row is in the quadratic program."""
+        return self in {Mode.PASSIVE, Mode.BOTH}
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class FilterDesign:
+    """Everything that a safety and passivity filter is derived from.
+
+    Attributes:
+        system: The plant.
+        u_fb: State feedback, expression of x, shape (m, 1).
+        fail_safe: The plant's own law for when nothing better can be had, expression of x, shape (m, 1).
+        barriers: Any number, with unique names.
+        passivity: Storage function and passivity row; the power margin is reported in every mode.
+        k_i: α/2 of the tracking term, 1/s.
+        dt_s: Period over which an input is held, s.
+        input_bound: Largest magnitude of each axis of u.
+        law: Which rows.
+        mode: Which properties.
+        tolerance: Residuals up to which an answer is accepted.
+    """
+
+    system: System
+    u_fb: ca.SX
+    fail_safe: ca.SX
+    barriers: tuple[Barrier, ...]
+    passivity: Passivity
+    k_i: float
+    dt_s: float
+    input_bound: float
+    law: Law = Law.SAMPLED
+    mode: Mode = Mode.BOTH
+    tolerance: Tolerance = field(default_factory=Tolerance)
+
+    def __post_init__(self) -> None:
+        """Refuse parts that do not fit together."""
+        for part in ("k_i", "dt_s", "input_bound"):
+            value = getattr(self, part)
+            if not 0.0 < value < inf:
+                raise DesignError(part, value, "a positive finite number")
+        if self.k_i * self.dt_s >= 1.0:
+            raise DesignError("k_i", self.k_i, f"less than 1/dt_s = {1 / self.dt_s:g}, or the tracking oscillates")
+        self.system.require_state_function("u_fb", self.u_fb, self.system.m)
+        self.system.require_state_function("fail_safe", self.fail_safe, self.system.m)
+        names = [barrier.name for barrier in self.barriers]
+        if len(set(names)) != len(names):
+            raise DesignError("barriers", f"the names {names}", "each name once")

@@ -1,0 +1,56 @@
+"""Passivity as a constraint on the input: storage functions and the power margin (paper, section 3.2)."""
+
+from dataclasses import dataclass
+from math import inf
+
+import casadi as ca
+
+from passafe.class_k import ClassK, Linear
+from passafe.errors import DesignError
+from passafe.system import System
+from passafe.tank import Tank
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Passivity:
+    """What the filter demands of the energy.
+
+    The row is soft: ``h_u ≥ −δ`` without a tank, ``h_u ≥ −κ(E − E_r) − δ`` with one, at the price
+    ½·slack_weight·δ² beside ½‖u⁺ − u_ref‖². The continuous law of the paper has it hard.
+
+    Attributes:
+        V: Storage function, scalar expression of x, J.
+        class_k: γ_u of the continuous law.
+        slack_weight: ρ_u, price of the slack, (units of u)²/W².
+        tank: Tank that may be drawn on; without one every instant must be passive.
+        relaxed_above: Slack from which a decision counts as relaxed, W.
+    """
+
+    V: ca.SX
+    class_k: ClassK = Linear(gain=100.0)  # noqa: RUF009 - ClassK is frozen
+    slack_weight: float = 1e6
+    tank: Tank | None = None
+    relaxed_above: float = 1e-3
+
+    def __post_init__(self) -> None:
+        """Refuse weights that make the quadratic program meaningless."""
+        for field in ("slack_weight", "relaxed_above"):
+            value = getattr(self, field)
+            if not 0.0 < value < inf:
+                raise DesignError(f"passivity {field}", value, "a positive finite number")
+
+
+def power_margin(system: System, V: ca.SX) -> ca.SX:
+    """Return h_u(x, u) = g(x)ᵀu − L_f V(x, u), W: what the plant dissipates (paper, equation 10).
+
+    The plant is passive with storage V along a trajectory on which h_u ≥ 0 (paper, lemma 1).
+
+    Args:
+        system: The plant.
+        V: Storage function, scalar expression of x, J.
+
+    Raises:
+        ShapeError: V is no scalar.
+    """
+    system.require_state_function("storage V", V, 1)
+    return ca.dot(system.y, system.u) - system.lie_derivative(V)

@@ -1,0 +1,182 @@
+"""The plant under an input that is held: exact for linear dynamics, of stated accuracy otherwise."""
+
+import struct
+from collections.abc import Sequence
+
+import casadi as ca
+import numpy as np
+from msgspec import Struct as Record
+from msgspec.structs import replace
+from scipy.linalg import expm
+
+from passafe.errors import IntegrationError, ShapeError
+from passafe.system import System
+from passafe.workspace import Layout, Workspace, dense_function
+
+LOCAL_TOLERANCE = 1e-10
+"""Largest estimated local error of one period of a nonlinear plant, in each state's own units."""
+
+MAX_SUBSTEPS = 256
+"""Substeps of a period beyond which a nonlinear plant counts as not integrable."""
+
+
+class Sample(Record, frozen=True, gc=False):
+    """The plant at the end of a period.
+
+    Attributes:
+        x: State, n numbers.
+        y: Output g(x), m numbers.
+        stored_j: V(x), J.
+        energy_in_j: ∫yᵀu dt over the period, J.
+        integration_error: Estimated local error of x; 0 where the step is exact.
+    """
+
+    x: tuple[float, ...]
+    y: tuple[float, ...]
+    stored_j: float
+    energy_in_j: float
+    integration_error: float
+
+
+class SampledPlant:
+    """Steps ẋ = f(x, u) over periods in which u is constant.
+
+    Attributes:
+        system: The plant.
+        dt_s: Period, s.
+        exact: Whether the steps are exact: f linear in (x, u) and g linear in x, up to constants.
+    """
+
+    def __init__(self, system: System, V: ca.SX, dt_s: float) -> None:
+        """Derive the step.
+
+        Args:
+            system: The plant.
+            V: Storage function, scalar expression of x, J.
+            dt_s: Period, s.
+        """
+        system.require_state_function("storage V", V, 1)
+        self.system = system
+        self.dt_s = dt_s
+        self.exact = is_linear(system)
+        n, m = system.n, system.m
+        self._space = Workspace(
+            Layout.of({"x": n, "u": m, "h": 1, "x_next": n, "y": m, "stored": 1, "energy": 1, "error": 1})
+        )
+        h = ca.SX.sym("h")
+        x_next, energy, error = held_flow(system, dt_s if self.exact else h)
+        y, stored = ca.substitute([system.y, V], [system.x], [x_next])
+        whole = dense_function("advance", [system.x, system.u, h], [x_next, y, stored, energy, error])
+        self._advance = self._space.bind(whole, ["x", "u", "h"], ["x_next", "y", "stored", "energy", "error"])
+        self._observe = dense_function("observe", [system.x], [system.y, V])
+        self._take = struct.Struct(f"{n + m + 1}d").pack_into
+        self._give = struct.Struct(f"{n}d{m}d3d").unpack_from
+        self._offset = (n + m + 1) * 8
+
+    def at(self, x: Sequence[float]) -> Sample:
+        """Return the sample of a state that no period has led to.
+
+        Args:
+            x: State, n numbers.
+        """
+        y, stored = self._observe(ca.DM(list(x)))
+        return Sample(tuple(map(float, x)), tuple(y.full().ravel().tolist()), float(stored), 0.0, 0.0)
+
+    def advance(self, x: Sequence[float], u: Sequence[float]) -> Sample:
+        """Return the plant one period later.
+
+        Args:
+            x: State at the beginning, n numbers.
+            u: Input held over the period, m numbers.
+
+        Raises:
+            ShapeError: An argument of the wrong length.
+            IntegrationError: A nonlinear plant's step missed its accuracy even with ``MAX_SUBSTEPS``.
+        """
+        sample = self._step(x, u, self.dt_s)
+        if sample.integration_error > LOCAL_TOLERANCE:
+            return self._in_substeps(x, u)
+        return sample
+
+    def _step(self, x: Sequence[float], u: Sequence[float], h: float) -> Sample:
+        n, m = self.system.n, self.system.m
+        memory = self._space.memory
+        try:
+            self._take(memory, 0, *x, *u, h)
+        except struct.error:
+            raise ShapeError("x, u", f"lengths {len(x)}, {len(u)}", f"lengths {n}, {m}") from None
+        self._advance()
+        values = self._give(memory, self._offset)
+        return Sample(values[:n], values[n : n + m], *values[n + m :])
+
+    def _in_substeps(self, x: Sequence[float], u: Sequence[float]) -> Sample:
+        substeps, error = 2, float("inf")
+        while substeps <= MAX_SUBSTEPS:
+            sample = Sample(tuple(x), (), 0.0, 0.0, 0.0)
+            energy = error = 0.0
+            for _ in range(substeps):
+                sample = self._step(sample.x, u, self.dt_s / substeps)
+                energy += sample.energy_in_j
+                error += sample.integration_error
+            if error <= LOCAL_TOLERANCE:
+                return replace(sample, energy_in_j=energy, integration_error=error)
+            substeps *= 2
+        raise IntegrationError(error, LOCAL_TOLERANCE, substeps // 2)
+
+
+def is_linear(system: System) -> bool:
+    """Tell whether f is linear in (x, u) and g linear in x, both up to constants."""
+    z = ca.vertcat(system.x, system.u)
+    slopes = [ca.jacobian(system.f, z), ca.jacobian(system.y, system.x)]
+    return not any(ca.symvar(ca.simplify(slope)) for slope in slopes)
+
+
+def held_flow(system: System, h: float | ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """Return (x after h seconds, ∫yᵀu dt, estimated local error of x) as expressions of the system's x and u.
+
+    Linear systems: the matrix exponential of [x, ∫y, u, 1], exact up to rounding (Van Loan 1978). Others: two half
+    steps of the classical fourth-order Runge–Kutta method, improved by Richardson's extrapolation against one
+    whole step, whose difference is the error estimate (Hairer, Nørsett & Wanner, II.4).
+
+    Args:
+        system: The plant.
+        h: Seconds; a number for linear systems, a number or a symbol for others.
+    """
+    if is_linear(system):
+        x_next, q = _linear_flow(system, float(h))
+        return x_next, ca.dot(q, system.u), ca.SX(0)
+    x_next, q, error = _runge_kutta_flow(system, ca.SX(h))
+    return x_next, ca.dot(q, system.u), error
+
+
+def _linear_flow(system: System, h: float) -> tuple[ca.SX, ca.SX]:
+    """X and q = ∫y after h seconds: the flow of [ẋ; q̇; u̇; 1̇] = M [x; q; u; 1]."""
+    x, u, n, m = system.x, system.u, system.n, system.m
+    parts = [ca.jacobian(system.f, x), ca.jacobian(system.f, u), ca.jacobian(system.y, x)]
+    A, B, C = (ca.DM(ca.simplify(part)).full() for part in parts)
+    rest = ca.Function("rest", [x, u], [system.f, system.y])
+    f0, y0 = (value.full().ravel() for value in rest(ca.DM.zeros(n), ca.DM.zeros(m)))
+    M = np.zeros((n + 2 * m + 1,) * 2)
+    M[:n, :n], M[:n, n + m : n + 2 * m], M[:n, -1] = A, B, f0
+    M[n : n + m, :n], M[n : n + m, -1] = C, y0
+    after = ca.DM(expm(M * h)) @ ca.vertcat(x, ca.DM.zeros(m), u, 1)
+    return after[:n], after[n : n + m]
+
+
+def _runge_kutta_flow(system: System, h: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """x, q = ∫y and the error estimate of x after h seconds."""
+    n = system.n
+    rate = ca.Function("rate", [system.x, system.u], [ca.vertcat(system.f, system.y)])
+
+    def step(s: ca.SX, h: ca.SX) -> ca.SX:
+        k1 = rate(s[:n], system.u)
+        k2 = rate((s + h / 2 * k1)[:n], system.u)
+        k3 = rate((s + h / 2 * k2)[:n], system.u)
+        k4 = rate((s + h * k3)[:n], system.u)
+        return s + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+
+    start = ca.vertcat(system.x, ca.SX.zeros(system.m))
+    whole = step(start, h)
+    halves = step(step(start, h / 2), h / 2)
+    correction = (halves - whole) / 15
+    return (halves + correction)[:n], (halves + correction)[n:], ca.mmax(ca.fabs(correction[:n]))

@@ -1,0 +1,60 @@
+"""The controlled system ẋ = f(x, u), y = g(x), given as symbolic expressions."""
+
+from dataclasses import dataclass, field
+
+import casadi as ca
+
+from passafe.errors import DesignError, ShapeError
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class System:
+    """A plant ẋ = f(x, u), y = g(x) with as many outputs as inputs (paper, equation 1).
+
+    Attributes:
+        x: State symbol, shape (n, 1).
+        u: Input symbol, shape (m, 1).
+        f: ẋ as an expression of x and u, shape (n, 1), state units per second.
+        y: Output g(x), shape (m, 1); yᵀu is the power that the input supplies.
+        n: Number of states.
+        m: Number of inputs, and of outputs.
+    """
+
+    x: ca.SX
+    u: ca.SX
+    f: ca.SX
+    y: ca.SX
+    n: int = field(init=False)
+    m: int = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Refuse shapes that do not fit and expressions with other symbols."""
+        for part in ("x", "u"):
+            symbol = getattr(self, part)
+            if not symbol.is_valid_input() or not symbol.is_column() or symbol.numel() == 0:
+                raise ShapeError(f"system {part}", symbol, "a non-empty column of symbols")
+        object.__setattr__(self, "n", int(self.x.numel()))
+        object.__setattr__(self, "m", int(self.u.numel()))
+        self._require("f", self.f, self.n, symbols=ca.vertcat(self.x, self.u))
+        self._require("y", self.y, self.m, symbols=self.x)
+
+    def require_state_function(self, part: str, expression: ca.SX, rows: int) -> None:
+        """Refuse an expression that is no column of ``rows`` functions of x alone.
+
+        Raises:
+            ShapeError: It has another shape.
+            DesignError: It contains symbols other than x.
+        """
+        self._require(part, expression, rows, symbols=self.x)
+
+    def lie_derivative(self, expression: ca.SX) -> ca.SX:
+        """Return L_f of an expression of x: (∂expression/∂x) f(x, u), same shape."""
+        return ca.jtimes(expression, self.x, self.f)
+
+    def _require(self, part: str, expression: ca.SX, rows: int, *, symbols: ca.SX) -> None:
+        if expression.shape != (rows, 1):
+            raise ShapeError(f"system {part}", f"shape {expression.shape}", f"shape {(rows, 1)}")
+        known = {str(symbol) for symbol in ca.vertsplit(symbols)}
+        foreign = sorted({str(symbol) for symbol in ca.symvar(expression)} - known)
+        if foreign:
+            raise DesignError(f"system {part}", f"the symbols {foreign}", f"expressions of {sorted(known)}")

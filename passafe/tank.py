@@ -1,0 +1,43 @@
+"""The energy tank: what the robot has been given and not yet used (Duindam & Stramigioli 2004)."""
+
+from dataclasses import dataclass
+from math import inf
+
+from passafe.errors import DesignError
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Tank:
+    """An energy ledger E with a ceiling and a reserve.
+
+    E ← min(E + ∫yᵀu dt − ΔV, E_max). While E ≥ 0 the plant has given out no more than it was given plus E(0).
+
+    Attributes:
+        initial_j: E(0), J.
+        reserve_j: E_r, J: the passivity row lets only safety draw on it.
+        max_j: E_max, J: energy beyond it is forgotten, so that a long dissipation buys no later burst.
+        rate_per_s: κ, 1/s: how fast the tank may be emptied towards the reserve.
+    """
+
+    initial_j: float = 1.0
+    reserve_j: float = 0.5
+    max_j: float = 10.0
+    rate_per_s: float = 5.0
+
+    def __post_init__(self) -> None:
+        """Refuse ledgers that cannot work."""
+        if not 0.0 <= self.reserve_j <= self.initial_j <= self.max_j < inf:
+            got = f"reserve {self.reserve_j}, initial {self.initial_j}, max {self.max_j}"
+            raise DesignError("tank energies", got, "0 ≤ reserve ≤ initial ≤ max, finite, J")
+        if not 0.0 < self.rate_per_s < inf:
+            raise DesignError("tank rate_per_s", self.rate_per_s, "a positive finite number, 1/s")
+
+    def balance(self, level_j: float, energy_in_j: float, stored_change_j: float) -> float:
+        """Return the level after a period: min(E + ∫yᵀu − ΔV, E_max), J.
+
+        Args:
+            level_j: E before the period, J.
+            energy_in_j: ∫yᵀu dt over the period, J.
+            stored_change_j: V after minus V before, J.
+        """
+        return min(level_j + energy_in_j - stored_change_j, self.max_j)
