@@ -1,0 +1,1 @@
+"""What crosses the wire: messages, the topic table, codec with validation, injected links."""

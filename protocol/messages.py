@@ -1,0 +1,211 @@
+"""The messages as Python values: one immutable tuple type for each message of ``passafe.proto``.
+
+Nodes speak these and never protobuf, so that a closed loop in one process pays for no encoding. They
+are named tuples because a lockstep loop makes about ten of them every millisecond of virtual time and a
+frozen dataclass costs three times as much to make (``docs/decisions/0003-named-tuple-messages.md``).
+Field names, units and meanings are those of ``passafe.proto``; the header travels beside the body.
+"""
+
+from enum import IntEnum
+from typing import NamedTuple, TypeAlias
+
+SCHEMA_VERSION = 1
+"""Version of ``passafe.proto``; a reader refuses every other."""
+
+Vector: TypeAlias = tuple[float, ...]
+
+
+class PlantPhase(IntEnum):
+    """What decides the plant's input: see ``passafe.proto``."""
+
+    WAITING = 1
+    RUNNING = 2
+    HOLDING = 3
+    FAIL_SAFE = 4
+
+
+class FilterStatus(IntEnum):
+    """Outcome of one filter tick: see ``passafe.proto``."""
+
+    PASSED = 1
+    MODIFIED = 2
+    RELAXED = 3
+    STALE = 4
+    UNCERTIFIED = 5
+    INFEASIBLE = 6
+
+
+class Header(NamedTuple):
+    """Who sent a message, which one it is, and when."""
+
+    source: str
+    epoch: int
+    sequence: int
+    scheduled_ns: int
+    started_ns: int
+    sent_ns: int
+    wall_ns: int
+
+
+class OperatorCommand(NamedTuple):
+    """What the person asks for: ``u_h`` and, if the device knows it, its rate."""
+
+    u_h: Vector
+    u_h_rate: Vector
+    enabled: bool
+    device: str
+
+
+class PlantInput(NamedTuple):
+    """What the filter lets the robot do, from ``effective_plant_ns`` on."""
+
+    tick: int
+    u: Vector
+    effective_plant_ns: int
+    hold_ns: int
+
+
+class PlantState(NamedTuple):
+    """What the robot is doing at ``plant_ns``; ``u`` is in force from then on."""
+
+    plant_ns: int
+    x: Vector
+    y: Vector
+    u: Vector
+    applied_tick: int
+    phase: PlantPhase
+    energy_in_j: float
+    energy_stored_j: float
+    input_slack_ns: int
+    inputs_late: int
+    inputs_refused: int
+    integration_error: float
+    received_tick: int
+
+
+class BarrierChain(NamedTuple):
+    """ψ₀ … ψ_r of one barrier at the decision."""
+
+    name: str
+    psi: Vector
+
+
+class Row(NamedTuple):
+    """One row of the quadratic program at the decision."""
+
+    name: str
+    margin: float
+    dual: float
+    active: bool
+
+
+class Certificate(NamedTuple):
+    """Our own judgement of the solver's answer: residuals in units of u."""
+
+    solver: str
+    accepted: bool
+    primal_residual: float
+    dual_residual: float
+    gap: float
+
+
+class Consumed(NamedTuple):
+    """A message that a step consumed: enough to feed the step again from a log."""
+
+    topic: str
+    sequence: int
+    received_ns: int
+    epoch: int
+
+
+class FilterTick(NamedTuple):
+    """Everything the filter did in one tick, and why."""
+
+    tick: int
+    status: FilterStatus
+    mode: str
+    law: str
+    effective_plant_ns: int
+    x_hat: Vector
+    u_h: Vector
+    u_h_rate: Vector
+    u_nominal: Vector
+    phi: Vector
+    v: Vector
+    u: Vector
+    barriers: tuple[BarrierChain, ...]
+    power_margin: float
+    tank_j: float
+    slack: float
+    rows: tuple[Row, ...]
+    certificate: Certificate
+    consumed: tuple[Consumed, ...]
+    state_age_ns: int
+    command_age_ns: int
+
+
+class LinkConfig(NamedTuple):
+    """Settings of one injected link."""
+
+    link: str
+    delay_s: float
+    jitter_s: float
+    loss: float
+    seed: int
+
+
+class LinkEvent(NamedTuple):
+    """What a link did to one message."""
+
+    link: str
+    effect: str
+    topic: str
+    sequence: int
+
+
+class TopicHealth(NamedTuple):
+    """What one process saw of one topic since its start."""
+
+    topic: str
+    received: int
+    gaps: int
+    refused: int
+
+
+class Health(NamedTuple):
+    """How one process is doing; published once per second."""
+
+    rate_hz: float
+    steps: int
+    overruns: int
+    ticks_missed: int
+    late_us_max: float
+    topics: tuple[TopicHealth, ...]
+
+
+class Event(NamedTuple):
+    """Something that happened, in words."""
+
+    severity: str
+    text: str
+
+
+class ScenarioInfo(NamedTuple):
+    """The effective configuration of a run."""
+
+    scenario_json: str
+    driver: str
+    versions_json: str
+
+
+Message: TypeAlias = (
+    OperatorCommand | PlantInput | PlantState | FilterTick | LinkConfig | LinkEvent | Health | Event | ScenarioInfo
+)
+
+
+class Received(NamedTuple):
+    """A message as it came out of its link: what a node's inbox holds."""
+
+    header: Header
+    body: Message
+    received_ns: int

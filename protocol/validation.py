@@ -1,0 +1,172 @@
+"""What the fields of a message may hold beyond their types: one table of rules, and the check of a message.
+
+For every message: floats are finite, enum values are known and not UNSPECIFIED, vectors have at most
+``MAX_VECTOR`` numbers. ``RULES`` adds what is particular to a field. Sender and reader run the same check.
+"""
+
+from collections.abc import Callable
+from math import isfinite
+from typing import Any, Final, NamedTuple
+
+from protocol.errors import InvalidMessageError
+from protocol.link import MAX_DELAY_S
+from protocol.messages import (
+    BarrierChain,
+    Certificate,
+    Consumed,
+    Event,
+    FilterTick,
+    Header,
+    Health,
+    LinkConfig,
+    LinkEvent,
+    OperatorCommand,
+    PlantInput,
+    PlantState,
+    Row,
+    ScenarioInfo,
+    TopicHealth,
+)
+from protocol.shapes import Shape, TupleType
+from protocol.topics import LINKS
+
+MAX_VECTOR: Final = 64
+"""Most numbers in a vector."""
+
+UNKNOWN_AGE_NS: Final = -1
+"""Age of a message that never came."""
+
+
+class Rule(NamedTuple):
+    """What one field may hold: ``holds`` tells for the whole message, ``allowed`` says it in words."""
+
+    field: str
+    allowed: str
+    holds: Callable[[Any], bool]
+
+
+def _text(field: str) -> Rule:
+    return Rule(field, "text, not empty", lambda m: getattr(m, field) != "")
+
+
+def _one_of(field: str, *choices: str) -> Rule:
+    return Rule(field, ", ".join(choices), lambda m: getattr(m, field) in choices)
+
+
+def _not_negative(field: str) -> Rule:
+    return Rule(field, "≥ 0", lambda m: getattr(m, field) >= 0)
+
+
+def _up_to(field: str, largest: float) -> Rule:
+    return Rule(field, f"0 to {largest:g}", lambda m: 0 <= getattr(m, field) <= largest)
+
+
+def _age(field: str) -> Rule:
+    return Rule(field, "≥ 0, or −1 if none came yet", lambda m: getattr(m, field) >= UNKNOWN_AGE_NS)
+
+
+def _vector(field: str) -> Rule:
+    return Rule(field, f"1 to {MAX_VECTOR} numbers", lambda m: len(getattr(m, field)) > 0)
+
+
+def _as_long_as(field: str, other: str) -> Rule:
+    return Rule(field, f"as many numbers as {other}", lambda m: len(getattr(m, field)) == len(getattr(m, other)))
+
+
+def _empty_or_as_long_as(field: str, other: str) -> Rule:
+    return Rule(
+        field,
+        f"no numbers, or as many as {other}",
+        lambda m: len(getattr(m, field)) in {0, len(getattr(m, other))},
+    )
+
+
+RULES: Final[dict[TupleType, tuple[Rule, ...]]] = {
+    Header: (_text("source"),),
+    OperatorCommand: (_vector("u_h"), _empty_or_as_long_as("u_h_rate", "u_h"), _text("device")),
+    PlantInput: (_vector("u"),),
+    PlantState: (
+        _vector("x"),
+        _vector("y"),
+        _as_long_as("u", "y"),
+        _not_negative("integration_error"),
+    ),
+    BarrierChain: (_text("name"), _vector("psi")),
+    Row: (_text("name"),),
+    Certificate: (_not_negative("dual_residual"), _not_negative("gap")),
+    Consumed: (_text("topic"),),
+    FilterTick: (
+        _one_of("mode", "off", "safe", "passive", "both"),
+        _one_of("law", "sampled", "continuous"),
+        _vector("u"),
+        _empty_or_as_long_as("u_h", "u"),
+        _empty_or_as_long_as("u_h_rate", "u"),
+        _empty_or_as_long_as("u_nominal", "u"),
+        _empty_or_as_long_as("phi", "u"),
+        _empty_or_as_long_as("v", "u"),
+        _age("state_age_ns"),
+        _age("command_age_ns"),
+    ),
+    LinkConfig: (
+        _one_of("link", *LINKS),
+        _up_to("delay_s", MAX_DELAY_S),
+        _up_to("jitter_s", MAX_DELAY_S),
+        _up_to("loss", 1.0),
+    ),
+    LinkEvent: (_one_of("link", *LINKS), _text("effect"), _text("topic")),
+    TopicHealth: (_text("topic"),),
+    Health: (_not_negative("rate_hz"), _not_negative("late_us_max")),
+    Event: (_one_of("severity", "info", "warning", "error"), _text("text")),
+    ScenarioInfo: (_text("scenario_json"), _one_of("driver", "live", "lockstep"), _text("versions_json")),
+}
+
+
+def check(topic: str, shape: Shape, value: tuple[Any, ...], path: str = "") -> None:
+    """Refuse a message whose fields hold what they may not.
+
+    Args:
+        topic: Name of the topic, for the error.
+        shape: Shape of ``value``.
+        value: The message, or a tuple within it, its fields of the right types.
+        path: Where ``value`` stands in the message: empty, or such as ``rows[1].``.
+
+    Raises:
+        InvalidMessageError: On the first field that is not allowed.
+    """
+    _check_numbers(topic, shape, value, path)
+    for index, name, members in shape.enums:
+        if value[index] not in members:
+            allowed = ", ".join(f"{member.value} ({member.name})" for member in members.values())
+            raise InvalidMessageError(topic, path + name, value[index], allowed)
+    for rule in RULES[shape.tuple_type]:
+        if not rule.holds(value):
+            raise InvalidMessageError(topic, path + rule.field, getattr(value, rule.field), rule.allowed)
+    for index, name, part in shape.parts:
+        check(topic, part, value[index], f"{path}{name}.")
+    for index, name, part in shape.lists:
+        for place, element in enumerate(value[index]):
+            check(topic, part, element, f"{path}{name}[{place}].")
+
+
+def _check_numbers(topic: str, shape: Shape, value: tuple[Any, ...], path: str) -> None:
+    total = 0.0
+    for index, name in shape.vectors:
+        vector = value[index]
+        if len(vector) > MAX_VECTOR:
+            raise InvalidMessageError(topic, path + name, vector, f"at most {MAX_VECTOR} numbers")
+        total += sum(vector)
+    for index, _ in shape.floats:
+        total += value[index]
+    # One test for all: a NaN or inf among the numbers makes their sum NaN or inf. So may an overflow of
+    # finite numbers, which the search lets pass.
+    if not isfinite(total):
+        _find_not_finite(topic, shape, value, path)
+
+
+def _find_not_finite(topic: str, shape: Shape, value: tuple[Any, ...], path: str) -> None:
+    for index, name in shape.vectors:
+        if not all(map(isfinite, value[index])):
+            raise InvalidMessageError(topic, path + name, value[index], "finite numbers")
+    for index, name in shape.floats:
+        if not isfinite(value[index]):
+            raise InvalidMessageError(topic, path + name, value[index], "a finite number")

@@ -1,0 +1,106 @@
+"""One valid message of every type, with parts and lists filled."""
+
+import pytest
+
+from protocol.messages import (
+    BarrierChain,
+    Certificate,
+    Consumed,
+    Event,
+    FilterStatus,
+    FilterTick,
+    Header,
+    Health,
+    LinkConfig,
+    LinkEvent,
+    Message,
+    OperatorCommand,
+    PlantInput,
+    PlantPhase,
+    PlantState,
+    Row,
+    ScenarioInfo,
+    TopicHealth,
+)
+
+HEADER = Header(
+    source="plant",
+    epoch=1_763_800_000_000_000_000,
+    sequence=300,
+    scheduled_ns=5_000_000_000,
+    started_ns=5_000_010_000,
+    sent_ns=5_000_060_000,
+    wall_ns=1_763_800_005_000_060_000,
+)
+
+BODIES: tuple[Message, ...] = (
+    OperatorCommand(u_h=(1.5, -2.0), u_h_rate=(0.25, 0.0), enabled=True, device="lag"),
+    PlantInput(tick=300, u=(0.5, -0.5), effective_plant_ns=1_000_000, hold_ns=100_000_000),
+    PlantState(
+        plant_ns=-1,
+        x=(1.0, 2.0, 3.0, 4.0),
+        y=(3.0, 4.0),
+        u=(0.5, -0.5),
+        applied_tick=299,
+        phase=PlantPhase.RUNNING,
+        energy_in_j=-0.75,
+        energy_stored_j=12.5,
+        input_slack_ns=-4_000_000,
+        inputs_late=1,
+        inputs_refused=2,
+        integration_error=1e-12,
+        received_tick=300,
+    ),
+    FilterTick(
+        tick=300,
+        status=FilterStatus.MODIFIED,
+        mode="both",
+        law="sampled",
+        effective_plant_ns=1_000_000,
+        x_hat=(1.0, 2.0, 3.0, 4.0),
+        u_h=(1.0, 2.0),
+        u_h_rate=(0.5, 0.5),
+        u_nominal=(1.0, 1.0),
+        phi=(0.1, 0.2),
+        v=(0.3, 0.4),
+        u=(0.5, 0.6),
+        barriers=(BarrierChain("disk", (1.0, 2.0, 3.0)), BarrierChain("wall", (4.0,))),
+        power_margin=0.25,
+        tank_j=1.5,
+        slack=0.0,
+        rows=(Row("disk", 0.5, 0.0, active=False), Row("passivity", 0.0, 2.0, active=True)),
+        certificate=Certificate("piqp", accepted=True, primal_residual=1e-9, dual_residual=2e-9, gap=3e-9),
+        consumed=(Consumed("state", 41, 7, 1), Consumed("command", 42, 8, 2)),
+        state_age_ns=1_000_000,
+        command_age_ns=2_000_000,
+    ),
+    LinkConfig(link="filter-to-plant", delay_s=0.2, jitter_s=0.05, loss=0.1, seed=7),
+    LinkEvent(link="plant-to-filter", effect="dropped", topic="state", sequence=12),
+    Health(
+        rate_hz=999.5,
+        steps=1000,
+        overruns=3,
+        ticks_missed=1,
+        late_us_max=250.0,
+        topics=(TopicHealth("state", 900, 100, 4),),
+    ),
+    Event(severity="warning", text="plant: WAITING → RUNNING"),
+    ScenarioInfo(scenario_json='{"name": "x"}', driver="live", versions_json='{"passafe": "0.1.0"}'),
+)
+
+
+@pytest.fixture
+def header() -> Header:
+    return HEADER
+
+
+@pytest.fixture(params=BODIES, ids=lambda body: type(body).__name__)
+def body(request: pytest.FixtureRequest) -> Message:
+    """Each valid message in turn."""
+    return request.param
+
+
+@pytest.fixture
+def body_of() -> dict[type[Message], Message]:
+    """The valid message of each type."""
+    return {type(body): body for body in BODIES}

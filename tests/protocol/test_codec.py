@@ -1,0 +1,426 @@
+"""Round trips, refusals, and that no bytes whatsoever raise anything but the errors of the protocol."""
+
+from typing import Any
+
+import pytest
+from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
+from google.protobuf.message import Message as ProtobufMessage
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from protocol import codec, passafe_pb2
+from protocol.codec import MAX_MESSAGE_BYTES, decode, encode, file_descriptor_set, schema_name
+from protocol.errors import DecodeError, InvalidMessageError, ProtocolError, SchemaVersionError
+from protocol.link import MAX_DELAY_S
+from protocol.messages import (
+    BarrierChain,
+    Certificate,
+    Consumed,
+    Event,
+    FilterStatus,
+    FilterTick,
+    Header,
+    Health,
+    LinkConfig,
+    LinkEvent,
+    Message,
+    OperatorCommand,
+    PlantInput,
+    PlantPhase,
+    PlantState,
+    Row,
+    ScenarioInfo,
+    TopicHealth,
+)
+from protocol.topics import COMMAND, EVENT, HEALTH, LINKS, STATE, TICK, TOPIC_OF_BODY, TOPICS, Topic
+
+number = st.floats(allow_nan=False, allow_infinity=False)
+positive = st.floats(min_value=0, allow_nan=False, allow_infinity=False)
+count = st.integers(0, 2**64 - 1)
+time_ns = st.integers(-(2**63), 2**63 - 1)
+age_ns = st.integers(-1, 2**63 - 1)
+text = st.text(max_size=20)
+name = st.text(min_size=1, max_size=20)
+
+
+def vector(size: int) -> st.SearchStrategy[tuple[float, ...]]:
+    return st.tuples(*[number] * size)
+
+
+def tuple_of(element: st.SearchStrategy[Any]) -> st.SearchStrategy[tuple[Any, ...]]:
+    return st.lists(element, max_size=4).map(tuple)
+
+
+def ticks(m: int) -> st.SearchStrategy[FilterTick]:
+    absent_or_m = st.sampled_from([0, m]).flatmap(vector)
+    return st.builds(
+        FilterTick,
+        tick=count,
+        status=st.sampled_from(FilterStatus),
+        mode=st.sampled_from(["off", "safe", "passive", "both"]),
+        law=st.sampled_from(["sampled", "continuous"]),
+        effective_plant_ns=time_ns,
+        x_hat=st.integers(0, 6).flatmap(vector),
+        u_h=absent_or_m,
+        u_h_rate=absent_or_m,
+        u_nominal=absent_or_m,
+        phi=absent_or_m,
+        v=absent_or_m,
+        u=vector(m),
+        barriers=tuple_of(st.builds(BarrierChain, name, st.integers(1, 4).flatmap(vector))),
+        power_margin=number,
+        tank_j=number,
+        slack=number,
+        rows=tuple_of(st.builds(Row, name, number, number, st.booleans())),
+        certificate=st.builds(Certificate, text, st.booleans(), number, positive, positive),
+        consumed=tuple_of(st.builds(Consumed, name, count, time_ns, count)),
+        state_age_ns=age_ns,
+        command_age_ns=age_ns,
+    )
+
+
+def states(m: int) -> st.SearchStrategy[PlantState]:
+    return st.builds(
+        PlantState,
+        plant_ns=time_ns,
+        x=st.sampled_from([1, 4, 64]).flatmap(vector),
+        y=vector(m),
+        u=vector(m),
+        applied_tick=count,
+        phase=st.sampled_from(PlantPhase),
+        energy_in_j=number,
+        energy_stored_j=number,
+        input_slack_ns=time_ns,
+        inputs_late=count,
+        inputs_refused=count,
+        integration_error=positive,
+        received_tick=count,
+    )
+
+
+def commands(m: int) -> st.SearchStrategy[OperatorCommand]:
+    rate = st.sampled_from([0, m]).flatmap(vector)
+    return st.builds(OperatorCommand, u_h=vector(m), u_h_rate=rate, enabled=st.booleans(), device=name)
+
+
+sizes = st.sampled_from([1, 2, 7])
+headers = st.builds(Header, name, count, count, time_ns, time_ns, time_ns, time_ns)
+MESSAGES: dict[type, st.SearchStrategy[Any]] = {
+    OperatorCommand: sizes.flatmap(commands),
+    PlantInput: st.builds(PlantInput, tick=count, u=sizes.flatmap(vector), effective_plant_ns=time_ns, hold_ns=count),
+    PlantState: sizes.flatmap(states),
+    FilterTick: sizes.flatmap(ticks),
+    LinkConfig: st.builds(
+        LinkConfig,
+        link=st.sampled_from(sorted(LINKS)),
+        delay_s=st.floats(0, MAX_DELAY_S),
+        jitter_s=st.floats(0, MAX_DELAY_S),
+        loss=st.floats(0, 1),
+        seed=count,
+    ),
+    LinkEvent: st.builds(LinkEvent, link=st.sampled_from(sorted(LINKS)), effect=name, topic=name, sequence=count),
+    Health: st.builds(
+        Health,
+        rate_hz=positive,
+        steps=count,
+        overruns=count,
+        ticks_missed=count,
+        late_us_max=positive,
+        topics=tuple_of(st.builds(TopicHealth, name, count, count, count)),
+    ),
+    Event: st.builds(Event, severity=st.sampled_from(["info", "warning", "error"]), text=name),
+    ScenarioInfo: st.builds(
+        ScenarioInfo, scenario_json=name, driver=st.sampled_from(["live", "lockstep"]), versions_json=name
+    ),
+}
+
+# Time limits of hypothesis would judge the machine and what else it is doing.
+examples = settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+each_topic = pytest.mark.parametrize("topic", TOPICS, ids=lambda topic: topic.name)
+
+
+def unchecked(header: Header, body: Message) -> ProtobufMessage:
+    """The protobuf message without any validation, as a careless sender would make it."""
+    message = getattr(passafe_pb2, type(body).__name__)()
+    message.header.schema_version = 1
+    codec._fill("test", codec.shape_of(Header), message.header, header, "")
+    codec._fill("test", codec.shape_of(type(body)), message, body, "")
+    return message
+
+
+def decodes_or_refuses(topic: Topic, data: bytes) -> None:
+    """What holds for any bytes: a typed error, or a message that may be sent on."""
+    try:
+        header, body = decode(topic, data)
+    except ProtocolError:
+        return
+    assert decode(topic, encode(header, body)) == (header, body)
+
+
+@each_topic
+@examples
+@given(data=st.data())
+def test_round_trip_is_exact(topic: Topic, data: st.DataObject) -> None:
+    header, body = data.draw(headers), data.draw(MESSAGES[topic.body])
+
+    back = decode(topic, encode(header, body))
+
+    assert back == (header, body)
+    assert repr(back) == repr((header, body))  # types too, and the sign of zero
+
+
+def test_bytes_are_ordinary_protobuf(header: Header, body_of: dict[type, Message]) -> None:
+    message = passafe_pb2.PlantState.FromString(encode(header, body_of[PlantState]))
+
+    assert message.header.schema_version == 1
+    assert message.header.source == "plant"
+    assert message.header.wall_ns == 1_763_800_005_000_060_000
+    assert list(message.x) == [1.0, 2.0, 3.0, 4.0]
+    assert message.phase == passafe_pb2.RUNNING
+    assert message.input_slack_ns == -4_000_000
+    assert message.integration_error == 1e-12
+
+
+@each_topic
+@examples
+@given(data=st.binary(max_size=300))
+def test_random_bytes(topic: Topic, data: bytes) -> None:
+    decodes_or_refuses(topic, data)
+
+
+@each_topic
+@examples
+@given(data=st.data())
+def test_mutated_message(topic: Topic, data: st.DataObject) -> None:
+    mutant = bytearray(encode(data.draw(headers), data.draw(MESSAGES[topic.body])))
+    edits = st.tuples(st.integers(0, len(mutant) - 1), st.integers(0, 4), st.binary(max_size=4))
+    for at, length, replacement in data.draw(st.lists(edits, min_size=1, max_size=4)):
+        mutant[at : at + length] = replacement
+
+    decodes_or_refuses(topic, bytes(mutant))
+
+
+@each_topic
+@examples
+@given(data=st.data())
+def test_header_followed_by_random_fields(topic: Topic, data: st.DataObject) -> None:
+    message = getattr(passafe_pb2, topic.body.__name__)()
+    message.header.schema_version = 1
+    message.header.source = "plant"
+
+    decodes_or_refuses(topic, message.SerializeToString() + data.draw(st.binary(max_size=100)))
+
+
+def test_every_truncation(header: Header, body: Message) -> None:
+    topic, whole = TOPIC_OF_BODY[type(body)], encode(header, body)
+    for size in range(len(whole)):
+        decodes_or_refuses(topic, whole[:size])
+
+
+def test_truncation_within_a_field_is_no_message(header: Header, body_of: dict[type, Message]) -> None:
+    whole = encode(header, body_of[PlantState])
+
+    with pytest.raises(DecodeError) as caught:
+        decode(STATE, whole[:-1])
+
+    assert (caught.value.topic, caught.value.size) == ("state", len(whole) - 1)
+
+
+@each_topic
+@pytest.mark.parametrize("data", [b"", b"\x10\x01"], ids=["empty", "without a header"])
+def test_no_header_is_no_message(topic: Topic, data: bytes) -> None:
+    with pytest.raises(DecodeError, match="no header") as caught:
+        decode(topic, data)
+
+    assert caught.value.topic == topic.name
+
+
+def test_text_that_is_not_utf8_is_no_message(header: Header) -> None:
+    data = encode(header, Event("info", "abc")).replace(b"abc", b"a\xffc")
+
+    with pytest.raises(DecodeError, match="event"):
+        decode(EVENT, data)
+
+
+def test_message_of_another_topic_is_refused(header: Header, body: Message) -> None:
+    data = encode(header, body)
+    for topic in TOPICS:
+        if topic.body is not type(body):
+            with pytest.raises(ProtocolError):
+                decode(topic, data)
+
+
+@pytest.mark.parametrize("version", [0, 2, 2**32 - 1])
+def test_another_schema_version_is_refused(header: Header, body: Message, version: int) -> None:
+    message = unchecked(header, body)
+    message.header.schema_version = version
+    topic = TOPIC_OF_BODY[type(body)]
+
+    with pytest.raises(SchemaVersionError) as caught:
+        decode(topic, message.SerializeToString())
+
+    assert (caught.value.topic, caught.value.got, caught.value.allowed) == (topic.name, version, 1)
+
+
+@pytest.mark.parametrize("phase", [0, 5, -1, 2**31 - 1])
+def test_unknown_enum_value_is_refused(header: Header, body_of: dict[type, Message], phase: int) -> None:
+    message = unchecked(header, body_of[PlantState])
+    message.phase = phase
+
+    with pytest.raises(InvalidMessageError) as caught:
+        decode(STATE, message.SerializeToString())
+
+    assert (caught.value.field, caught.value.got) == ("phase", phase)
+    assert "1 (WAITING)" in caught.value.allowed
+
+
+BAD: list[tuple[type, dict[str, Any], str]] = [
+    (PlantState, {"x": (1.0, float("nan"))}, "x"),
+    (PlantState, {"energy_in_j": float("inf")}, "energy_in_j"),
+    (PlantState, {"u": (1.0,)}, "u"),
+    (FilterTick, {"rows": (Row("", 0.0, 0.0, active=True),)}, "rows[0].name"),
+    (FilterTick, {"barriers": (BarrierChain("disk", (float("nan"),)),)}, "barriers[0].psi"),
+    (LinkConfig, {"loss": 1.5}, "loss"),
+    (LinkConfig, {"delay_s": -0.1}, "delay_s"),
+]
+
+
+@pytest.mark.parametrize(("body_type", "changes", "field"), BAD)
+def test_both_ends_refuse_what_a_field_may_not_hold(
+    header: Header, body_of: dict[type, Any], body_type: type, changes: dict[str, Any], field: str
+) -> None:
+    body = body_of[body_type]._replace(**changes)
+    topic = TOPIC_OF_BODY[body_type]
+
+    with pytest.raises(InvalidMessageError) as sent:
+        encode(header, body)
+    with pytest.raises(InvalidMessageError) as read:
+        decode(topic, unchecked(header, body).SerializeToString())
+
+    assert (sent.value.topic, sent.value.field) == (read.value.topic, read.value.field) == (topic.name, field)
+
+
+def test_both_ends_refuse_a_message_without_source(header: Header, body: Message) -> None:
+    nobody = header._replace(source="")
+
+    with pytest.raises(InvalidMessageError) as sent:
+        encode(nobody, body)
+    with pytest.raises(InvalidMessageError) as read:
+        decode(TOPIC_OF_BODY[type(body)], unchecked(nobody, body).SerializeToString())
+
+    assert sent.value.field == read.value.field == "header.source"
+
+
+@pytest.mark.parametrize(
+    ("body_type", "changes", "field"),
+    [
+        (PlantInput, {"tick": -1}, "tick"),
+        (PlantInput, {"tick": 2**64}, "tick"),
+        (PlantInput, {"tick": 1.5}, "tick"),
+        (PlantInput, {"effective_plant_ns": 2**63}, "effective_plant_ns"),
+        (PlantInput, {"u": None}, "u"),
+        (PlantInput, {"u": (1.0, "2")}, "u"),
+        (PlantState, {"x": (10**400,)}, "x"),
+        (PlantState, {"energy_in_j": 10**400}, "energy_in_j"),
+        (OperatorCommand, {"device": "\ud800"}, "device"),
+        (OperatorCommand, {"device": None}, "device"),
+        (
+            FilterTick,
+            {"consumed": (Consumed("state", 0, 0, 1), Consumed("state", -1, 0, 1))},
+            "consumed[1].sequence",
+        ),
+        (FilterTick, {"certificate": Certificate(None, True, 0.0, 0.0, 0.0)}, "certificate.solver"),
+    ],
+)
+def test_what_protobuf_cannot_carry_is_refused_by_name(
+    header: Header, body_of: dict[type, Any], body_type: type, changes: dict[str, Any], field: str
+) -> None:
+    with pytest.raises(InvalidMessageError) as caught:
+        encode(header, body_of[body_type]._replace(**changes))
+
+    assert caught.value.field == field
+
+
+@pytest.mark.parametrize(("field", "got"), [("epoch", -1), ("sequence", 2**64), ("sent_ns", 2**63), ("source", None)])
+def test_header_that_protobuf_cannot_carry_is_refused_by_name(
+    header: Header, body: Message, field: str, got: object
+) -> None:
+    with pytest.raises(InvalidMessageError) as caught:
+        encode(header._replace(**{field: got}), body)
+
+    assert (caught.value.field, caught.value.got) == (f"header.{field}", got)
+
+
+@pytest.mark.parametrize("body", [None, (1, 2), Row("disk", 0.0, 0.0, active=True)])
+def test_only_messages_of_the_table_are_encoded(header: Header, body: object) -> None:
+    with pytest.raises(InvalidMessageError, match=type(body).__name__):
+        encode(header, body)
+
+
+def test_size_is_limited_at_both_ends(header: Header) -> None:
+    fits = Event("info", "x" * (MAX_MESSAGE_BYTES - 100))
+    too_long = Event("info", "x" * MAX_MESSAGE_BYTES)
+
+    assert decode(EVENT, encode(header, fits)) == (header, fits)
+    with pytest.raises(InvalidMessageError, match="bytes"):
+        encode(header, too_long)
+    with pytest.raises(DecodeError, match="more than"):
+        decode(EVENT, unchecked(header, too_long).SerializeToString())
+
+
+def test_deeply_nested_garbage_is_no_message() -> None:
+    with pytest.raises(DecodeError):
+        decode(HEALTH, b"\x4b" * 100_000)  # group upon group, none of them closed
+
+
+def test_field_that_the_message_does_not_have_is_refused(header: Header, body: Message) -> None:
+    unknown = b"\xa2\x06\x03abc"  # field 100, three bytes
+
+    with pytest.raises(InvalidMessageError) as caught:
+        decode(TOPIC_OF_BODY[type(body)], encode(header, body) + unknown)
+
+    assert (caught.value.field, caught.value.got) == (type(body).__name__, "field number 100")
+
+
+def test_field_that_a_part_does_not_have_is_refused(header: Header, body_of: dict[type, Message]) -> None:
+    message = unchecked(header, body_of[FilterTick])
+    message.rows[1].MergeFromString(b"\x50\x01")  # field 10, an integer
+
+    with pytest.raises(InvalidMessageError) as caught:
+        decode(TICK, message.SerializeToString())
+
+    assert (caught.value.field, caught.value.got) == ("Row", "field number 10")
+
+
+@each_topic
+def test_schema_name_is_the_full_name(topic: Topic) -> None:
+    assert schema_name(topic) == f"passafe.v1.{topic.body.__name__}"
+
+
+def test_descriptor_set_explains_a_log_to_a_stranger(header: Header, body: Message) -> None:
+    descriptors = descriptor_pb2.FileDescriptorSet.FromString(file_descriptor_set())
+    pool = descriptor_pool.DescriptorPool()
+    for file in descriptors.file:
+        pool.Add(file)
+    stranger = message_factory.GetMessageClass(pool.FindMessageTypeByName(schema_name(TOPIC_OF_BODY[type(body)])))
+
+    message = stranger.FromString(encode(header, body))
+
+    assert message.header.sequence == 300
+    assert message.SerializeToString() == encode(header, body)
+
+
+def test_absent_certificate_is_an_empty_one(header: Header, body_of: dict[type, Message]) -> None:
+    message = unchecked(header, body_of[FilterTick])
+    message.ClearField("certificate")
+
+    _, tick = decode(TICK, message.SerializeToString())
+
+    assert isinstance(tick, FilterTick)
+    assert tick.certificate == Certificate("", accepted=False, primal_residual=0.0, dual_residual=0.0, gap=0.0)
+
+
+def test_command_keeps_its_dead_man(header: Header, body_of: dict[type, Any]) -> None:
+    released = body_of[OperatorCommand]._replace(enabled=False)
+
+    assert decode(COMMAND, encode(header, released))[1] == released

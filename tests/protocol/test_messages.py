@@ -1,0 +1,34 @@
+"""Tuples and ``passafe.proto`` name the same fields and values."""
+
+import inspect
+from enum import IntEnum
+
+import pytest
+
+from protocol import messages, passafe_pb2
+from protocol.messages import FilterStatus, Header, PlantPhase
+
+TUPLE_TYPES = [
+    value
+    for value in vars(messages).values()
+    if inspect.isclass(value) and issubclass(value, tuple) and value is not messages.Received
+]
+
+
+@pytest.mark.parametrize("tuple_type", TUPLE_TYPES, ids=lambda tuple_type: tuple_type.__name__)
+def test_fields_are_those_of_the_proto_file(tuple_type: type) -> None:
+    in_proto = {field.name for field in getattr(passafe_pb2, tuple_type.__name__).DESCRIPTOR.fields}
+    beside_the_body = {"schema_version"} if tuple_type is Header else {"header"}
+
+    assert set(tuple_type._fields) == in_proto - beside_the_body
+
+
+def test_every_message_of_the_proto_file_has_a_tuple() -> None:
+    assert {tuple_type.__name__ for tuple_type in TUPLE_TYPES} == set(passafe_pb2.DESCRIPTOR.message_types_by_name)
+
+
+@pytest.mark.parametrize("enum", [PlantPhase, FilterStatus], ids=lambda enum: enum.__name__)
+def test_enum_values_are_those_of_the_proto_file(enum: type[IntEnum]) -> None:
+    in_proto = passafe_pb2.DESCRIPTOR.enum_types_by_name[enum.__name__].values
+
+    assert {member.name: member.value for member in enum} == {v.name: v.number for v in in_proto if v.number}

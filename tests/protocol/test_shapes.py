@@ -1,0 +1,45 @@
+"""Shapes say of what kind each field is and where it stands."""
+
+from protocol.messages import BarrierChain, Certificate, FilterStatus, FilterTick, PlantPhase, PlantState, Row
+from protocol.shapes import shape_of
+
+
+def test_plant_state_is_read_from_its_annotations() -> None:
+    shape = shape_of(PlantState)
+
+    assert [name for _, name in shape.vectors] == ["x", "y", "u"]
+    assert [name for _, name in shape.floats] == ["energy_in_j", "energy_stored_j", "integration_error"]
+    assert [(name, members) for _, name, members in shape.enums] == [
+        ("phase", {member.value: member for member in PlantPhase})
+    ]
+    assert {name for _, name in (*shape.plain, *shape.vectors)} == set(PlantState._fields)
+    assert not shape.parts
+    assert not shape.lists
+
+
+def test_parts_and_lists_carry_the_shapes_within() -> None:
+    shape = shape_of(FilterTick)
+
+    assert [(name, part.tuple_type) for _, name, part in shape.parts] == [("certificate", Certificate)]
+    assert [(name, part.tuple_type) for _, name, part in shape.lists[:2]] == [
+        ("barriers", BarrierChain),
+        ("rows", Row),
+    ]
+    assert shape.enums[0][2][FilterStatus.STALE.value] is FilterStatus.STALE
+
+
+def test_every_entry_knows_its_place() -> None:
+    shape = shape_of(FilterTick)
+    kinds = (shape.plain, shape.floats, shape.enums, shape.vectors, shape.parts, shape.lists)
+
+    assert all(FilterTick._fields[entry[0]] == entry[1] for kind in kinds for entry in kind)
+
+
+def test_make_undoes_read() -> None:
+    row = Row("disk", 0.5, 0.25, active=True)
+    shape = shape_of(Row)
+
+    made = shape.make(list(shape.read(row)))
+
+    assert made == row
+    assert type(made) is Row

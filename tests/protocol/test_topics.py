@@ -1,0 +1,54 @@
+"""The topic table is consistent and covers every message."""
+
+from typing import get_args
+
+import pytest
+
+from protocol.messages import Message
+from protocol.topics import (
+    EVENT,
+    HEALTH,
+    INPUT,
+    LINKS,
+    PROCESSES,
+    STATE,
+    TOPIC_OF_BODY,
+    TOPIC_OF_NAME,
+    TOPICS,
+    Topic,
+)
+
+
+def test_each_message_type_has_exactly_one_topic() -> None:
+    assert sorted(topic.body.__name__ for topic in TOPICS) == sorted(t.__name__ for t in get_args(Message))
+    assert len(TOPIC_OF_BODY) == len(TOPIC_OF_NAME) == len(TOPICS)
+
+
+def test_key_names_publisher_and_topic() -> None:
+    assert INPUT.key("filter") == "passafe/filter/input"
+    assert HEALTH.key("router") == "passafe/router/health"
+
+
+def test_selector_of_one_publisher_is_its_key() -> None:
+    assert STATE.selector == STATE.key("plant")
+
+
+def test_selector_of_several_publishers_takes_any() -> None:
+    assert EVENT.selector == "passafe/*/event"
+
+
+@pytest.mark.parametrize("topic", TOPICS, ids=lambda topic: topic.name)
+def test_row_is_consistent(topic: Topic) -> None:
+    assert topic.publishers
+    assert topic.queue > 0
+    assert (topic.link is None) == (topic.link_reader is None)
+    assert topic.link_reader is None or topic.link_reader in PROCESSES
+    assert topic.link_reader not in topic.publishers
+
+
+def test_links_lead_to_their_topics() -> None:
+    assert {name: topic.name for name, topic in LINKS.items()} == {
+        "operator-to-filter": "command",
+        "filter-to-plant": "input",
+        "plant-to-filter": "state",
+    }

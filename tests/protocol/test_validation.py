@@ -1,0 +1,197 @@
+"""Every rule has cases that it refuses and cases at its edge that it allows."""
+
+from collections.abc import Callable
+from math import inf, nan
+from typing import Any, TypeAlias
+
+import pytest
+
+from protocol.errors import InvalidMessageError
+from protocol.messages import (
+    BarrierChain,
+    Certificate,
+    Consumed,
+    Event,
+    FilterTick,
+    Header,
+    Health,
+    LinkConfig,
+    LinkEvent,
+    Message,
+    OperatorCommand,
+    PlantInput,
+    PlantState,
+    Row,
+    ScenarioInfo,
+    TopicHealth,
+)
+from protocol.shapes import Shape, shape_of
+from protocol.topics import TOPICS
+from protocol.validation import MAX_VECTOR, RULES, check
+
+CERTIFICATE = Certificate("piqp", accepted=True, primal_residual=0.0, dual_residual=0.0, gap=0.0)
+LONG = (0.0,) * (MAX_VECTOR + 1)
+
+# Message type, fields to replace in a valid message, and the field that is to be named.
+REFUSED: list[tuple[type, dict[str, Any], str]] = [
+    (Header, {"source": ""}, "source"),
+    (OperatorCommand, {"u_h": (), "u_h_rate": ()}, "u_h"),
+    (OperatorCommand, {"u_h": LONG, "u_h_rate": ()}, "u_h"),
+    (OperatorCommand, {"u_h_rate": (0.0,)}, "u_h_rate"),
+    (OperatorCommand, {"u_h_rate": (0.0,) * 3}, "u_h_rate"),
+    (OperatorCommand, {"device": ""}, "device"),
+    (PlantInput, {"u": ()}, "u"),
+    (PlantInput, {"u": LONG}, "u"),
+    (PlantState, {"x": ()}, "x"),
+    (PlantState, {"x": LONG}, "x"),
+    (PlantState, {"y": (), "u": ()}, "y"),
+    (PlantState, {"u": (0.0,)}, "u"),
+    (PlantState, {"phase": 0}, "phase"),
+    (PlantState, {"phase": 5}, "phase"),
+    (PlantState, {"integration_error": -1e-300}, "integration_error"),
+    (FilterTick, {"status": 0}, "status"),
+    (FilterTick, {"status": 7}, "status"),
+    (FilterTick, {"mode": "on"}, "mode"),
+    (FilterTick, {"law": ""}, "law"),
+    (FilterTick, {"x_hat": LONG}, "x_hat"),
+    (FilterTick, {"u": ()}, "u"),
+    (FilterTick, {"u_h": (0.0,)}, "u_h"),
+    (FilterTick, {"u_h_rate": (0.0,)}, "u_h_rate"),
+    (FilterTick, {"u_nominal": (0.0,)}, "u_nominal"),
+    (FilterTick, {"phi": (0.0,)}, "phi"),
+    (FilterTick, {"v": (0.0,) * 3}, "v"),
+    (FilterTick, {"barriers": (BarrierChain("a", (1.0,)), BarrierChain("", (1.0,)))}, "barriers[1].name"),
+    (FilterTick, {"barriers": (BarrierChain("disk", ()),)}, "barriers[0].psi"),
+    (FilterTick, {"barriers": (BarrierChain("disk", LONG),)}, "barriers[0].psi"),
+    (FilterTick, {"rows": (Row("", 0.0, 0.0, active=True),)}, "rows[0].name"),
+    (FilterTick, {"certificate": CERTIFICATE._replace(dual_residual=-1e-9)}, "certificate.dual_residual"),
+    (FilterTick, {"certificate": CERTIFICATE._replace(gap=-1e-9)}, "certificate.gap"),
+    (FilterTick, {"consumed": (Consumed("", 0, 0, 0),)}, "consumed[0].topic"),
+    (FilterTick, {"state_age_ns": -2}, "state_age_ns"),
+    (FilterTick, {"command_age_ns": -2}, "command_age_ns"),
+    (LinkConfig, {"link": "plant-to-operator"}, "link"),
+    (LinkConfig, {"delay_s": -1e-9}, "delay_s"),
+    (LinkConfig, {"delay_s": 10.001}, "delay_s"),
+    (LinkConfig, {"jitter_s": -1e-9}, "jitter_s"),
+    (LinkConfig, {"jitter_s": 10.001}, "jitter_s"),
+    (LinkConfig, {"loss": -1e-9}, "loss"),
+    (LinkConfig, {"loss": 1.001}, "loss"),
+    (LinkEvent, {"link": ""}, "link"),
+    (LinkEvent, {"effect": ""}, "effect"),
+    (LinkEvent, {"topic": ""}, "topic"),
+    (Health, {"rate_hz": -1e-9}, "rate_hz"),
+    (Health, {"late_us_max": -1e-9}, "late_us_max"),
+    (Health, {"topics": (TopicHealth("", 0, 0, 0),)}, "topics[0].topic"),
+    (Event, {"severity": "fatal"}, "severity"),
+    (Event, {"text": ""}, "text"),
+    (ScenarioInfo, {"scenario_json": ""}, "scenario_json"),
+    (ScenarioInfo, {"driver": "dead"}, "driver"),
+    (ScenarioInfo, {"versions_json": ""}, "versions_json"),
+]
+
+ALLOWED: list[tuple[type, dict[str, Any]]] = [
+    (OperatorCommand, {"u_h": LONG[1:], "u_h_rate": LONG[1:]}),
+    (OperatorCommand, {"u_h_rate": ()}),
+    (PlantInput, {"u": (0.0,), "hold_ns": 0}),
+    (PlantState, {"x": LONG[1:], "integration_error": 0.0}),
+    (PlantState, {"x": (1.7e308, 1.7e308), "energy_in_j": 1.7e308}),  # finite, though their sum is not
+    (PlantState, {"x": (-0.0, 5e-324)}),
+    (FilterTick, {"x_hat": (), "u_h": (), "u_h_rate": (), "u_nominal": (), "phi": (), "v": ()}),
+    (FilterTick, {"barriers": (), "rows": (), "consumed": (), "state_age_ns": -1, "command_age_ns": -1}),
+    (FilterTick, {"certificate": CERTIFICATE._replace(solver="", primal_residual=-1e-9)}),
+    (FilterTick, {"rows": tuple(Row("r", 0.0, -1e-12, active=False) for _ in range(250))}),
+    (LinkConfig, {"delay_s": 0.0, "jitter_s": 0.0, "loss": 0.0}),
+    (LinkConfig, {"delay_s": 10.0, "jitter_s": 10.0, "loss": 1.0}),
+    (Health, {"rate_hz": 0.0, "late_us_max": 0.0, "topics": ()}),
+    *((Event, {"severity": severity}) for severity in ("info", "warning", "error")),
+    *((FilterTick, {"mode": mode}) for mode in ("off", "safe", "passive", "both")),
+    *((FilterTick, {"law": law}) for law in ("sampled", "continuous")),
+    *((ScenarioInfo, {"driver": driver}) for driver in ("live", "lockstep")),
+]
+
+Replace: TypeAlias = Callable[[float], tuple]
+
+
+def check_changed(valid: Message | Header, changes: dict[str, Any]) -> None:
+    check("a topic", shape_of(type(valid)), valid._replace(**changes))
+
+
+@pytest.mark.parametrize(("tuple_type", "changes", "field"), REFUSED)
+def test_refused(
+    header: Header,
+    body_of: dict[type, Message],
+    tuple_type: type,
+    changes: dict[str, Any],
+    field: str,
+) -> None:
+    with pytest.raises(InvalidMessageError) as caught:
+        check_changed({Header: header, **body_of}[tuple_type], changes)
+
+    assert (caught.value.topic, caught.value.field) == ("a topic", field)
+    assert caught.value.allowed
+
+
+@pytest.mark.parametrize(("tuple_type", "changes"), ALLOWED)
+def test_allowed(body_of: dict[type, Message], tuple_type: type, changes: dict[str, Any]) -> None:
+    check_changed(body_of[tuple_type], changes)
+
+
+def test_every_rule_is_tested() -> None:
+    def rules_under(shape: Shape, path: str = "") -> set[str]:
+        here = {path + rule.field for rule in RULES[shape.tuple_type]}
+        for _, name, part in shape.parts:
+            here |= rules_under(part, f"{path}{name}.")
+        for _, name, part in shape.lists:
+            here |= rules_under(part, f"{path}{name}[].")
+        return here
+
+    types = [Header, *(topic.body for topic in TOPICS)]
+    rules = {(t.__name__, field) for t in types for field in rules_under(shape_of(t))}
+    tested = {(t.__name__, field.replace("[0]", "[]").replace("[1]", "[]")) for t, _, field in REFUSED}
+
+    assert rules <= tested
+
+
+def floats_of(value: tuple, path: str = "") -> list[tuple[str, Replace]]:
+    """Every place of a float in a message, each with a function that puts another float there."""
+    shape = shape_of(type(value))
+
+    def put(name: str, inner: Replace | None = None, place: int | None = None) -> Replace:
+        def changed(number: float) -> tuple:
+            new = number if inner is None else inner(number)
+            if place is not None:
+                old = getattr(value, name)
+                new = (*old[:place], new, *old[place + 1 :])
+            return value._replace(**{name: new})
+
+        return changed
+
+    places = [(path + name, put(name)) for _, name in shape.floats]
+    for _, name in shape.vectors:
+        places += [(path + name, put(name, None, i)) for i in range(len(getattr(value, name)))]
+    for _, name, _ in shape.parts:
+        part = getattr(value, name)
+        places += [(where, put(name, inner)) for where, inner in floats_of(part, f"{path}{name}.")]
+    for _, name, _ in shape.lists:
+        for i, element in enumerate(getattr(value, name)):
+            inside = floats_of(element, f"{path}{name}[{i}].")
+            places += [(where, put(name, inner, i)) for where, inner in inside]
+    return places
+
+
+@pytest.mark.parametrize("number", [nan, inf, -inf])
+def test_a_number_that_is_not_finite_is_refused_wherever_it_stands(body: Message, number: float) -> None:
+    for field, changed in floats_of(body):
+        with pytest.raises(InvalidMessageError, match="finite number") as caught:
+            check("a topic", shape_of(type(body)), changed(number))
+        assert caught.value.field == field
+
+
+def test_the_walk_finds_every_float(body_of: dict[type, Message]) -> None:
+    assert len(floats_of(body_of[PlantState])) == 4 + 2 + 2 + 3
+    assert len(floats_of(body_of[FilterTick])) == 4 + 6 * 2 + (3 + 1) + 3 + 2 * 2 + 3
+
+
+def test_opposite_infinities_do_not_cancel(body_of: dict[type, Message]) -> None:
+    with pytest.raises(InvalidMessageError, match="finite"):
+        check_changed(body_of[PlantState], {"energy_in_j": inf, "energy_stored_j": -inf})
