@@ -1,0 +1,1 @@
+"""The processes of passafe, what runs them and what reads their logs."""

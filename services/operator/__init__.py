@@ -1,0 +1,1 @@
+"""The operator: who or what drives the robot, as a process of its own."""

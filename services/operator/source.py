@@ -1,0 +1,57 @@
+"""What a source of commands is: who or what plays the operator."""
+
+from enum import Enum
+from typing import NamedTuple, Protocol
+
+from protocol.messages import Vector
+
+
+class Command(NamedTuple):
+    """What is asked for at one instant.
+
+    Attributes:
+        u_h: Operator's part of the input, units of u.
+        u_h_rate: Its time derivative just after that instant, units of u per second.
+        enabled: Whether the dead-man switch is held.
+    """
+
+    u_h: Vector
+    u_h_rate: Vector
+    enabled: bool
+
+
+class SourceClock(Enum):
+    """Whose time a source is a function of."""
+
+    PLANT = "plant"
+    """Plant time: a script begins when the robot does."""
+
+    LOCAL = "local"
+    """Time since the node's first step: a person acts before the robot moves, too."""
+
+
+class Source(Protocol):
+    """A source of commands: no clock, no device, only what it is handed."""
+
+    @property
+    def device(self) -> str:
+        """What makes the commands: lag, constant, keyboard and so on."""
+        ...
+
+    @property
+    def clock(self) -> SourceClock:
+        """Whose time ``command`` is asked for."""
+        ...
+
+    @property
+    def finished(self) -> bool:
+        """Whether the operator wants to end the session; a script never does."""
+        ...
+
+    def command(self, t_s: float) -> Command:
+        """Return what is asked for at ``t_s``.
+
+        Args:
+            t_s: Time of ``clock``, s, never negative. A source on local time is never asked about the past.
+        """
+        ...

@@ -1,0 +1,1 @@
+"""Scenario files, their schema, and how they become objects of the core."""

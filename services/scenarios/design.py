@@ -1,0 +1,120 @@
+"""From a scenario to the core's objects: robot, storage, barriers, filter design, sampled plant."""
+
+from collections.abc import Callable
+from typing import Final
+
+import casadi as ca
+
+from passafe.barrier import Barrier
+from passafe.class_k import ClassK, Cubic, Linear, Piecewise
+from passafe.design import FilterDesign, Law, Mode
+from passafe.models.damped_point import damped_point
+from passafe.models.drag_point import drag_point
+from passafe.models.robot import Robot
+from passafe.passivity import Passivity
+from passafe.sampled_plant import SampledPlant
+from passafe.shapes import disk_keep_out, half_plane
+from passafe.tank import Tank
+from services.scenarios.errors import ScenarioError
+from services.scenarios.schema import BarrierConfig, DiskBarrier, Scenario
+from services.scenarios.schema import ClassK as ClassKConfig
+
+_MODELS: Final[dict[str, tuple[Callable[..., Robot], tuple[str, ...]]]] = {
+    "damped-point": (damped_point, ("sigma",)),
+    "drag-point": (drag_point, ("sigma", "drag")),
+}
+
+
+def robot_of(scenario: Scenario) -> Robot:
+    """Return the scenario's robot, its fail-safe set to the barriers' first gains.
+
+    Raises:
+        ScenarioError: A parameter that the model does not have, or an x0 of the wrong length.
+        DesignError: A parameter outside its range.
+    """
+    model, parameters = _MODELS[scenario.plant.model]
+    unknown = sorted(set(scenario.plant.parameters) - set(parameters))
+    if unknown:
+        raise ScenarioError(scenario.name, "plant.parameters", unknown, f"{sorted(parameters)}")
+    gamma_1 = max((barrier.class_k[0].gain for barrier in scenario.filter.barriers), default=0.0)
+    robot = model(**scenario.plant.parameters, gamma_1=gamma_1)
+    if len(scenario.plant.x0) != robot.system.n:
+        got = f"{len(scenario.plant.x0)} numbers"
+        raise ScenarioError(scenario.name, "plant.x0", got, f"{robot.system.n}, the states of the model")
+    return robot
+
+
+def storage_of(scenario: Scenario, robot: Robot) -> ca.SX:
+    """Return the scenario's storage function V(x), J."""
+    if scenario.filter.passivity.storage == "kinetic":
+        return ca.sumsqr(robot.velocity) / 2
+    return ca.sumsqr(robot.system.x)
+
+
+def barriers_of(scenario: Scenario, robot: Robot) -> tuple[Barrier, ...]:
+    """Return the scenario's barriers in the order of the file."""
+    return tuple(
+        Barrier(
+            name=config.name,
+            h=_shape(config, robot.position),
+            class_k=tuple(_class_k(gamma) for gamma in config.class_k),
+        )
+        for config in scenario.filter.barriers
+    )
+
+
+def tank_of(scenario: Scenario) -> Tank:
+    """Return the scenario's energy ledger; it is kept and reported whether or not the passivity row draws on it."""
+    passivity = scenario.filter.passivity
+    return Tank(
+        initial_j=passivity.tank_initial_j,
+        reserve_j=passivity.tank_reserve_j,
+        max_j=passivity.tank_max_j,
+        rate_per_s=passivity.tank_rate_per_s,
+    )
+
+
+def design_of(scenario: Scenario, robot: Robot) -> FilterDesign:
+    """Return the design of the scenario's filter.
+
+    Raises:
+        DesignError: Parts that do not fit together, for example a barrier that the input never reaches.
+    """
+    config = scenario.filter
+    passivity = config.passivity
+    return FilterDesign(
+        system=robot.system,
+        u_fb=robot.proportional_derivative(k_p=config.feedback.k_p, k_d=config.feedback.k_d),
+        fail_safe=robot.fail_safe,
+        barriers=barriers_of(scenario, robot),
+        passivity=Passivity(
+            V=storage_of(scenario, robot),
+            class_k=_class_k(passivity.class_k),
+            slack_weight=passivity.slack_weight,
+            tank=tank_of(scenario) if passivity.kind == "tank" else None,
+        ),
+        k_i=config.k_i,
+        dt_s=scenario.dt_s,
+        input_bound=config.input_bound,
+        law=Law(config.law),
+        mode=Mode(config.mode),
+    )
+
+
+def sampled_plant_of(scenario: Scenario, robot: Robot) -> SampledPlant:
+    """Return the scenario's plant, stepped at its rate."""
+    return SampledPlant(robot.system, storage_of(scenario, robot), scenario.dt_s)
+
+
+def _shape(config: BarrierConfig, position: ca.SX) -> ca.SX:
+    if isinstance(config, DiskBarrier):
+        return disk_keep_out(position, centre=config.centre, radius=config.radius)
+    return half_plane(position, normal=config.normal, offset=config.offset)
+
+
+def _class_k(config: ClassKConfig) -> ClassK:
+    if config.kind == "linear":
+        return Linear(gain=config.gain)
+    if config.kind == "cubic":
+        return Cubic(gain=config.gain)
+    return Piecewise(gain=config.gain, gain_below=config.gain_below or config.gain)

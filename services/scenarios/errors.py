@@ -1,0 +1,41 @@
+"""Errors of scenario files.
+
+* ``ScenarioError``: a field that holds what it may not
+    * ``UnknownScenarioError``: no scenario of that name and no such file
+    * ``UnreadableScenarioError``: a file that is no TOML
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+
+class ScenarioError(Exception):
+    """A scenario with a field that holds what it may not.
+
+    Attributes:
+        scenario: Its name or file.
+        field: Dotted name of the field.
+        got: What it holds.
+        allowed: What is allowed, in words.
+    """
+
+    def __init__(self, scenario: str, field: str, got: object, allowed: str) -> None:
+        self.scenario = scenario
+        self.field = field
+        self.got = got
+        self.allowed = allowed
+        super().__init__(f"scenario {scenario}: {field}: got {got}, allowed {allowed}")
+
+
+class UnknownScenarioError(ScenarioError):
+    """No shipped scenario has that name, and there is no such file."""
+
+    def __init__(self, name: str, shipped: Sequence[str]) -> None:
+        super().__init__(name, "name", repr(name), f"a TOML file or one of {', '.join(shipped)}")
+
+
+class UnreadableScenarioError(ScenarioError):
+    """A file that cannot be read as TOML."""
+
+    def __init__(self, path: Path, reason: str) -> None:
+        super().__init__(str(path), "file", reason, "a readable TOML file")

@@ -1,0 +1,229 @@
+"""What a scenario file may say: pydantic models with ranges, units in the names, no unknown keys."""
+
+from itertools import pairwise
+from typing import Annotated, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+Vector = Annotated[tuple[float, ...], Field(min_length=1, max_length=64)]
+Positive = Annotated[float, Field(gt=0, le=1e6)]
+NonNegative = Annotated[float, Field(ge=0, le=1e6)]
+
+LinkName = Literal["operator-to-filter", "filter-to-plant", "plant-to-filter"]
+
+
+class Config(BaseModel):
+    """Base of every part of a scenario: immutable, finite numbers only, unknown keys refused."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+class PlantConfig(Config):
+    """The robot: a model of the core by name, its parameters and where it starts.
+
+    ``playout_s`` is how long before it takes effect an input should arrive: the buffer that absorbs jitter.
+    ``hold_s`` is how long an input is held when no other follows, before the fail-safe law takes over.
+    """
+
+    model: Literal["damped-point", "drag-point"]
+    parameters: dict[str, float] = Field(default_factory=dict)
+    x0: Vector
+    playout_s: Annotated[float, Field(ge=0, le=2)] = 0.005
+    hold_s: Annotated[float, Field(ge=0, le=2)] = 0.1
+
+
+class LagSource(Config):
+    """First-order lag from 0 to ``target``: u_h = target·(1 − exp(−t/T))."""
+
+    kind: Literal["lag"]
+    target: Vector
+    time_constant_s: Positive
+
+
+class ConstantSource(Config):
+    """The same u_h throughout."""
+
+    kind: Literal["constant"]
+    value: Vector
+
+
+class SineSource(Config):
+    """u_h = offset + amplitude·sin(2π f t + phase), each axis with the same frequency."""
+
+    kind: Literal["sine"]
+    amplitude: Vector
+    frequency_hz: Positive
+    offset: Vector | None = None
+    phase_rad: Vector | None = None
+
+
+class Waypoint(Config):
+    """At time ``at_s`` the operator asks for ``value``; between waypoints the command is interpolated."""
+
+    at_s: NonNegative
+    value: Vector
+
+
+class WaypointSource(Config):
+    """u_h interpolated linearly through waypoints, held before the first and after the last."""
+
+    kind: Literal["waypoints"]
+    points: Annotated[tuple[Waypoint, ...], Field(min_length=1)]
+
+    @model_validator(mode="after")
+    def _times_increase(self) -> Self:
+        times = [point.at_s for point in self.points]
+        if any(later <= earlier for earlier, later in pairwise(times)):
+            raise ValueError(f"points: got at_s {times}, allowed strictly increasing times")
+        return self
+
+
+class RecordedSource(Config):
+    """A recorded command series: CSV with a column ``time_s`` and one column ``u_h_<i>`` an axis."""
+
+    kind: Literal["recorded"]
+    path: str
+
+
+class KeyboardSource(Config):
+    """A person at the keyboard of the terminal: arrow keys push, the dead-man releases to zero."""
+
+    kind: Literal["keyboard"]
+    authority: Positive = 15.0
+
+
+Source = Annotated[
+    LagSource | ConstantSource | SineSource | WaypointSource | RecordedSource | KeyboardSource,
+    Field(discriminator="kind"),
+]
+
+
+class OperatorConfig(Config):
+    """Who drives. A command older than ``stale_s`` counts as zero at the filter."""
+
+    source: Source
+    stale_s: Positive = 0.2
+
+
+class ClassK(Config):
+    """One extended class-K function γ: ``linear`` is gain·s, ``cubic`` gain·s³.
+
+    ``piecewise`` is gain·s for s > 0 and gain_below·s otherwise.
+    """
+
+    kind: Literal["linear", "cubic", "piecewise"]
+    gain: Positive
+    gain_below: Positive | None = None
+
+    @model_validator(mode="after")
+    def _gain_below_where_it_belongs(self) -> Self:
+        if (self.gain_below is not None) != (self.kind == "piecewise"):
+            raise ValueError(f"gain_below: got {self.gain_below}, allowed with kind 'piecewise' and only there")
+        return self
+
+
+class DiskBarrier(Config):
+    """Keep out of a disk: h = ‖p − centre‖² − radius², p the model's position."""
+
+    kind: Literal["disk-keep-out"]
+    name: Annotated[str, Field(min_length=1, max_length=40)]
+    centre: Vector
+    radius: Positive
+    class_k: Annotated[tuple[ClassK, ...], Field(min_length=1, max_length=6)]
+
+
+class HalfPlaneBarrier(Config):
+    """Stay on one side of a line: h = normalᵀp − offset."""
+
+    kind: Literal["half-plane"]
+    name: Annotated[str, Field(min_length=1, max_length=40)]
+    normal: Vector
+    offset: float
+    class_k: Annotated[tuple[ClassK, ...], Field(min_length=1, max_length=6)]
+
+
+BarrierConfig = Annotated[DiskBarrier | HalfPlaneBarrier, Field(discriminator="kind")]
+
+
+class FeedbackConfig(Config):
+    """u_fb = −k_p·position − k_d·velocity."""
+
+    k_p: NonNegative = 0.0
+    k_d: NonNegative = 0.0
+
+
+class PassivityConfig(Config):
+    """The passivity row: ``power`` keeps the power margin, ``tank`` spends an energy tank.
+
+    ``slack_weight`` is ρ_u, the price of one unit of slack squared against one unit of u squared.
+    """
+
+    kind: Literal["power", "tank"] = "power"
+    storage: Literal["squared-norm", "kinetic"] = "squared-norm"
+    slack_weight: Annotated[float, Field(ge=1e3, le=1e9)] = 1e6
+    class_k: ClassK = ClassK(kind="linear", gain=100.0)
+    tank_initial_j: NonNegative = 1.0
+    tank_reserve_j: NonNegative = 0.5
+    tank_max_j: Positive = 10.0
+    tank_rate_per_s: Positive = 5.0
+
+
+class FilterConfig(Config):
+    """The filter: law, mode, gains, bound of the input, passivity and barriers.
+
+    ``k_i`` is α/2 of the tracking term. ``input_bound`` bounds every axis of u; beyond it the filter falls back.
+    """
+
+    law: Literal["sampled", "continuous"] = "sampled"
+    mode: Literal["off", "safe", "passive", "both"] = "both"
+    k_i: Positive
+    input_bound: Positive = 100.0
+    feedback: FeedbackConfig = FeedbackConfig()
+    passivity: PassivityConfig = PassivityConfig()
+    barriers: tuple[BarrierConfig, ...] = ()
+    stale_s: Positive = 0.2
+
+    @model_validator(mode="after")
+    def _names_are_unique(self) -> Self:
+        names = [barrier.name for barrier in self.barriers]
+        if len(set(names)) != len(names):
+            raise ValueError(f"barriers: got names {names}, allowed each name once")
+        return self
+
+
+class LinkConfig(Config):
+    """An injected link: constant delay, uniform jitter in ±jitter_s, independent loss; seeded."""
+
+    delay_s: Annotated[float, Field(ge=0, le=10)] = 0.0
+    jitter_s: Annotated[float, Field(ge=0, le=10)] = 0.0
+    loss: Annotated[float, Field(ge=0, le=1)] = 0.0
+    seed: Annotated[int, Field(ge=0, lt=2**63)] = 1
+
+
+class Scenario(Config):
+    """One scenario: everything that decides what a run does."""
+
+    schema_version: Literal[1]
+    name: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]{0,59}$")]
+    title: str
+    description: str = ""
+    duration_s: Annotated[float, Field(gt=0, le=86_400)]
+    rate_hz: Annotated[float, Field(ge=10, le=2000)] = 1000.0
+    plant: PlantConfig
+    operator: OperatorConfig
+    filter: FilterConfig
+    links: dict[LinkName, LinkConfig] = Field(default_factory=dict)
+
+    @property
+    def dt_s(self) -> float:
+        """Period of one tick, s."""
+        return 1.0 / self.rate_hz
+
+    @model_validator(mode="after")
+    def _tracking_is_stable(self) -> Self:
+        if self.filter.k_i * self.dt_s >= 1.0:
+            raise ValueError(
+                f"filter.k_i: got {self.filter.k_i} at rate_hz {self.rate_hz}, allowed below rate_hz: "
+                "a larger gain makes the sampled tracking oscillate"
+            )
+        return self

@@ -1,0 +1,297 @@
+"""The operator node: scripts aligned with plant time, who drives when there are two, what is shown."""
+
+from dataclasses import dataclass
+from itertools import count
+from math import exp
+
+import pytest
+
+from protocol.messages import (
+    BarrierChain,
+    Certificate,
+    Event,
+    FilterStatus,
+    FilterTick,
+    Header,
+    Message,
+    OperatorCommand,
+    PlantPhase,
+    PlantState,
+    Received,
+)
+from protocol.topics import COMMAND, EVENT, STATE, TICK
+from services.operator.display import OperatorView
+from services.operator.keyboard import RAMP_S, Keyboard
+from services.operator.keys import Key
+from services.operator.lag import Lag
+from services.operator.node import KNOWN_NS, SHOW_PERIOD_NS, OperatorNode
+from services.operator.source import Command, SourceClock
+
+MS = 1_000_000
+EPOCH = 1_000
+NUMBERS = count()
+
+
+@dataclass
+class TimeTeller:
+    """A source that says what time it was asked for."""
+
+    device: str = "teller"
+    clock: SourceClock = SourceClock.PLANT
+    finished: bool = False
+
+    def command(self, t_s: float) -> Command:
+        """Return the time as the command."""
+        return Command((t_s,), (1.0,), True)
+
+
+def received(body: Message, at_ns: int, *, epoch: int = 1, source: str = "plant") -> Received:
+    return Received(Header(source, epoch, next(NUMBERS), at_ns, at_ns, at_ns, at_ns), body, at_ns)
+
+
+def state(plant_ns: int, at_ns: int, phase: PlantPhase = PlantPhase.RUNNING) -> Received:
+    body = PlantState(
+        plant_ns=plant_ns,
+        x=(1.0, 2.0, 3.0, 4.0),
+        y=(3.0, 4.0),
+        u=(0.0, 0.0),
+        applied_tick=0,
+        phase=phase,
+        energy_in_j=0.0,
+        energy_stored_j=0.0,
+        input_slack_ns=0,
+        inputs_late=0,
+        inputs_refused=0,
+        integration_error=0.0,
+        received_tick=0,
+    )
+    return received(body, at_ns)
+
+
+def command_of(epoch: int, at_ns: int = 0) -> Received:
+    return received(OperatorCommand((9.0,), (), True, "other"), at_ns, epoch=epoch, source="operator")
+
+
+def tick(at_ns: int, levels: dict[str, float]) -> Received:
+    body = FilterTick(
+        tick=1,
+        status=FilterStatus.MODIFIED,
+        mode="both",
+        law="sampled",
+        effective_plant_ns=0,
+        x_hat=(),
+        u_h=(),
+        u_h_rate=(),
+        u_nominal=(),
+        phi=(),
+        v=(),
+        u=(),
+        barriers=tuple(BarrierChain(name, (h, 99.0)) for name, h in levels.items()),
+        power_margin=0.0,
+        tank_j=0.0,
+        slack=0.0,
+        rows=(),
+        certificate=Certificate("piqp", True, 0.0, 0.0, 0.0),
+        consumed=(),
+        state_age_ns=0,
+        command_age_ns=0,
+    )
+    return received(body, at_ns, source="filter")
+
+
+def asked_for(node: OperatorNode, now_ns: int, *inbox: Received) -> float:
+    """Time in seconds for which the node asked its TimeTeller."""
+    (outgoing,) = node.step(now_ns, inbox)
+    assert isinstance(outgoing.body, OperatorCommand)
+    return outgoing.body.u_h[0]
+
+
+def test_a_step_sends_what_the_source_says() -> None:
+    node = OperatorNode(Lag(target=(-3.0, 0.0), time_constant_s=0.2), epoch=EPOCH)
+    (outgoing,) = node.step(700 * MS, [state(200 * MS, 700 * MS)])
+    assert outgoing.topic is COMMAND
+    assert isinstance(outgoing.body, OperatorCommand)
+    assert outgoing.body.u_h == pytest.approx((-3.0 * (1 - exp(-1)), 0.0))
+    assert outgoing.body.u_h_rate == pytest.approx((-15.0 * exp(-1), 0.0))
+    assert outgoing.body.enabled
+    assert outgoing.body.device == "lag"
+
+
+def test_a_script_stands_at_its_beginning_until_the_plant_moves() -> None:
+    node = OperatorNode(TimeTeller(), epoch=EPOCH)
+    assert asked_for(node, 10 * MS) == 0.0
+    assert asked_for(node, 20 * MS, state(0, 15 * MS, PlantPhase.WAITING)) == 0.0
+    assert asked_for(node, 900 * MS) == 0.0
+    assert asked_for(node, 901 * MS, state(-5 * MS, 901 * MS, PlantPhase.WAITING)) == 0.0
+
+
+def test_a_script_already_enables_the_robot_while_it_waits() -> None:
+    (outgoing,) = OperatorNode(Lag(target=(1.0,), time_constant_s=1.0), epoch=EPOCH).step(0, ())
+    assert outgoing.body == OperatorCommand((0.0,), (1.0,), True, "lag")
+
+
+@pytest.mark.parametrize("phase", [PlantPhase.RUNNING, PlantPhase.HOLDING, PlantPhase.FAIL_SAFE])
+def test_script_time_is_plant_time_plus_the_age_of_the_newest_state(phase: PlantPhase) -> None:
+    node = OperatorNode(TimeTeller(), epoch=EPOCH)
+    assert asked_for(node, 5_000 * MS, state(120 * MS, 4_998 * MS, phase)) == 0.122
+    assert asked_for(node, 5_010 * MS) == 0.132
+    assert asked_for(node, 5_011 * MS, state(125 * MS, 5_011 * MS), state(130 * MS, 5_011 * MS)) == 0.13
+
+
+def test_plant_time_is_exact_to_the_nanosecond_far_into_a_run_and_far_into_an_uptime() -> None:
+    node = OperatorNode(TimeTeller(), epoch=EPOCH)
+    uptime_ns = 400 * 86_400 * 10**9
+    for index in range(1000):
+        plant_ns = 3_600 * 10**9 + index * MS
+        assert asked_for(node, uptime_ns + index * MS, state(plant_ns, uptime_ns + index * MS)) == plant_ns / 1e9
+
+
+def test_a_state_that_a_newer_one_overtook_does_not_set_the_script_back() -> None:
+    node = OperatorNode(TimeTeller(), epoch=EPOCH)
+    older, newer = state(100 * MS, 111 * MS), state(110 * MS, 110 * MS)  # numbered in this order
+    assert asked_for(node, 111 * MS, newer, older) == 0.111
+
+
+def test_a_plant_that_starts_again_starts_the_script_again() -> None:
+    node = OperatorNode(TimeTeller(), epoch=EPOCH)
+    assert asked_for(node, 100 * MS, state(50 * MS, 100 * MS)) == 0.05
+    assert asked_for(node, 200 * MS, state(0, 200 * MS, PlantPhase.WAITING)) == 0.0
+    assert asked_for(node, 300 * MS, state(1 * MS, 300 * MS)) == 0.001
+
+
+def test_the_same_inbox_gives_the_same_commands_whenever_the_run_began() -> None:
+    def run(start_ns: int) -> list[object]:
+        node = OperatorNode(Lag(target=(-3.0, 1.0), time_constant_s=0.2), epoch=EPOCH)
+        inboxes = [[] if k < 5 else [state((k - 5) * MS, start_ns + k * MS)] for k in range(200)]
+        return [node.step(start_ns + k * MS, inbox)[0].body for k, inbox in enumerate(inboxes)]
+
+    assert run(0) == run(123_456_789_012_345)
+
+
+def test_a_person_runs_on_local_time_from_the_first_step() -> None:
+    node = OperatorNode(TimeTeller(clock=SourceClock.LOCAL), epoch=EPOCH)
+    assert asked_for(node, 7_000 * MS) == 0.0
+    assert asked_for(node, 7_250 * MS, state(3 * MS, 7_250 * MS)) == 0.25
+
+
+def test_keys_reach_the_wire() -> None:
+    keys = [[Key.LEFT]]
+    source = Keyboard(authority=10.0, inputs=2, keys=lambda: keys.pop() if keys else [])
+    node = OperatorNode(source, epoch=EPOCH)
+    node.step(50 * MS, ())
+    (outgoing,) = node.step(150 * MS, ())
+    body = outgoing.body
+    assert isinstance(body, OperatorCommand)
+    assert body.u_h == pytest.approx((-10 * (1 - exp(-0.1 / RAMP_S)), 0.0))
+    assert (body.enabled, body.device) == (True, "keyboard")
+
+
+def test_quitting_sends_a_released_zero_and_tells_the_driver() -> None:
+    keys = [[Key.QUIT], [Key.LEFT]]
+    node = OperatorNode(Keyboard(authority=10.0, inputs=2, keys=keys.pop), epoch=EPOCH)
+    node.step(0, ())
+    assert not node.finished
+    (outgoing,) = node.step(MS, ())
+    assert outgoing.body == OperatorCommand((0.0, 0.0), (0.0, 0.0), False, "keyboard")
+    assert node.finished
+
+
+@pytest.mark.parametrize("epoch", [0, EPOCH - 1, EPOCH])
+def test_an_older_session_and_its_own_commands_do_not_silence_a_node(epoch: int) -> None:
+    node = OperatorNode(TimeTeller(), epoch=EPOCH)
+    for step in range(5):
+        (outgoing,) = node.step(step, [command_of(epoch)])
+        assert outgoing.topic is COMMAND
+    assert not node.superseded
+
+
+def test_a_newer_session_silences_a_node_for_good_and_it_says_so_once() -> None:
+    node = OperatorNode(TimeTeller(), epoch=EPOCH)
+    assert node.step(0, ())[0].topic is COMMAND
+    (outgoing,) = node.step(1, [command_of(EPOCH + 1)])
+    assert outgoing.topic is EVENT
+    assert isinstance(outgoing.body, Event)
+    assert outgoing.body.severity == "warning"
+    assert str(EPOCH + 1) in outgoing.body.text
+    assert str(EPOCH) in outgoing.body.text
+    assert node.superseded
+    for step in range(2, 50):
+        inbox = [command_of(EPOCH + 2)] if step % 2 else [command_of(EPOCH)]
+        assert list(node.step(step, inbox)) == []
+
+
+@pytest.mark.parametrize("started_first", [True, False])
+def test_of_two_nodes_that_hear_each_other_exactly_the_later_session_remains(started_first: bool) -> None:
+    old, new = OperatorNode(TimeTeller(), epoch=1), OperatorNode(TimeTeller(), epoch=2)
+    nodes = {1: old, 2: new} if started_first else {2: new, 1: old}
+    inbox: list[Received] = []
+    heard: list[list[int]] = []
+    for step in range(5):
+        outbox = [(epoch, out) for epoch, node in nodes.items() for out in node.step(step * MS, inbox)]
+        commanding = [epoch for epoch, out in outbox if out.topic is COMMAND]
+        heard.append(sorted(commanding))
+        inbox = [command_of(epoch, step * MS) for epoch in commanding]
+    assert heard == [[1, 2], [2], [2], [2], [2]]
+
+
+def test_a_silenced_person_can_still_quit() -> None:
+    keys = [[Key.QUIT], [], []]
+    node = OperatorNode(Keyboard(authority=10.0, inputs=2, keys=keys.pop), epoch=EPOCH)
+    node.step(0, [command_of(EPOCH + 1)])
+    node.step(1, ())
+    assert not node.finished
+    assert list(node.step(2, ())) == []
+    assert node.finished
+
+
+def test_a_node_reads_filter_ticks_only_for_somebody_to_see() -> None:
+    assert OperatorNode(TimeTeller(), epoch=EPOCH).subscribes == (STATE, COMMAND)
+    assert OperatorNode(TimeTeller(), epoch=EPOCH, show=lambda _: None).subscribes == (STATE, COMMAND, TICK)
+
+
+def test_the_display_is_fed_ten_times_a_second_at_most() -> None:
+    views: list[OperatorView] = []
+    node = OperatorNode(TimeTeller(), epoch=EPOCH, show=views.append)
+    for step in range(1001):
+        node.step(step * MS, ())
+    assert len(views) == 1000 * MS // SHOW_PERIOD_NS + 1
+
+
+def test_the_display_tells_where_the_robot_is_and_which_limit_is_nearest() -> None:
+    views: list[OperatorView] = []
+    node = OperatorNode(TimeTeller(), epoch=EPOCH, show=views.append)
+    node.step(10 * MS, [state(0, 10 * MS), tick(10 * MS, {"wall": 0.5, "disk": -0.25, "box": 3.0})])
+    assert views == [
+        OperatorView(
+            u_h=(0.0,),
+            enabled=True,
+            superseded=False,
+            position=(1.0,),
+            status=FilterStatus.MODIFIED,
+            nearest=("disk", -0.25),
+        )
+    ]
+
+
+def test_the_display_forgets_what_is_old() -> None:
+    views: list[OperatorView] = []
+    node = OperatorNode(TimeTeller(), epoch=EPOCH, show=views.append)
+    node.step(0, [state(0, 0), tick(0, {"disk": 1.0})])
+    node.step(KNOWN_NS, ())
+    node.step(KNOWN_NS + SHOW_PERIOD_NS, ())
+    assert [view.position for view in views] == [(1.0,), (1.0,), None]
+    assert [view.status is None for view in views] == [False, False, True]
+    assert views[2].nearest is None
+
+
+def test_a_tick_without_barriers_shows_its_status() -> None:
+    views: list[OperatorView] = []
+    OperatorNode(TimeTeller(), epoch=EPOCH, show=views.append).step(0, [tick(0, {})])
+    assert views[0].status is FilterStatus.MODIFIED
+    assert views[0].nearest is None
+
+
+def test_the_display_says_when_another_took_over() -> None:
+    views: list[OperatorView] = []
+    OperatorNode(TimeTeller(), epoch=EPOCH, show=views.append).step(0, [command_of(EPOCH + 1)])
+    assert views[0].superseded
