@@ -1,0 +1,108 @@
+"""From a scenario to the nodes of its loop: the same ones live and in lockstep."""
+
+import json
+import platform
+from importlib.metadata import version
+
+from passafe.filter import SafetyPassivityFilter
+from protocol.link import LinkSettings
+from protocol.messages import ScenarioInfo
+from services.filter.node import FilterNode
+from services.operator.node import OperatorNode
+from services.operator.sources import build_source
+from services.plant.node import PlantNode
+from services.runtime.lockstep import Lockstep, Observer
+from services.scenarios.design import design_of, robot_of, sampled_plant_of, tank_of
+from services.scenarios.schema import Scenario
+
+COMPUTES_WITH = ("passafe", "casadi", "piqp", "numpy", "scipy", "eclipse-zenoh", "mcap", "protobuf")
+
+VIRTUAL_WALL_NS = 1_000_000_000_000_000_000
+"""Wall clock minus virtual clock of a lockstep run: a fixed day in 2001, so that logs show it and stay the same."""
+
+
+def period_ns(scenario: Scenario) -> int:
+    """Return the period of one tick, ns."""
+    return round(1e9 / scenario.rate_hz)
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of passafe, of what it computes with and of the interpreter."""
+    return {name: version(name) for name in COMPUTES_WITH} | {"python": platform.python_version()}
+
+
+def scenario_info(scenario: Scenario, driver: str) -> ScenarioInfo:
+    """Return the effective configuration as a message."""
+    return ScenarioInfo(scenario.model_dump_json(), driver, json.dumps(versions(), sort_keys=True))
+
+
+def link_settings(scenario: Scenario) -> dict[str, LinkSettings]:
+    """Return the settings of the links that the scenario injects, by name."""
+    return {name: LinkSettings(**config.model_dump()) for name, config in scenario.links.items()}
+
+
+def plant_node(scenario: Scenario) -> PlantNode:
+    """Return the plant of a scenario."""
+    robot = robot_of(scenario)
+    return PlantNode(
+        robot,
+        sampled_plant_of(scenario, robot),
+        x0=scenario.plant.x0,
+        period_ns=period_ns(scenario),
+        playout_ns=_whole_periods(scenario.plant.playout_s, scenario),
+        hold_ns=round(scenario.plant.hold_s * 1e9),
+        input_bound=scenario.filter.input_bound,
+    )
+
+
+def filter_node(scenario: Scenario, driver: str) -> FilterNode:
+    """Return the filter of a scenario.
+
+    Args:
+        scenario: What to build.
+        driver: ``live`` or ``lockstep``, for the log.
+    """
+    robot = robot_of(scenario)
+    return FilterNode(
+        SafetyPassivityFilter(design_of(scenario, robot)),
+        sampled_plant_of(scenario, robot),
+        tank_of(scenario),
+        period_ns=period_ns(scenario),
+        playout_ns=_whole_periods(scenario.plant.playout_s, scenario),
+        hold_ns=round(scenario.plant.hold_s * 1e9),
+        command_stale_ns=round(scenario.operator.stale_s * 1e9),
+        state_stale_ns=round(scenario.filter.stale_s * 1e9),
+        info=scenario_info(scenario, driver),
+    )
+
+
+def operator_node(scenario: Scenario, epoch: int) -> OperatorNode:
+    """Return the scripted operator of a scenario, its session stamped with ``epoch``."""
+    return OperatorNode(build_source(scenario.operator.source, robot_of(scenario).system.m), epoch=epoch)
+
+
+def _whole_periods(duration_s: float, scenario: Scenario) -> int:
+    return round(duration_s * scenario.rate_hz) * period_ns(scenario)
+
+
+def steps_of(scenario: Scenario) -> int:
+    """Return the steps of a lockstep run that covers the scenario's duration of plant time without delay."""
+    return round(scenario.duration_s * scenario.rate_hz) + round(scenario.plant.playout_s * scenario.rate_hz) + 1
+
+
+def lockstep_loop(scenario: Scenario, observer: Observer | None = None) -> Lockstep:
+    """Return the whole loop of a scenario in virtual time.
+
+    Args:
+        scenario: What to run.
+        observer: Called with every message, see ``Lockstep``.
+    """
+    epoch = 1
+    return Lockstep(
+        [plant_node(scenario), operator_node(scenario, epoch), filter_node(scenario, "lockstep")],
+        period_ns=period_ns(scenario),
+        links=link_settings(scenario),
+        wall_offset_ns=VIRTUAL_WALL_NS,
+        epoch=epoch,
+        observer=observer,
+    )

@@ -1,0 +1,1 @@
+"""The filter process: prediction, decision, account of every tick."""

@@ -1,0 +1,107 @@
+"""FilterTick: what the filter did in one tick, as a message."""
+
+from collections.abc import Sequence
+from typing import Final
+
+from msgspec import Struct
+
+from passafe.decision import Decision, Status
+from passafe.design import FilterDesign
+from passafe.filter import SafetyPassivityFilter
+from protocol.messages import (
+    BarrierChain,
+    Certificate,
+    Consumed,
+    FilterStatus,
+    FilterTick,
+    Received,
+    Row,
+)
+from protocol.topics import TOPIC_OF_BODY
+
+ACTIVE_DUAL: Final = 1e-6
+"""Multiplier from which a row counts as active, units of u."""
+
+STATUS: Final = (FilterStatus.UNCERTIFIED, *(FilterStatus[status.name] for status in Status))
+"""Status on the wire, by the number of the core's; a table, because hashing a member costs 0.4 µs."""
+
+
+class TickRecord(Struct, frozen=True, eq=False):
+    """What a tick message is made from.
+
+    Attributes:
+        tick: Number of the tick.
+        status: Outcome, staleness included.
+        decision: The filter's decision.
+        effective_plant_ns: Plant time of the decision.
+        tank_j: Energy in the tank at that time, predicted, J.
+        inbox: Messages that the step consumed.
+        state_age_ns: Age of the newest state; −1 if none came yet.
+        command_age_ns: Age of the newest command; −1 if none came yet.
+    """
+
+    tick: int
+    status: FilterStatus
+    decision: Decision
+    effective_plant_ns: int
+    tank_j: float
+    inbox: Sequence[Received]
+    state_age_ns: int
+    command_age_ns: int
+
+
+class Telemetry:
+    """Turns tick records into messages."""
+
+    def __init__(self, core: SafetyPassivityFilter) -> None:
+        self._design: FilterDesign = core.design
+        self._row_names = core.row_names
+        self._chains: list[tuple[str, slice]] = []
+        start = 0
+        for chain in core.chains:
+            self._chains.append((chain.barrier.name, slice(start, start + len(chain.psi))))
+            start += len(chain.psi)
+
+    def message(self, record: TickRecord) -> FilterTick:
+        """Return the message of one tick."""
+        decision = record.decision
+
+        def vector(name: str) -> tuple[float, ...]:
+            return tuple(decision.part(name).tolist())
+
+        psi = vector("psi")
+        return FilterTick(
+            tick=record.tick,
+            status=record.status,
+            mode=self._design.mode.value,
+            law=self._design.law.value,
+            effective_plant_ns=record.effective_plant_ns,
+            x_hat=vector("x"),
+            u_h=vector("u_h"),
+            u_h_rate=vector("u_h_rate"),
+            u_nominal=vector("u_nominal"),
+            phi=vector("phi"),
+            v=vector("v"),
+            u=decision.u,
+            barriers=tuple(BarrierChain(name, psi[place]) for name, place in self._chains),
+            power_margin=decision.power_margin,
+            tank_j=record.tank_j,
+            slack=decision.slack,
+            rows=tuple(
+                Row(name, margin, dual, dual > ACTIVE_DUAL)
+                for name, margin, dual in zip(self._row_names, vector("margins"), vector("lam"), strict=True)
+            ),
+            certificate=Certificate(
+                decision.solver,
+                not decision.status.is_fallback,
+                decision.primal_residual,
+                decision.dual_residual,
+                decision.gap,
+            ),
+            consumed=tuple(
+                Consumed(TOPIC_OF_BODY[type(body)].name, header.sequence, received_ns, header.epoch)
+                for header, body, received_ns in record.inbox
+            ),
+            state_age_ns=record.state_age_ns,
+            command_age_ns=record.command_age_ns,
+        )

@@ -1,0 +1,42 @@
+"""What a node is: a pure state machine that a driver steps."""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple, Protocol
+
+from protocol.messages import Message, Received
+from protocol.topics import Topic
+
+
+class Outgoing(NamedTuple):
+    """A message to publish.
+
+    Attributes:
+        topic: Where it goes.
+        body: The message, or a function without side effects that makes it. The function is called only if
+            somebody reads the topic: a lockstep loop that records nothing does not pay for telemetry.
+    """
+
+    topic: Topic
+    body: Message | Callable[[], Message]
+
+
+class Node(Protocol):
+    """A process of the system as a state machine: no clock, no socket, no sleep.
+
+    Attributes:
+        name: The process's name: ``operator``, ``filter``, ``plant``, …
+        subscribes: Topics whose messages ``step`` wants in its inbox.
+    """
+
+    name: str
+    subscribes: tuple[Topic, ...]
+
+    def step(self, now_ns: int, inbox: Sequence[Received]) -> Sequence[Outgoing]:
+        """Advance to ``now_ns`` and return what is to be published.
+
+        Args:
+            now_ns: When this step was due, monotonic, ns: on a grid of whole periods, later than the step before. It
+                may have begun a little later, so a message may have been received after it.
+            inbox: Messages that came out of their links since the step before, in order of arrival.
+        """
+        ...
