@@ -9,6 +9,8 @@ Field names, units and meanings are those of ``passafe.proto``; the header trave
 from enum import IntEnum
 from typing import NamedTuple, TypeAlias
 
+from msgspec import Struct
+
 SCHEMA_VERSION = 1
 """Version of ``passafe.proto``; a reader refuses every other."""
 
@@ -203,7 +205,7 @@ Message: TypeAlias = (
 )
 
 
-class Received(NamedTuple):
+class Received(Struct, frozen=True):
     """A message as it came out of its link: what a node's inbox holds."""
 
     header: Header

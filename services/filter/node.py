@@ -116,10 +116,10 @@ class FilterNode:
             decision = self._decide(now_ns, state, u_h, u_h_rate)
             stale = operator_is_stale and not decision.status.is_fallback
             status = _STALE if stale else STATUS[decision.status]
-            outgoing.append(Outgoing(INPUT, PlantInput(self._tick, decision.u, self._effective_ns, self._hold_ns)))
+            outgoing.append((INPUT, PlantInput(self._tick, decision.u, self._effective_ns, self._hold_ns)))
         event = self._announcer.event(now_ns, status)
         if event is not None:
-            outgoing.append(Outgoing(EVENT, event))
+            outgoing.append((EVENT, event))
         if self._decision is None:
             self._unaccounted += inbox
             return outgoing
@@ -133,22 +133,23 @@ class FilterNode:
             state_age_ns,
             command_age_ns,
         )
-        outgoing.append(Outgoing(TICK, partial(self._telemetry.message, record)))
+        outgoing.append((TICK, partial(self._telemetry.message, record)))
         return outgoing
 
     def _read(self, inbox: Sequence[Received]) -> None:
-        for header, body, received_ns in inbox:
+        for received in inbox:
+            body = received.body
             if type(body) is PlantState:
                 newest = self._state
                 if not is_usable(body, self._n, self._m):
                     continue
                 if newest is None or body.plant_ns >= newest.plant_ns:
-                    self._state, self._state_ns = body, received_ns
+                    self._state, self._state_ns = body, received.received_ns
                     self._predictor.confirm(body)
             elif type(body) is OperatorCommand:
-                order = (header.epoch, header.sequence)
+                order = (received.header.epoch, received.header.sequence)
                 if order > self._command_order and self._is_request(body):
-                    self._command, self._command_order, self._command_ns = body, order, received_ns
+                    self._command, self._command_order, self._command_ns = body, order, received.received_ns
 
     def _is_request(self, command: OperatorCommand) -> bool:
         """Tell whether a command has the filter's shape and only finite numbers."""
@@ -179,4 +180,4 @@ class FilterNode:
 
     def _introduce(self) -> list[Outgoing]:
         info, self._info = self._info, None
-        return [] if info is None else [Outgoing(SCENARIO, info)]
+        return [] if info is None else [(SCENARIO, info)]

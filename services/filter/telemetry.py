@@ -99,8 +99,8 @@ class Telemetry:
                 decision.gap,
             ),
             consumed=tuple(
-                Consumed(TOPIC_OF_BODY[type(body)].name, header.sequence, received_ns, header.epoch)
-                for header, body, received_ns in record.inbox
+                Consumed(TOPIC_OF_BODY[type(r.body)].name, r.header.sequence, r.received_ns, r.header.epoch)
+                for r in record.inbox
             ),
             state_age_ns=record.state_age_ns,
             command_age_ns=record.command_age_ns,

@@ -13,6 +13,8 @@ SHOW_PERIOD_NS: Final = 100_000_000
 KNOWN_NS: Final = 500_000_000
 """What came longer ago is not shown as if it were so now."""
 
+WAITING = PlantPhase.WAITING
+
 
 class OperatorNode:
     """Sends one ``OperatorCommand`` a step.
@@ -81,21 +83,22 @@ class OperatorNode:
             self._show(self._view(now_ns, command))
         if self._newer_epoch is None:
             body = OperatorCommand(command.u_h, command.u_h_rate, command.enabled, self._source.device)
-            return (Outgoing(COMMAND, body),)
+            return ((COMMAND, body),)
         return self._announcement(self._newer_epoch)
 
     def _read(self, inbox: Sequence[Received]) -> None:
-        for header, body, received_ns in inbox:
+        for received in inbox:
+            body = received.body
             if isinstance(body, PlantState):
-                number = (header.epoch, header.sequence)
+                number = (received.header.epoch, received.header.sequence)
                 if number > self._state_number:  # not one that a newer one overtook
                     self._state_number = number
-                    self._state, self._state_ns = body, received_ns
+                    self._state, self._state_ns = body, received.received_ns
             elif isinstance(body, OperatorCommand):
-                if header.epoch > self._epoch:
-                    self._newer_epoch = header.epoch
+                if received.header.epoch > self._epoch:
+                    self._newer_epoch = received.header.epoch
             elif isinstance(body, FilterTick):
-                self._tick, self._tick_ns = body, received_ns
+                self._tick, self._tick_ns = body, received.received_ns
 
     def _source_time_s(self, now_ns: int) -> float:
         if self._source.clock is SourceClock.LOCAL:
@@ -103,7 +106,7 @@ class OperatorNode:
                 self._first_ns = now_ns
             return (now_ns - self._first_ns) / 1e9
         state = self._state
-        if state is None or state.phase is PlantPhase.WAITING:
+        if state is None or state.phase is WAITING:
             return 0.0
         return max(0, state.plant_ns + now_ns - self._state_ns) / 1e9
 
@@ -112,7 +115,7 @@ class OperatorNode:
             return ()
         self._announced = True
         text = f"operator session {newer_epoch} is newer than {self._epoch}: this one is silent from now on"
-        return (Outgoing(EVENT, Event("warning", text)),)
+        return ((EVENT, Event("warning", text)),)
 
     def _view(self, now_ns: int, command: Command) -> OperatorView:
         state = self._state if now_ns - self._state_ns <= KNOWN_NS else None

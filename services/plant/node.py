@@ -85,22 +85,22 @@ class PlantNode:
             now_ns: Monotonic time of this step, ns.
             inbox: Inputs, in order of arrival.
         """
-        for _, body, received_ns in inbox:
-            if isinstance(body, PlantInput):
-                self._receive(body, received_ns)
+        for received in inbox:
+            if isinstance(received.body, PlantInput):
+                self._receive(received.body, received.received_ns)
         if self._origin_ns is None or now_ns < self._origin_ns + self.plant_ns:
-            return (Outgoing(STATE, self._state()),)
+            return ((STATE, self._state()),)
         outgoing = []
         if self._phase is WAITING:
             outgoing += self._choose_input()
-            outgoing.append(Outgoing(STATE, self._state()))
+            outgoing.append((STATE, self._state()))
         while self._origin_ns + self.plant_ns + self._period_ns <= now_ns:
             self._sample = self._plant.advance(self._sample.x, self._u)
             self._energy_in_j += self._sample.energy_in_j
             self.plant_ns += self._period_ns
             outgoing += self._choose_input()
-            outgoing.append(Outgoing(STATE, self._state()))
-        return outgoing or (Outgoing(STATE, self._state()),)
+            outgoing.append((STATE, self._state()))
+        return outgoing or ((STATE, self._state()),)
 
     def _receive(self, plant_input: PlantInput, received_ns: int) -> None:
         u = plant_input.u
@@ -139,8 +139,8 @@ class PlantNode:
             return []
         at = f"plant time {self.plant_ns / 1e9:.3f} s"
         if self._phase is FAIL_SAFE:
-            return [Outgoing(EVENT, Event("warning", f"inputs stopped: fail-safe law in force at {at}"))]
-        return [Outgoing(EVENT, Event("info", f"inputs are back: fail-safe law released at {at}"))]
+            return [(EVENT, Event("warning", f"inputs stopped: fail-safe law in force at {at}"))]
+        return [(EVENT, Event("info", f"inputs are back: fail-safe law released at {at}"))]
 
     def _state(self) -> PlantState:
         sample, in_force = self._sample, self._in_force

@@ -1,23 +1,14 @@
 """What a node is: a pure state machine that a driver steps."""
 
 from collections.abc import Callable, Sequence
-from typing import NamedTuple, Protocol
+from typing import Protocol, TypeAlias
 
 from protocol.messages import Message, Received
 from protocol.topics import Topic
 
-
-class Outgoing(NamedTuple):
-    """A message to publish.
-
-    Attributes:
-        topic: Where it goes.
-        body: The message, or a function without side effects that makes it. The function is called only if
-            somebody reads the topic: a lockstep loop that records nothing does not pay for telemetry.
-    """
-
-    topic: Topic
-    body: Message | Callable[[], Message]
+Outgoing: TypeAlias = tuple[Topic, Message | Callable[[], Message]]
+"""A message to publish: the topic, and the message or a function without side effects that makes it. The function is
+called only if somebody reads the topic, so a lockstep loop that records nothing does not pay for telemetry."""
 
 
 class Node(Protocol):

@@ -1,0 +1,124 @@
+"""``passafe demo``: the whole system as processes on this machine."""
+
+import sys
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Annotated, Final
+
+import typer
+from rich.console import Console
+
+from dashboard.process import require_free_page_port
+from services.cli.options import (
+    DEFAULT_SCENARIO,
+    DurationOption,
+    LawOption,
+    LinkOption,
+    ModeOption,
+    RateOption,
+    ScenarioOption,
+    scenario_from_options,
+    writable_folder,
+)
+from services.cli.verdict import exit_code, print_verdict
+from services.recorder.recover import recover
+from services.review.core_mathematics import CoreMathematics
+from services.review.log import RunLog
+from services.review.verdict import Verdict
+from services.router.port import require_free_router_port
+from services.runtime.endpoint import DEFAULT_PORT, LOOPBACK, Endpoint
+from services.runtime.outcome import Outcome, ProcessSpec
+from services.runtime.supervisor import supervise
+from services.scenarios.design import design_of, robot_of
+from services.scenarios.schema import Scenario
+
+DIED: Final = 3
+"""Exit code when a process died or could not be started."""
+
+
+def demo(
+    scenario: ScenarioOption = DEFAULT_SCENARIO,
+    mode: ModeOption = None,
+    law: LawOption = None,
+    duration: DurationOption = None,
+    rate: RateOption = None,
+    headless: Annotated[bool, typer.Option("--headless", help="Without the dashboard.")] = False,
+    out: Annotated[Path, typer.Option("--out", "-o", help="Folder for the log.")] = Path("runs"),
+    port: Annotated[int, typer.Option(min=1, max=65535, help="Port of the dashboard's page.")] = 8080,
+    router_port: Annotated[int, typer.Option(min=1, max=65535, help="Port of the router.")] = DEFAULT_PORT,
+    link: LinkOption = None,
+) -> None:
+    """Run router, recorder, dashboard, operator, filter and plant as processes of their own.
+
+    Open the address that is printed, drive with `passafe run operator --device keyboard` in another terminal, and
+    end with Ctrl-C. Then the log is judged as by `passafe review`. Exits with 0 only if every required property
+    holds and every process ended well.
+
+    Example: `passafe demo --mode off --duration 10`
+    """
+    chosen = scenario_from_options(scenario, mode=mode, law=law, duration_s=duration, rate_hz=rate, links=link or ())
+    design_of(chosen, robot_of(chosen))  # what cannot be built is said before anything starts
+    folder = writable_folder(out)
+    endpoint = Endpoint(host=LOOPBACK, port=router_port)
+    require_free_router_port(endpoint)
+    if not headless:
+        require_free_page_port(LOOPBACK, port)
+    stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
+    base = folder / f"{chosen.name}-{chosen.filter.mode}-{stamp}"
+    effective = base.with_suffix(".scenario.json")
+    effective.write_text(chosen.model_dump_json(indent=2), encoding="utf-8")
+    log = base.with_suffix(".mcap")
+    specs = _specs(effective, endpoint, log, None if headless else port, duration)
+    console = Console(highlight=False, soft_wrap=True)
+
+    def say_ready() -> None:
+        if not headless:
+            console.print(f"dashboard http://{LOOPBACK}:{port}/")
+        console.print("running; end with Ctrl-C" if duration is None else f"running for {duration:g} s")
+
+    outcome = supervise(specs, on_ready=say_ready, emit=console.out)
+    raise typer.Exit(_conclude(outcome, log, chosen, console))
+
+
+def _specs(
+    scenario_file: Path, endpoint: Endpoint, log: Path, port: int | None, duration_s: float | None
+) -> list[ProcessSpec]:
+    """Return the processes in the order in which they start; the plant last, so that it is stopped first."""
+    extra: dict[str, list[str]] = {
+        "router": [],
+        "recorder": ["--out", str(log)],
+        "dashboard": ["--port", str(port)],
+        "operator": [],
+        "filter": [],
+        "plant": [] if duration_s is None else ["--duration", str(duration_s)],
+    }
+    if port is None:
+        del extra["dashboard"]
+    common = [
+        "--scenario",
+        str(scenario_file),
+        "--router",
+        f"{endpoint.host}:{endpoint.port}",
+        "--lifeline",
+    ]
+    return [
+        ProcessSpec(name=name, argv=(sys.executable, "-m", "services.cli", "run", name, *common, *arguments))
+        for name, arguments in extra.items()
+    ]
+
+
+def _conclude(outcome: Outcome, log: Path, scenario: Scenario, console: Console) -> int:
+    """Print how the run ended, the verdict and the log's path; return the exit code."""
+    if not outcome.clean:
+        console.print(f"[bold red]{outcome.detail}[/]")
+    if not log.exists():
+        return DIED
+    read = RunLog.read(log)
+    if not read.finished:
+        torn = log.with_suffix(".torn.mcap")
+        log.rename(torn)
+        kept = recover(torn, log)
+        console.print(f"the recorder did not finish its log; {kept.messages} messages were recovered from {torn}")
+    verdict = Verdict.of(read, CoreMathematics(scenario))
+    print_verdict(verdict, log)
+    return exit_code(verdict) if outcome.clean else DIED

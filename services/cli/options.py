@@ -1,0 +1,119 @@
+"""Options that several commands take, and how their text becomes values."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Any, Final
+
+import typer
+
+from services.runtime.endpoint import DEFAULT_PORT, LOOPBACK, Endpoint
+from services.scenarios.errors import ScenarioError
+from services.scenarios.load import load_scenario
+from services.scenarios.schema import Scenario
+
+DEFAULT_SCENARIO: Final = "notomista-cai-2020"
+
+ScenarioOption = Annotated[
+    str,
+    typer.Option("--scenario", "-s", help="Shipped scenario (see `passafe scenarios`) or a TOML file."),
+]
+ModeOption = Annotated[
+    str | None,
+    typer.Option("--mode", "-m", help="What the filter enforces: off, safe, passive or both."),
+]
+LawOption = Annotated[
+    str | None,
+    typer.Option("--law", help="Rows of the filter: sampled (default) or continuous, the paper's."),
+]
+DurationOption = Annotated[
+    float | None,
+    typer.Option("--duration", "-d", help="Seconds of plant time to run."),
+]
+RateOption = Annotated[
+    float | None,
+    typer.Option("--rate", help="Ticks per second, Hz, instead of the scenario's."),
+]
+LinkOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--link",
+        metavar="NAME:KEY=VALUE,…",
+        help="Make a link bad: operator-to-filter, filter-to-plant or plant-to-filter, with delay and jitter in "
+        "seconds, loss from 0 to 1, seed. Example: `--link plant-to-filter:delay=0.2,jitter=0.02,loss=0.1`.",
+    ),
+]
+RouterOption = Annotated[
+    str,
+    typer.Option("--router", metavar="HOST:PORT", help="Where the router of the running system listens."),
+]
+DEFAULT_ROUTER: Final = f"{LOOPBACK}:{DEFAULT_PORT}"
+
+_LINK_FIELDS: Final = {"delay": "delay_s", "jitter": "jitter_s", "loss": "loss", "seed": "seed"}
+
+
+def scenario_from_options(
+    name_or_file: str,
+    *,
+    mode: str | None = None,
+    law: str | None = None,
+    duration_s: float | None = None,
+    rate_hz: float | None = None,
+    links: Sequence[str] = (),
+) -> Scenario:
+    """Return a scenario with the command line's values in place of its own.
+
+    Raises:
+        ScenarioError: Something that a scenario may not hold.
+    """
+    given = {
+        "filter.mode": mode,
+        "filter.law": law,
+        "duration_s": duration_s,
+        "rate_hz": rate_hz,
+    }
+    overrides: dict[str, Any] = {field: value for field, value in given.items() if value is not None}
+    for text in links:
+        overrides |= _link_overrides(text)
+    return load_scenario(name_or_file, overrides)
+
+
+def parse_endpoint(text: str) -> Endpoint:
+    """Return the endpoint that ``HOST:PORT`` names.
+
+    Raises:
+        typer.BadParameter: It does not.
+    """
+    host, separator, port = text.rpartition(":")
+    if not separator or not port.isdigit():
+        raise typer.BadParameter(f"--router: got {text!r}, allowed HOST:PORT such as {DEFAULT_ROUTER}")
+    return Endpoint(host=host, port=int(port))
+
+
+def writable_folder(path: Path) -> Path:
+    """Return the folder, made if it was not there.
+
+    Raises:
+        typer.BadParameter: It cannot be made or written.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        probe = path / ".passafe-probe"
+        probe.touch()
+        probe.unlink()
+    except OSError as error:
+        raise typer.BadParameter(f"--out: got {path} ({error.strerror}), allowed a writable folder") from error
+    return path
+
+
+def _link_overrides(text: str) -> dict[str, Any]:
+    name, separator, settings = text.partition(":")
+    wrong = ScenarioError("command line", "--link", repr(text), "NAME:KEY=VALUE,… with delay, jitter, loss, seed")
+    if not separator:
+        raise wrong
+    overrides: dict[str, Any] = {}
+    for part in settings.split(","):
+        key, equals, value = part.partition("=")
+        if not equals or key not in _LINK_FIELDS:
+            raise wrong
+        overrides[f"links.{name}.{_LINK_FIELDS[key]}"] = value
+    return overrides

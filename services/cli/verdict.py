@@ -1,0 +1,45 @@
+"""A verdict in the terminal."""
+
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+
+from services.review.verdict import Verdict
+
+
+def exit_code(verdict: Verdict) -> int:
+    """Return 0 if every required property holds, 1 otherwise."""
+    return 0 if verdict.verdict == "holds" else 1
+
+
+def print_verdict(verdict: Verdict, log: Path) -> None:
+    """Print what a review found, and where the log is."""
+    console = Console()
+    title = f"{verdict.scenario}, mode {verdict.mode}, law {verdict.law}, {verdict.driver}"
+    table = Table("property", "required", "holds", "worst", "at", title=title, title_justify="left")
+    for name, entry in verdict.properties.items():
+        table.add_row(
+            name,
+            "yes" if entry.required else "no",
+            {True: "yes", False: "[bold red]NO[/]", None: "unknown"}[entry.holds],
+            _number(entry.worst),
+            "" if entry.at_s is None else f"{entry.at_s:.3f} s",
+        )
+    console.print(table)
+    final = "none" if verdict.final_x is None else ", ".join(f"{value:.4f}" for value in verdict.final_x)
+    counts = ", ".join(f"{name} {count}" for name, count in verdict.status_counts.items())
+    console.print(f"final x   {final}")
+    console.print(f"ticks     {verdict.ticks} ({counts}), {verdict.ticks_missed} missed", highlight=False)
+    if verdict.late_us_p99 is not None and verdict.solve_us_p50 is not None:
+        console.print(
+            f"timing    late p50 {verdict.late_us_p50:.0f} µs, p99 {verdict.late_us_p99:.0f} µs; "
+            f"filter step p50 {verdict.solve_us_p50:.0f} µs, p99 {verdict.solve_us_p99:.0f} µs",
+            highlight=False,
+        )
+    console.print(f"verdict   [bold]{verdict.verdict}[/]")
+    console.print(f"log       {log}", highlight=False, soft_wrap=True)
+
+
+def _number(value: float | None) -> str:
+    return "" if value is None else f"{value:.3g}"

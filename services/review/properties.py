@@ -1,0 +1,184 @@
+"""What a run must keep, and whether it did."""
+
+from collections.abc import Sequence
+from typing import Final
+
+from pydantic import BaseModel, ConfigDict
+
+from protocol.messages import Certificate, FilterStatus, FilterTick, PlantInput, PlantPhase, PlantState
+from protocol.topics import COMMAND, INPUT, STATE, TICK
+from services.review.continuity import Logged
+from services.review.log import RunLog
+from services.review.margins import Extremum, Margins
+from services.review.trajectory import NS_PER_S, Trajectory
+from services.scenarios.schema import Scenario
+
+CONTROL_TOPICS: Final = (COMMAND, INPUT, STATE, TICK)
+ANSWERED: Final = (FilterStatus.PASSED, FilterStatus.MODIFIED, FilterStatus.RELAXED)
+"""Statuses that claim a certified answer; every other is a defined fallback and claims none."""
+
+
+class Tolerances(BaseModel):
+    """How far below its limit a recomputed figure may lie and still count as kept.
+
+    They cover what the recomputation adds (rounding, the sampled law's own margin between samples), are the
+    same for every scenario and mode, and are printed with the verdict.
+
+    Attributes:
+        h: Of a barrier value, in the barrier's own unit.
+        power_margin_w: Of the power margin, W.
+        tank_j: Of the tank's ledger, J.
+        input_relative: Of the bound of the input, relative to it.
+        mismatch_relative: Distance of a logged state from where the model goes, relative to 1 + ‖x‖∞.
+        certificate: Of each residual and the gap of a certificate, relative as the certificate states them.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    h: float = 1e-3
+    power_margin_w: float = 0.05
+    tank_j: float = 1e-9
+    input_relative: float = 1e-9
+    mismatch_relative: float = 1e-6
+    certificate: float = 1e-6
+
+
+class Property(BaseModel):
+    """One thing that a run must keep.
+
+    Attributes:
+        holds: Whether it did; ``None`` if the log holds nothing to judge it by.
+        required: Whether the scenario's mode asks for it; if not it is reported and decides nothing.
+        worst: The worst value found, of what ``demand`` names.
+        at_s: Plant time of the worst value, s; of the first one where values are counted.
+        demand: What is demanded, in words.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    holds: bool | None
+    required: bool
+    worst: float | None
+    at_s: float | None
+    demand: str
+
+
+def judge_properties(
+    log: RunLog, trajectory: Trajectory, margins: Margins, tolerances: Tolerances
+) -> dict[str, Property]:
+    """Judge every property of a run, by name."""
+    scenario = log.identity.scenario
+    return {
+        "safe": _safe(margins, scenario, tolerances),
+        "passive": _passive(margins, scenario, tolerances),
+        "bounded": _bounded(log.of(PlantInput), trajectory, scenario.filter.input_bound, tolerances),
+        "certified": _certified(log.of(FilterTick), tolerances.certificate, required=scenario.filter.mode != "off"),
+        "consistent": _at_most(
+            margins.mismatch_max,
+            tolerances.mismatch_relative,
+            required=True,
+            what="distance of each state from where the model goes from the state before, relative",
+        ),
+        "complete": _complete(log, trajectory),
+    }
+
+
+def _at_least(worst: Extremum | None, limit: float, *, required: bool, what: str) -> Property:
+    return Property(
+        holds=None if worst is None else worst.value >= limit,
+        required=required,
+        worst=None if worst is None else worst.value,
+        at_s=None if worst is None else worst.at_s,
+        demand=f"{what} ≥ {limit:g}",
+    )
+
+
+def _at_most(worst: Extremum | None, limit: float, *, required: bool, what: str) -> Property:
+    return Property(
+        holds=None if worst is None else worst.value <= limit,
+        required=required,
+        worst=None if worst is None else worst.value,
+        at_s=None if worst is None else worst.at_s,
+        demand=f"{what} ≤ {limit:g}",
+    )
+
+
+def _safe(margins: Margins, scenario: Scenario, tolerances: Tolerances) -> Property:
+    return _at_least(
+        margins.h_min,
+        -tolerances.h,
+        required=scenario.filter.mode in ("safe", "both") and bool(scenario.filter.barriers),
+        what="smallest barrier value h(x), also between samples",
+    )
+
+
+def _passive(margins: Margins, scenario: Scenario, tolerances: Tolerances) -> Property:
+    required = scenario.filter.mode in ("passive", "both")
+    if scenario.filter.passivity.kind == "tank":
+        return _at_least(margins.tank_min_j, -tolerances.tank_j, required=required, what="energy of the tank, J,")
+    return _at_least(
+        margins.power_margin_min,
+        -tolerances.power_margin_w,
+        required=required,
+        what="power margin h_u(x, u), W, also between samples",
+    )
+
+
+def _bounded(
+    inputs: Sequence[Logged[PlantInput]], trajectory: Trajectory, bound: float, tolerances: Tolerances
+) -> Property:
+    worst: Extremum | None = None
+    if trajectory.samples:
+        worst = Extremum.highest(abs(trajectory.u).max(axis=0), trajectory.t_s)
+    for sent in inputs:
+        largest = max(map(abs, sent.body.u))
+        if worst is None or largest > worst.value:
+            worst = Extremum(largest, sent.body.effective_plant_ns / NS_PER_S)
+    limit = bound * (1 + tolerances.input_relative)
+    return _at_most(worst, limit, required=True, what="largest |u_i| sent or applied")
+
+
+def _certified(ticks: Sequence[Logged[FilterTick]], limit: float, *, required: bool) -> Property:
+    uncertified = [
+        tick.body for tick in ticks if tick.body.status in ANSWERED and not _is_accepted(tick.body.certificate, limit)
+    ]
+    return Property(
+        holds=not uncertified if ticks else None,
+        required=required,
+        worst=float(len(uncertified)) if ticks else None,
+        at_s=uncertified[0].effective_plant_ns / NS_PER_S if uncertified else None,
+        demand=f"ticks that claim an answer without a certificate accepted within {limit:g} = 0",
+    )
+
+
+def _is_accepted(certificate: Certificate, limit: float) -> bool:
+    residuals = (certificate.primal_residual, certificate.dual_residual, certificate.gap)
+    return certificate.accepted and max(residuals) <= limit
+
+
+def _complete(log: RunLog, trajectory: Trajectory) -> Property:
+    missing = sum(log.counts[topic.name].gaps for topic in CONTROL_TOPICS)
+    return Property(
+        holds=missing == 0 and log.finished and _shows_the_start(log, trajectory),
+        required=True,
+        worst=float(missing),
+        at_s=_first_gap_s(log),
+        demand="messages of command, input, state and tick missing = 0, from the first state to the end",
+    )
+
+
+def _shows_the_start(log: RunLog, trajectory: Trajectory) -> bool:
+    """Whether the log has the plant before its first input, or at the latest one period after it."""
+    states = log.of(PlantState)
+    waited = bool(states) and states[0].body.phase is PlantPhase.WAITING
+    return trajectory.samples > 0 and (waited or bool(trajectory.t_s[0] <= log.identity.scenario.dt_s))
+
+
+def _first_gap_s(log: RunLog) -> float | None:
+    """Plant time of the last state before the first gap, s."""
+    walls = [log.counts[topic.name].first_gap_wall_ns for topic in CONTROL_TOPICS]
+    first_ns = min((wall_ns for wall_ns in walls if wall_ns is not None), default=None)
+    if first_ns is None:
+        return None
+    before = [state for state in log.of(PlantState) if state.header.wall_ns <= first_ns]
+    return before[-1].body.plant_ns / NS_PER_S if before else None

@@ -1,0 +1,193 @@
+"""The verdict on one run: what ``passafe review --json`` prints."""
+
+from collections import Counter
+from collections.abc import Mapping
+from typing import Final, Literal, Self
+
+from pydantic import BaseModel, ConfigDict
+
+from protocol.messages import FilterTick, PlantState
+from services.review.errors import MismatchedLogError
+from services.review.identity import Driver
+from services.review.log import RunLog
+from services.review.margins import Extremum, Margins
+from services.review.mathematics import PlantMathematics
+from services.review.properties import Property, Tolerances, judge_properties
+from services.review.timing import Spread, Timing, ticks_missed
+from services.review.trajectory import NS_PER_S, Trajectory
+
+POINTS_PER_PERIOD: Final = 10
+"""Instants judged in every period, besides the samples themselves."""
+
+Outcome = Literal["holds", "fails", "unproven"]
+
+
+class Verdict(BaseModel):
+    """Everything a review finds in one log; figures that the log does not give are ``None``.
+
+    ``h_min`` and ``power_margin_min`` are recomputed from the plant's states and the inputs in force, at
+    every sample and at ``points_per_period`` instants between it and the next; what the filter said of
+    itself is not read for them.
+
+    Attributes:
+        scenario: Name of the scenario.
+        mode: Mode of the filter: off, safe, passive or both.
+        law: Law of the filter: sampled or continuous.
+        driver: What ran the nodes: live or lockstep.
+        finished: The log is whole.
+        duration_s: Plant time from the first sample to the last, s.
+        ticks: Filter ticks in the log.
+        ticks_missed: Filter steps skipped to catch up.
+        gaps: Messages missing between others, by topic.
+        missed_at_start: Messages missing before the first one, by topic.
+        undecodable: Messages in the log that are not valid for their topic, by topic.
+        h_min: Smallest barrier value.
+        h_min_at_samples: The same at samples only.
+        power_margin_min: Smallest power margin h_u(x, u), W.
+        power_margin_min_at_samples: The same at samples only.
+        tank_min_j: Smallest energy of the tank's ledger, J, at samples.
+        u_norm_max: Largest ‖u‖₂ in force.
+        status_counts: Ticks by the filter's status.
+        solve_us_p50: Filter step from its beginning to its input being sent, messages decoded, solved and
+            certified; median, µs; live logs only.
+        solve_us_p99: The same, 99th percentile.
+        late_us_p50: How long after its time a filter step began, median, µs; live logs only.
+        late_us_p99: The same, 99th percentile.
+        command_age_ms_p50: Age of the newest operator command at a filter tick, median, ms.
+        command_age_ms_p99: The same, 99th percentile.
+        timing: More percentiles of these, of every process, and of the way from operator to plant.
+        final_x: Last state of the plant.
+        points_per_period: Instants judged in every period, besides the samples.
+        tolerances: What still counts as kept.
+        properties: What the run must keep, by name.
+        verdict: ``holds`` if every required property does; ``fails`` if the log shows one that does not;
+            ``unproven`` if it shows none, but does not show the whole run either.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    scenario: str
+    mode: str
+    law: str
+    driver: Driver
+    finished: bool
+    duration_s: float
+    ticks: int
+    ticks_missed: int
+    gaps: dict[str, int]
+    missed_at_start: dict[str, int]
+    undecodable: dict[str, int]
+    h_min: float | None
+    h_min_at_samples: float | None
+    power_margin_min: float | None
+    power_margin_min_at_samples: float | None
+    tank_min_j: float | None
+    u_norm_max: float | None
+    status_counts: dict[str, int]
+    solve_us_p50: float | None
+    solve_us_p99: float | None
+    late_us_p50: float | None
+    late_us_p99: float | None
+    command_age_ms_p50: float | None
+    command_age_ms_p99: float | None
+    timing: Timing
+    final_x: tuple[float, ...] | None
+    points_per_period: int
+    tolerances: Tolerances
+    properties: dict[str, Property]
+    verdict: Outcome
+
+    @classmethod
+    def of(
+        cls,
+        log: RunLog,
+        mathematics: PlantMathematics,
+        *,
+        tolerances: Tolerances | None = None,
+        points_per_period: int = POINTS_PER_PERIOD,
+    ) -> Self:
+        """Judge a run.
+
+        Args:
+            log: Its log.
+            mathematics: Functions of the log's scenario.
+            tolerances: What still counts as kept; the defaults if not given.
+            points_per_period: Instants to judge between two samples, the end of the period among them.
+
+        Raises:
+            MismatchedLogError: The states in the log have not as many numbers as the scenario's.
+        """
+        scenario = log.identity.scenario
+        tolerances = Tolerances() if tolerances is None else tolerances
+        trajectory = trajectory_of(log)
+        margins = Margins.of(trajectory, mathematics, scenario.filter.passivity, points_per_period)
+        properties = judge_properties(log, trajectory, margins, tolerances)
+        ticks = log.of(FilterTick)
+        timing = Timing.of(log)
+        solve_us_p50, solve_us_p99 = _percentiles(timing.solve_us)
+        late_us_p50, late_us_p99 = _percentiles((timing.late_us or {}).get("filter"))
+        command_age_ms_p50, command_age_ms_p99 = _percentiles(timing.command_age_ms)
+        return cls(
+            scenario=scenario.name,
+            mode=scenario.filter.mode,
+            law=scenario.filter.law,
+            driver=log.identity.driver,
+            finished=log.finished,
+            duration_s=float(trajectory.t_s[-1] - trajectory.t_s[0]) if trajectory.samples else 0.0,
+            ticks=len(ticks),
+            ticks_missed=ticks_missed(ticks, scenario.dt_s * NS_PER_S),
+            gaps={name: count.gaps for name, count in log.counts.items()},
+            missed_at_start={name: count.missed_at_start for name, count in log.counts.items()},
+            undecodable={name: count.undecodable for name, count in log.counts.items()},
+            h_min=_value(margins.h_min),
+            h_min_at_samples=_value(margins.h_min_at_samples),
+            power_margin_min=_value(margins.power_margin_min),
+            power_margin_min_at_samples=_value(margins.power_margin_min_at_samples),
+            tank_min_j=_value(margins.tank_min_j),
+            u_norm_max=_value(margins.u_norm_max),
+            status_counts=dict(Counter(tick.body.status.name for tick in ticks)),
+            solve_us_p50=solve_us_p50,
+            solve_us_p99=solve_us_p99,
+            late_us_p50=late_us_p50,
+            late_us_p99=late_us_p99,
+            command_age_ms_p50=command_age_ms_p50,
+            command_age_ms_p99=command_age_ms_p99,
+            timing=timing,
+            final_x=tuple(trajectory.x[:, -1].tolist()) if trajectory.samples else None,
+            points_per_period=points_per_period,
+            tolerances=tolerances,
+            properties=properties,
+            verdict=decide(properties),
+        )
+
+
+def trajectory_of(log: RunLog) -> Trajectory:
+    """Motion of the plant in a log.
+
+    Raises:
+        MismatchedLogError: Its states have not as many numbers as the scenario's.
+    """
+    states = log.of(PlantState)
+    allowed = len(log.identity.scenario.plant.x0)
+    for state in states:
+        if len(state.body.x) != allowed:
+            where = f"state {state.header.sequence}"
+            got = f"{len(state.body.x)} numbers, allowed {allowed} as in the scenario"
+            raise MismatchedLogError(log.path, f"{where}: got {got}")
+    return Trajectory.of(states)
+
+
+def decide(properties: Mapping[str, Property]) -> Outcome:
+    """Outcome of a run from its properties; see ``Verdict.verdict``."""
+    required = {name: entry for name, entry in properties.items() if entry.required}
+    if any(entry.holds is False for name, entry in required.items() if name != "complete"):
+        return "fails"
+    return "holds" if all(entry.holds for entry in required.values()) else "unproven"
+
+
+def _value(extremum: Extremum | None) -> float | None:
+    return None if extremum is None else extremum.value
+
+
+def _percentiles(spread: Spread | None) -> tuple[float | None, float | None]:
+    return (None, None) if spread is None else (spread.p50, spread.p99)

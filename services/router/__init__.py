@@ -1,0 +1,1 @@
+"""The router process: every message passes through it."""

@@ -1,0 +1,58 @@
+"""The router: the process that every message passes through. Zenoh's own, no other program."""
+
+import errno
+import socket
+from typing import Final
+
+from services.runtime.bus import listening_router
+from services.runtime.endpoint import LOOPBACK, Endpoint
+from services.runtime.errors import BusError, PortInUseError
+from services.runtime.readiness import announce_ready
+from services.runtime.realtime import request_realtime
+from services.runtime.stop import StopReason, stop_requests
+
+NAME: Final = "router"
+
+
+def run_router(port: int, *, host: str = LOOPBACK, lifeline: bool = False) -> StopReason | None:
+    """Route until somebody ends it; main thread only.
+
+    Args:
+        port: TCP port to listen on.
+        host: Address to listen on: loopback, unless other hosts are to take part.
+        lifeline: Whether standard input is a lifeline (see ``services.runtime.stop``).
+
+    Returns:
+        Why it ended.
+
+    Raises:
+        EndpointError: If host or port can be no endpoint.
+        PortInUseError: If the port is taken.
+        BusError: If it cannot listen for another reason.
+    """
+    endpoint = Endpoint(host=host, port=port)
+    request_realtime()  # the processes that keep a rate say so if it is refused
+    with stop_requests(lifeline=lifeline) as stop:
+        try:
+            with listening_router(endpoint):
+                announce_ready(NAME)
+                stop.wait()
+        except BusError as error:
+            if _taken(endpoint):
+                raise PortInUseError(host, port) from error
+            raise
+    return stop.reason
+
+
+def _taken(endpoint: Endpoint) -> bool:
+    """Whether somebody else listens on the endpoint."""
+    try:
+        family, kind, protocol, _, address = socket.getaddrinfo(endpoint.host, endpoint.port, type=socket.SOCK_STREAM)[
+            0
+        ]
+        with socket.socket(family, kind, protocol) as probe:
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            probe.bind(address)
+    except OSError as error:
+        return error.errno == errno.EADDRINUSE
+    return False

@@ -1,0 +1,194 @@
+"""The live driver: one node in one process, at a fixed rate, over the bus."""
+
+import time
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass
+from time import monotonic_ns
+from typing import Final
+
+from protocol.link import LinkSettings
+from protocol.messages import Health, LinkEvent, Message, Received
+from protocol.topics import EVENT, HEALTH, LINK_EVENT, Topic
+from services.runtime.bus import Bus, open_bus
+from services.runtime.endpoint import Endpoint
+from services.runtime.inlet import inlets_of, take_all
+from services.runtime.node import Node
+from services.runtime.notices import Notices
+from services.runtime.outlet import Outlet
+from services.runtime.pace import Pace
+from services.runtime.readiness import announce_ready
+from services.runtime.realtime import quiet_collector, request_realtime
+from services.runtime.stop import Stop, StopReason, stop_requests
+
+HEALTH_PERIOD_NS: Final = 1_000_000_000
+_NS_PER_S: Final = 1e9
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class LiveReport:
+    """What became of a live run of one node.
+
+    Attributes:
+        steps: Steps made.
+        overruns: Steps that ended after the next was due.
+        ticks_missed: Steps left out because the loop had fallen behind.
+        withheld: Messages that the node made and that were not valid.
+        reason: Why it ended.
+    """
+
+    steps: int
+    overruns: int
+    ticks_missed: int
+    withheld: int
+    reason: StopReason
+
+
+def run_live(
+    node: Node,
+    *,
+    rate_hz: float,
+    endpoint: Endpoint,
+    links: Mapping[str, LinkSettings],
+    duration_s: float | None = None,
+    epoch: int | None = None,
+    lifeline: bool = False,
+    finished: Callable[[], bool] | None = None,
+) -> LiveReport:
+    """Step a node against the clock until somebody ends it; main thread only.
+
+    A node's ``now_ns`` is when its step was due, on a grid of whole periods; when the step really began is in
+    the header of all that it publishes. ``received_ns`` of a message is the time of the step that found it, or when it
+    came out of its link. So a log says exactly what the node was stepped with.
+
+    Args:
+        node: The node.
+        rate_hz: Steps per second.
+        endpoint: Where the router listens.
+        links: Settings of injected links by name; those at other nodes are passed over.
+        duration_s: How long to run; ``None``: until somebody ends it.
+        epoch: Session number of what is published; the wall clock in ns if not given.
+        lifeline: Whether standard input is a lifeline (see ``services.runtime.stop``).
+        finished: Asked before each step whether the node wants no more.
+
+    Returns:
+        Counts, and why it ended: a signal, the end of the lifeline or of the duration, or ``finished``.
+
+    Raises:
+        BusError: If there is no router.
+        LinkNameError: If ``links`` names a link that does not exist.
+    """
+    notices = Notices()
+    refusal = request_realtime()
+    with ExitStack() as stack:
+        stop = stack.enter_context(stop_requests(lifeline=lifeline))
+        bus = stack.enter_context(open_bus(endpoint))
+        driver = _Driver(node, bus, links, time.time_ns() if epoch is None else epoch, notices)
+        if refusal is not None:
+            driver.say("realtime", "warning", refusal)
+        announce_ready(node.name)
+        collect = stack.enter_context(quiet_collector())
+        pace = Pace(monotonic_ns() + round(_NS_PER_S / rate_hz), rate_hz)
+        end_ns = None if duration_s is None else pace.due_ns + round(_NS_PER_S * duration_s)
+        reason = driver.run(pace, stop, end_ns, finished or _never, collect)
+        return LiveReport(
+            steps=pace.steps,
+            overruns=pace.overruns,
+            ticks_missed=pace.missed,
+            withheld=driver.withheld,
+            reason=reason,
+        )
+
+
+class _Driver:
+    """One node, its inlets and its outlet."""
+
+    def __init__(self, node: Node, bus: Bus, links: Mapping[str, LinkSettings], epoch: int, notices: Notices) -> None:
+        self._node = node
+        self._notices = notices
+        self._inlets = inlets_of(node, links)
+        self._readers = tuple((inlet, bus.reader(inlet.topic)) for inlet in self._inlets)
+        self._outlet = Outlet(bus, node.name, epoch)
+        self._scheduled_ns = self._started_ns = monotonic_ns()
+
+    @property
+    def withheld(self) -> int:
+        """Messages that were not valid and therefore not sent."""
+        return self._outlet.withheld
+
+    def run(
+        self,
+        pace: Pace,
+        stop: Stop,
+        end_ns: int | None,
+        finished: Callable[[], bool],
+        collect: Callable[[], None],
+    ) -> StopReason:
+        """Step until there is a reason not to; returns it."""
+        health_due_ns = pace.due_ns + HEALTH_PERIOD_NS
+        told_ns, told_steps = pace.due_ns, 0
+        while True:
+            reason = _reason_to_end(pace, stop, end_ns, finished)
+            if reason is not None:
+                break
+            wait_ns = pace.due_ns - monotonic_ns()
+            if wait_ns > 0:
+                time.sleep(wait_ns / _NS_PER_S)
+            now_ns = monotonic_ns()
+            self._step(pace.begin(now_ns), now_ns)
+            if now_ns >= health_due_ns:
+                self._tell_health(pace, (pace.steps - told_steps) * _NS_PER_S / (now_ns - told_ns))
+                told_ns, told_steps = now_ns, pace.steps
+                health_due_ns = now_ns + HEALTH_PERIOD_NS
+                collect()
+            pace.end(monotonic_ns())
+        elapsed_ns = max(1, monotonic_ns() - told_ns)
+        self._tell_health(pace, (pace.steps - told_steps) * _NS_PER_S / elapsed_ns)
+        self.say("end", "info", f"ended by {reason.value} after {pace.steps} steps")
+        return reason
+
+    def say(self, kind: str, severity: str, text: str) -> None:
+        """Say something on standard error and as an event, within the limits of ``Notices``."""
+        event = self._notices.notice(kind, severity, text, monotonic_ns())
+        if event is not None:
+            self._publish(EVENT, event)
+
+    def _step(self, scheduled_ns: int, now_ns: int) -> None:
+        self._scheduled_ns = scheduled_ns
+        self._started_ns = now_ns
+        for topic, body in self._node.step(scheduled_ns, self._receive(now_ns)):
+            self._publish(topic, body)
+
+    def _receive(self, now_ns: int) -> list[Received]:
+        for inlet, reader in self._readers:
+            for data in reader.drain():
+                trouble = inlet.read(now_ns, data)
+                if trouble is None:
+                    continue
+                if isinstance(trouble, LinkEvent):
+                    self._publish(LINK_EVENT, trouble)
+                else:
+                    self.say(f"refused {inlet.topic.name}", "warning", f"refused {trouble}")
+        return take_all(self._inlets, now_ns)
+
+    def _publish(self, topic: Topic, body: Message | Callable[[], Message]) -> None:
+        error = self._outlet.publish(topic, body, scheduled_ns=self._scheduled_ns, started_ns=self._started_ns)
+        if error is not None and topic is not EVENT:
+            self.say(f"withheld {topic.name}", "error", f"withheld {error}")
+
+    def _tell_health(self, pace: Pace, rate_hz: float) -> None:
+        topics = tuple(inlet.health for inlet in self._inlets)
+        late_us = pace.take_worst_late_ns() / 1e3
+        self._publish(HEALTH, Health(rate_hz, pace.steps, pace.overruns, pace.missed, late_us, topics))
+
+
+def _reason_to_end(pace: Pace, stop: Stop, end_ns: int | None, finished: Callable[[], bool]) -> StopReason | None:
+    if stop.reason is not None:
+        return stop.reason
+    if end_ns is not None and pace.due_ns >= end_ns:
+        return StopReason.DURATION
+    return StopReason.FINISHED if finished() else None
+
+
+def _never() -> bool:
+    return False

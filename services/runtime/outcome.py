@@ -1,0 +1,100 @@
+"""What a supervisor is given, and what it tells at the end."""
+
+import signal
+from dataclasses import dataclass
+from enum import Enum
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ProcessSpec:
+    """A process to run.
+
+    It must print ``ready_line(name)`` on standard output once it is ready, and end on SIGTERM and when its
+    standard input, the lifeline, ends.
+
+    Attributes:
+        name: Its name, unique in a run; every line that it prints gets it as a prefix.
+        argv: The program and its arguments.
+        grace_s: How long it may take to end before it is killed.
+    """
+
+    name: str
+    argv: tuple[str, ...]
+    grace_s: float = 3.0
+
+
+class Cause(Enum):
+    """What ended a supervised run."""
+
+    DURATION = "duration"
+    """The time was up."""
+
+    SIGNAL = "signal"
+    """Somebody asked for the end: Ctrl-C, SIGTERM or SIGHUP."""
+
+    LEFT = "left"
+    """A process ended by itself, with exit code 0."""
+
+    DIED = "died"
+    """A process ended by itself in any other way."""
+
+    NOT_READY = "not ready"
+    """A process was not ready in time."""
+
+    NOT_STARTED = "not started"
+    """A process could not be started."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Exit:
+    """How one process ended.
+
+    Attributes:
+        name: Its name.
+        returncode: Exit code, or the negative number of the signal that killed it.
+        asked: Whether it ended because the supervisor had asked it to.
+        forced: Whether the supervisor had to kill it.
+    """
+
+    name: str
+    returncode: int
+    asked: bool
+    forced: bool
+
+    @property
+    def how(self) -> str:
+        """In words: ``exit code 1``, ``killed by SIGKILL``."""
+        if self.returncode >= 0:
+            return f"exit code {self.returncode}"
+        try:
+            return f"killed by {signal.Signals(-self.returncode).name}"
+        except ValueError:  # a real-time signal has no name
+            return f"killed by signal {-self.returncode}"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Outcome:
+    """How a supervised run ended; none of its processes is left.
+
+    Attributes:
+        cause: What ended it.
+        culprit: The process that ended it, if one did.
+        detail: In words, one line.
+        exits: How each process that was started ended, in the order in which they ended.
+    """
+
+    cause: Cause
+    culprit: str | None
+    detail: str
+    exits: tuple[Exit, ...]
+
+    @property
+    def died(self) -> tuple[Exit, ...]:
+        """Processes that ended by themselves, and not with exit code 0."""
+        return tuple(end for end in self.exits if not end.asked and end.returncode != 0)
+
+    @property
+    def clean(self) -> bool:
+        """Whether it ended as it should: no process died, none had to be killed, none failed to stop well."""
+        meant = self.cause in {Cause.DURATION, Cause.SIGNAL, Cause.LEFT}
+        return meant and all(end.returncode == 0 for end in self.exits)

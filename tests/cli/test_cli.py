@@ -1,0 +1,131 @@
+"""The command line as a user types it, in processes of its own."""
+
+import json
+import socket
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+TIMEOUT_S = 120
+
+
+def passafe(*arguments: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "services.cli", *arguments],
+        capture_output=True,
+        text=True,
+        timeout=TIMEOUT_S,
+        check=False,
+        cwd=cwd,
+    )
+
+
+@pytest.fixture(scope="module")
+def simulated(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    log = tmp_path_factory.mktemp("runs") / "run.mcap"
+    done = passafe("simulate", "--duration", "0.5", "--out", str(log))
+    assert done.returncode == 0, done.stderr
+    return log
+
+
+@pytest.mark.parametrize("command", [(), ("demo",), ("run",), ("simulate",), ("review",), ("replay",), ("recover",)])
+def test_every_command_explains_itself(command: tuple[str, ...]) -> None:
+    done = passafe(*command, "--help")
+
+    assert done.returncode == 0
+    assert "Usage" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "named"),
+    [
+        (("simulate", "--scenario", "nonsense", "--out", "x.mcap"), "notomista-cai-2020"),
+        (("simulate", "--rate", "-5", "--out", "x.mcap"), "rate_hz"),
+        (("simulate", "--mode", "maybe", "--out", "x.mcap"), "filter.mode"),
+        (("simulate", "--link", "nonsense", "--out", "x.mcap"), "--link"),
+        (("simulate", "--link", "nowhere:delay=1", "--out", "x.mcap"), "nowhere"),
+        (("simulate", "--link", "plant-to-filter:delay=soon", "--out", "x.mcap"), "delay_s"),
+        (("simulate", "--out", "/proc/no/run.mcap"), "/proc/no"),
+        (("demo", "--out", "/proc/no", "--headless"), "/proc/no"),
+        (("review", "missing.mcap"), "missing.mcap"),
+        (("replay", "missing.mcap"), "missing.mcap"),
+        (("recover", "missing.mcap", "--out", "whole.mcap"), "missing.mcap"),
+        (("run", "plant", "--router", "nowhere"), "--router"),
+    ],
+)
+def test_nonsense_gets_one_clear_line_and_no_traceback(arguments: tuple[str, ...], named: str, tmp_path: Path) -> None:
+    done = passafe(*arguments, cwd=tmp_path)
+
+    assert done.returncode != 0
+    assert named in done.stderr
+    assert "Traceback" not in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_barrier_that_the_input_never_reaches_is_told(tmp_path: Path) -> None:
+    shipped = passafe("scenarios")
+    assert "notomista-cai-2020" in shipped.stdout
+    from services.scenarios.load import load_scenario  # noqa: PLC0415 - only this test needs it
+
+    data = json.loads(load_scenario("notomista-cai-2020").model_dump_json())
+    data["filter"]["barriers"][0]["class_k"] = data["filter"]["barriers"][0]["class_k"][:1]
+    path = tmp_path / "short.json"
+    path.write_text(json.dumps(data), encoding="utf-8")
+
+    done = passafe("simulate", "--scenario", str(path), "--out", str(tmp_path / "x.mcap"))
+
+    assert done.returncode != 0
+    assert "barrier 'disk' class_k: got 1 functions, allowed 3" in done.stderr
+
+
+def test_a_port_that_is_taken_is_told_before_anything_starts(tmp_path: Path) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        done = passafe("demo", "--headless", "--router-port", str(port), "--out", str(tmp_path))
+        page = passafe("demo", "--port", str(port), "--router-port", "17447", "--out", str(tmp_path))
+
+    for refused in (done, page):
+        assert refused.returncode != 0
+        assert str(port) in refused.stderr
+        assert refused.stderr.count("\n") == 1
+
+
+def test_review_prints_json_and_writes_a_report(simulated: Path, tmp_path: Path) -> None:
+    report = tmp_path / "report.html"
+    done = passafe("review", str(simulated), "--json", "--html", str(report))
+
+    verdict = json.loads(done.stdout)
+    assert done.returncode == 0
+    assert verdict["verdict"] == "holds"
+    assert verdict["duration_s"] == pytest.approx(0.5)
+    assert verdict["solve_us_p50"] is None
+    assert "<html" in report.read_text(encoding="utf-8")
+
+
+def test_review_of_a_run_that_breaks_its_promise_exits_with_one(tmp_path: Path) -> None:
+    log = tmp_path / "run.mcap"
+    done = passafe("simulate", "--law", "continuous", "--mode", "passive", "--duration", "3", "--out", str(log))
+
+    assert done.returncode == 1
+    assert "fails" in done.stdout
+    assert passafe("review", str(log)).returncode == 1
+
+
+def test_replay_of_a_simulated_run_is_exact(simulated: Path) -> None:
+    done = passafe("replay", str(simulated))
+
+    assert done.returncode == 0
+    assert "506 of 506 ticks identical" in done.stdout
+
+
+def test_recover_makes_a_whole_log_of_a_torn_one(simulated: Path, tmp_path: Path) -> None:
+    torn, whole = tmp_path / "torn.mcap", tmp_path / "whole.mcap"
+    torn.write_bytes(simulated.read_bytes()[:-5000])
+
+    done = passafe("recover", str(torn), "--out", str(whole))
+
+    assert done.returncode == 0, done.stderr
+    assert "kept" in done.stdout
+    assert passafe("review", str(whole), "--json").stdout.startswith("{")

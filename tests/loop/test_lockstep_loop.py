@@ -1,0 +1,126 @@
+"""The closed loop in virtual time, nodes and links as live."""
+
+import numpy as np
+import pytest
+
+from protocol.codec import encode
+from protocol.messages import FilterStatus, FilterTick, Header, LinkEvent, Message, PlantPhase, PlantState
+from protocol.topics import Topic
+from services.assembly import lockstep_loop, steps_of
+from services.scenarios.load import load_scenario
+
+LINKS = ("operator-to-filter", "filter-to-plant", "plant-to-filter")
+
+
+class Tape:
+    """Observer that keeps what was sent."""
+
+    def __init__(self) -> None:
+        self.sent: list[tuple[Topic, Header, Message]] = []
+
+    def __call__(self, topic: Topic, header: Header, body: Message) -> None:
+        self.sent.append((topic, header, body))
+
+    def of(self, kind: type) -> list[Message]:
+        return [body for _, _, body in self.sent if isinstance(body, kind)]
+
+    def moving(self) -> list[PlantState]:
+        return [b for b in self.of(PlantState) if isinstance(b, PlantState) and b.phase is not PlantPhase.WAITING]
+
+    def wire(self) -> list[bytes]:
+        return [encode(header, body) for _, header, body in self.sent]
+
+
+def run(duration_s: float = 1.0, **overrides: object) -> Tape:
+    values = {key.replace("__", "."): value for key, value in overrides.items()} | {"duration_s": duration_s}
+    scenario = load_scenario("notomista-cai-2020", values)
+    tape = Tape()
+    lockstep_loop(scenario, tape).run(steps_of(scenario))
+    return tape
+
+
+def bad_links(**settings: float) -> dict[str, object]:
+    return {f"links.{name}": settings for name in LINKS}
+
+
+@pytest.fixture(scope="module")
+def paper() -> Tape:
+    return run(10.0)
+
+
+def test_both_keeps_the_disk_and_the_power_margin_as_in_the_reference_table(paper: Tape) -> None:
+    x = np.array([state.x for state in paper.moving()])
+    u = np.array([state.u for state in paper.moving()])
+    x1, x2 = x[:, :2], x[:, 2:]
+    margin = 2 * (x2**2).sum(1) - 2 * (x1 * x2).sum(1) - (x2 * u).sum(1)
+
+    assert len(x) == 10_001
+    assert x1[-1] == pytest.approx([-0.999, 0.032], abs=2e-3)
+    assert (x1**2).sum(1).min() - 1 >= -1e-6
+    assert margin.min() >= -2e-4
+
+
+def test_every_tick_is_certified(paper: Tape) -> None:
+    ticks = [body for body in paper.of(FilterTick) if isinstance(body, FilterTick)]
+
+    assert {tick.status for tick in ticks} == {FilterStatus.PASSED, FilterStatus.MODIFIED}
+    assert all(tick.certificate.accepted for tick in ticks)
+    assert max(tick.certificate.primal_residual for tick in ticks) <= 1e-6
+
+
+def test_the_prediction_is_confirmed_by_the_plant_to_the_last_bit(paper: Tape) -> None:
+    truth = {state.plant_ns: state for state in paper.moving()}
+    ticks = [body for body in paper.of(FilterTick) if isinstance(body, FilterTick)]
+    compared = [tick for tick in ticks if tick.effective_plant_ns in truth]
+
+    assert len(compared) == 10_001
+    assert all(truth[tick.effective_plant_ns].x == tick.x_hat for tick in compared)
+    assert all(truth[tick.effective_plant_ns].u == tick.u for tick in compared)
+
+
+def test_two_runs_are_the_same_to_the_last_byte_with_bad_links_too() -> None:
+    overrides = bad_links(delay_s=0.02, jitter_s=0.01, loss=0.1, seed=4)
+
+    first, second = run(0.5, **overrides).wire(), run(0.5, **overrides).wire()
+
+    assert first == second
+
+
+def test_another_seed_gives_another_run() -> None:
+    first = run(0.3, **bad_links(loss=0.3, seed=4)).wire()
+
+    assert run(0.3, **bad_links(loss=0.3, seed=5)).wire() != first
+
+
+def test_delay_alone_changes_nothing_about_safety_because_the_filter_predicts() -> None:
+    tape = run(4.0, **bad_links(delay_s=0.2))
+    x = np.array([state.x for state in tape.moving()])
+
+    assert (x[:, :2] ** 2).sum(1).min() - 1 >= -1e-6
+
+
+def test_lost_messages_are_told_by_the_reader_of_the_link() -> None:
+    tape = run(0.3, **{"links.plant-to-filter": {"loss": 0.5, "seed": 1}})
+    dropped = [body for body in tape.of(LinkEvent) if isinstance(body, LinkEvent)]
+
+    assert {(event.link, event.effect, event.topic) for event in dropped} == {("plant-to-filter", "dropped", "state")}
+    assert 0.35 < len(dropped) / len(tape.of(PlantState)) < 0.65
+
+
+def test_the_continuous_law_diverges_in_passive_and_says_so() -> None:
+    tape = run(4.0, filter__law="continuous", filter__mode="passive")
+    ticks = [body for body in tape.of(FilterTick) if isinstance(body, FilterTick)]
+    u = np.array([state.u for state in tape.moving()])
+    infeasible = [tick.effective_plant_ns * 1e-9 for tick in ticks if tick.status is FilterStatus.INFEASIBLE]
+
+    assert min(infeasible) == pytest.approx(2.23, abs=0.05)
+    assert np.abs(u).max() <= 100.0
+    assert len(ticks) == 4006
+
+
+def test_without_an_observer_the_loop_runs_and_makes_no_telemetry() -> None:
+    scenario = load_scenario("notomista-cai-2020", {"duration_s": 0.05})
+    loop = lockstep_loop(scenario)
+    loop.run(steps_of(scenario))
+
+    assert loop.now_ns > 0

@@ -1,0 +1,49 @@
+from hypothesis import given
+from hypothesis import strategies as st
+
+from protocol.messages import PlantInput
+from services.plant.playout import PlayoutBuffer
+
+
+def plant_input(tick: int, due_ns: int) -> PlantInput:
+    return PlantInput(tick, (float(tick),), due_ns, 0)
+
+
+def test_an_input_waits_for_its_time_and_comes_out_once() -> None:
+    buffer = PlayoutBuffer()
+    buffer.put(plant_input(1, 2))
+
+    assert [buffer.take(time) for time in (0, 1)] == [None, None]
+    assert buffer.take(2) == plant_input(1, 2)
+    assert buffer.take(3) is None
+
+
+def test_of_two_for_the_same_time_the_newer_tick_counts_in_either_order() -> None:
+    for ticks in ((1, 2), (2, 1)):
+        buffer = PlayoutBuffer()
+        for tick in ticks:
+            buffer.put(plant_input(tick, 5))
+        assert buffer.take(5) == plant_input(2, 5)
+
+
+def test_late_inputs_give_way_to_the_newest_of_them_and_are_forgotten() -> None:
+    buffer = PlayoutBuffer()
+    for tick, due_ns in ((1, 1), (3, 3), (2, 2), (9, 9)):
+        buffer.put(plant_input(tick, due_ns))
+
+    assert buffer.take(4) == plant_input(3, 3)
+    assert buffer.take(8) is None
+    assert buffer.take(9) == plant_input(9, 9)
+    assert buffer.received_tick == 9
+
+
+@given(st.lists(st.tuples(st.integers(1, 50), st.integers(0, 50)), max_size=40))
+def test_what_comes_out_is_never_early_and_nothing_stays_behind(inputs: list[tuple[int, int]]) -> None:
+    buffer = PlayoutBuffer()
+    for tick, due_ns in inputs:
+        buffer.put(plant_input(tick, due_ns))
+
+    taken = [(time, buffer.take(time)) for time in range(51)]
+
+    assert all(found.effective_plant_ns <= time for time, found in taken if found is not None)
+    assert buffer.take(1000) is None
