@@ -1,0 +1,125 @@
+"""The recorder as a process on a real bus."""
+
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from protocol.codec import decode
+from protocol.messages import Event, Health, TopicHealth
+from protocol.topics import EVENT, HEALTH
+from services.review.continuity import TopicCount
+from services.review.log import RunLog
+from services.runtime.bus import Reader, open_bus
+from services.runtime.endpoint import Endpoint
+from services.runtime.outlet import Outlet
+from services.runtime.readiness import ready_line
+from services.scenarios.load import load_scenario
+
+ROOT = Path(__file__).parents[2]
+PATIENCE_S = 30.0
+MESSAGES = 3000
+
+ROUTER = """
+import sys
+from services.router.process import run_router
+run_router(int(sys.argv[1]), lifeline=True)
+"""
+RECORDER = """
+import sys
+from pathlib import Path
+from services.recorder.errors import LogFileError
+from services.recorder.log_writer import run_metadata
+from services.recorder.main import run_recorder
+from services.runtime.endpoint import Endpoint
+metadata = run_metadata(scenario_json=sys.argv[3], versions={}, driver="live")
+try:
+    run_recorder(Endpoint(port=int(sys.argv[1])), Path(sys.argv[2]), metadata, lifeline=True)
+except LogFileError as error:
+    sys.exit(str(error))
+"""
+
+pytestmark = pytest.mark.live
+
+Start = Callable[..., "subprocess.Popen[str]"]
+
+
+@pytest.fixture
+def start() -> Iterator[Start]:
+    """Starts a Python process and waits until it is ready; none outlives the test."""
+    started: list[subprocess.Popen[str]] = []
+
+    def start_ready(name: str, program: str, *arguments: str) -> subprocess.Popen[str]:
+        process = subprocess.Popen(  # noqa: S603 - our own interpreter and programs
+            [sys.executable, "-c", program, *arguments],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            cwd=ROOT,
+        )
+        started.append(process)
+        assert process.stdout is not None
+        assert process.stdout.readline() == f"{ready_line(name)}\n", process.communicate(timeout=PATIENCE_S)
+        return process
+
+    yield start_ready
+    for process in reversed(started):
+        process.kill()
+        process.communicate(timeout=PATIENCE_S)
+
+
+@pytest.fixture
+def endpoint(start: Start) -> Endpoint:
+    """A router's."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    start("router", ROUTER, str(port))
+    return Endpoint(port=port)
+
+
+def start_recorder(start: Start, endpoint: Endpoint, path: Path) -> "subprocess.Popen[str]":
+    """Start a recorder of the paper's scenario that writes to ``path``."""
+    scenario_json = load_scenario("notomista-cai-2020").model_dump_json()
+    return start("recorder", RECORDER, str(endpoint.port), str(path), scenario_json)
+
+
+def health_with(reader: Reader, received: int) -> TopicHealth:
+    """What the recorder says of the events, once it says that it received so many."""
+    give_up_s = time.monotonic() + PATIENCE_S
+    while time.monotonic() < give_up_s:
+        for data in reader.drain():
+            header, body = decode(HEALTH, data)
+            assert header.source == "recorder"
+            assert isinstance(body, Health)
+            for topic in body.topics:
+                if topic.topic == EVENT.name and topic.received >= received:
+                    return topic
+        time.sleep(0.01)  # readers are polled
+    raise TimeoutError
+
+
+def test_every_message_of_the_bus_is_in_the_log(tmp_path: Path, start: Start, endpoint: Endpoint) -> None:
+    path = tmp_path / "run.mcap"
+    recorder = start_recorder(start, endpoint, path)
+    with open_bus(endpoint) as bus:
+        health = bus.reader(HEALTH)
+        outlet = Outlet(bus, "plant", 7)
+        for k in range(MESSAGES):
+            outlet.publish(EVENT, Event("info", f"number {k}"), scheduled_ns=0, started_ns=0)
+        assert health_with(health, MESSAGES) == TopicHealth("event", received=MESSAGES, gaps=0, refused=0)
+        outlet.publish(EVENT, Event("info", "the last"), scheduled_ns=0, started_ns=0)
+        recorder.terminate()
+        output, errors = recorder.communicate(timeout=PATIENCE_S)
+    assert (recorder.returncode, output, errors) == (0, "", "")
+    log = RunLog.read(path)
+    assert log.finished
+    texts = [message.body.text for message in log.of(Event)]
+    assert texts == [f"number {k}" for k in range(MESSAGES)] + ["the last"]
+    assert log.counts["event"] == TopicCount(received=MESSAGES + 1)
+    assert log.of(Health)[0].header.source == "recorder"

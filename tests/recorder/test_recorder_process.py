@@ -1,0 +1,214 @@
+"""The recorder's loop: with a clock of the test's own, and as a child process that is killed."""
+
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from protocol.codec import decode, encode
+from protocol.messages import Event, Header, Health, Message
+from protocol.topics import EVENT, HEALTH, Topic
+from services.recorder.errors import LogWriteError
+from services.recorder.log_reader import LogReader
+from services.recorder.log_writer import LogWriter
+from services.recorder.process import record
+from services.recorder.recover import recover
+
+S = 1_000_000_000
+MS = 1_000_000
+CHILD = Path(__file__).with_name("writing_child.py")
+PATIENCE_S = 30.0
+
+
+class Desk:
+    """Clock, bus and stop request of a recorder under test: a message every 10 ms, all but 7 and 8."""
+
+    def __init__(self, *, stop_after_s: float, late_messages: int = 0) -> None:
+        self.now_ns = 0
+        self.stop_ns = int(stop_after_s * S)
+        self.late_messages = late_messages
+        self.made = 0
+        self.published: list[tuple[Topic, Message]] = []
+
+    def drain(self) -> list[tuple[str, bytes]]:
+        """Return what was made since the last call."""
+        newest = self.now_ns // (10 * MS) if self.now_ns < self.stop_ns else self.made + self.late_messages
+        if self.now_ns >= self.stop_ns:
+            self.late_messages = 0
+        numbers = [k for k in range(self.made, newest) if k not in {7, 8}]
+        self.made = max(newest, self.made)
+        return [
+            (EVENT.key("plant"), encode(Header("plant", 1, k, 0, 0, 0, k * 10 * MS), Event("info", "x")))
+            for k in numbers
+        ]
+
+    def wait(self, timeout_s: float | None = None) -> bool:
+        """Let time pass."""
+        assert timeout_s is not None
+        self.now_ns += max(round(timeout_s * S), 1)
+        return self.now_ns >= self.stop_ns
+
+    def publish(self, topic: Topic, body: Message, _now_ns: int) -> None:
+        """Keep it for the test."""
+        self.published.append((topic, body))
+
+    def run(self, log: LogWriter) -> None:
+        """Record into ``log``."""
+        record(
+            self,
+            log,
+            publish=self.publish,
+            stop=self,
+            pause=lambda seconds: self.wait(seconds) and None,
+            monotonic_ns=lambda: self.now_ns,
+            wall_ns=lambda: self.now_ns,
+        )
+
+
+def sequences(path: Path) -> list[int]:
+    return [record.sequence for record in LogReader(path).records() if hasattr(record, "sequence")]
+
+
+def test_everything_until_the_end_and_what_is_still_on_its_way_is_logged(tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    desk = Desk(stop_after_s=1.0, late_messages=5)
+    desk.run(LogWriter(path, {}))
+    assert sequences(path) == [k for k in range(desk.made) if k not in {7, 8}]
+    assert desk.made >= 98 + 5
+    assert desk.now_ns < 1.4 * S  # it does not wait for what does not come
+
+
+def test_a_bus_that_never_falls_silent_does_not_keep_it(tmp_path: Path) -> None:
+    desk = Desk(stop_after_s=0.1)
+
+    def drain() -> list[tuple[str, bytes]]:
+        return [(EVENT.key("plant"), b"")]
+
+    desk.drain = drain  # type: ignore[method-assign]  # the one thing that differs
+    desk.run(LogWriter(tmp_path / "run.mcap", {}))
+    assert desk.now_ns < 1 * S
+
+
+def test_health_once_a_second_and_a_warning_when_messages_are_missing(tmp_path: Path) -> None:
+    desk = Desk(stop_after_s=3.5)
+    desk.run(LogWriter(tmp_path / "run.mcap", {}))
+    health = [body for topic, body in desk.published if topic is HEALTH]
+    assert len(health) == 3
+    assert all(isinstance(body, Health) for body in health)
+    last = health[-1]
+    assert isinstance(last, Health)
+    assert last.rate_hz == pytest.approx(50, rel=0.03)
+    [topic] = last.topics
+    assert (topic.topic, topic.gaps, topic.refused) == ("event", 2, 0)
+    assert topic.received == pytest.approx(298, abs=3)
+    [warning] = [body for topic, body in desk.published if topic is EVENT]
+    assert warning == Event("warning", "messages missing in the log so far: passafe/plant/event 2")
+
+
+def test_what_was_logged_is_on_the_disk_within_a_quarter_of_a_second(tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    desk = Desk(stop_after_s=2.0)
+    worst_ns = 0
+    log = LogWriter(path, {})
+
+    def publish_and_look(seconds: float | None = None) -> bool:
+        nonlocal worst_ns
+        on_disk = sequences(path)
+        worst_ns = max(worst_ns, desk.now_ns - (on_disk[-1] * 10 * MS if on_disk else 0))
+        return Desk.wait(desk, seconds)
+
+    desk.wait = publish_and_look  # type: ignore[method-assign]  # the same, with a look at the disk before
+    desk.run(log)
+    assert 100 * MS < worst_ns <= 250 * MS
+
+
+def test_a_full_disk_is_told_and_ends_it(tmp_path: Path) -> None:
+    desk = Desk(stop_after_s=5.0)
+    log = LogWriter(tmp_path / "run.mcap", {})
+    os.close(log._file._raw.fileno())  # every write fails from now on
+    with pytest.raises(LogWriteError, match="cannot write the log"):
+        desk.run(log)
+    [(topic, body)] = desk.published
+    assert topic is EVENT
+    assert isinstance(body, Event)
+    assert body.severity == "error"
+
+
+@contextmanager
+def writing_child(path: Path, limit_bytes: int = 0) -> Iterator[subprocess.Popen[str]]:
+    child = subprocess.Popen(  # noqa: S603 - our own interpreter and script
+        [sys.executable, str(CHILD), str(path), str(limit_bytes)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=Path(__file__).parents[2],
+        env=os.environ | {"PYTHONPATH": str(Path(__file__).parents[2])},
+    )
+    try:
+        yield child
+    finally:
+        child.kill()
+        child.communicate(timeout=PATIENCE_S)
+
+
+def test_kill_loses_at_most_300_ms(tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    with writing_child(path) as child:
+        assert child.stdout is not None
+        made_ns, growths, grown_ns, size = 0, 0, 0, 0
+        for line in child.stdout:
+            made_ns = int(line)
+            if path.stat().st_size > size:
+                size, growths, grown_ns = path.stat().st_size, growths + 1, made_ns
+            if growths > 3 and made_ns - grown_ns > 150 * MS:  # shortly before the next flush: the worst moment
+                break
+        child.kill()
+        rest = child.communicate(timeout=PATIENCE_S)[0]
+        made_ns = max([made_ns, *map(int, rest.split()[:-1])])
+    out = tmp_path / "out.mcap"
+    recovery = recover(path, out)
+    assert not recovery.was_finished
+    last_ns = 0
+    for entry in LogReader(out).records():
+        last_ns = max(last_ns, getattr(entry, "log_time", 0))
+    assert 100 * MS < made_ns - last_ns <= 300 * MS
+    kept = sequences(out)
+    assert kept == list(range(len(kept)))
+    assert len(kept) > 1000
+
+
+@pytest.mark.parametrize("signum", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_ends_it_with_a_finished_file(tmp_path: Path, signum: int) -> None:
+    path = tmp_path / "run.mcap"
+    with writing_child(path) as child:
+        assert child.stdout is not None
+        first_ns = int(child.stdout.readline())
+        child.send_signal(signum)
+        rest, errors = child.communicate(timeout=PATIENCE_S)
+    assert (child.returncode, errors) == (0, "")
+    reader = LogReader(path)
+    times = [record.log_time for record in reader.records() if hasattr(record, "log_time")]
+    assert reader.finished
+    assert times[-1] == max(first_ns, *map(int, rest.split()))
+
+
+def test_a_limit_of_the_disk_ends_it_in_one_line_with_a_readable_log(tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    with writing_child(path, limit_bytes=200_000) as child:
+        _, errors = child.communicate(timeout=PATIENCE_S)
+    assert child.returncode == 1
+    told = f"{path}: cannot write the log: File too large"
+    assert errors == f"error: {told}\n{told}\n"
+    assert path.stat().st_size == 200_000
+    out = tmp_path / "out.mcap"
+    recovery = recover(path, out)
+    assert recovery.messages > 500
+    for entry in LogReader(out).records():
+        if hasattr(entry, "data") and hasattr(entry, "log_time"):
+            header, _ = decode(EVENT, entry.data)
+            assert header.sequence == entry.sequence

@@ -1,0 +1,80 @@
+"""What the recorder counts and logs of each message."""
+
+from pathlib import Path
+
+import pytest
+from mcap.reader import make_reader
+
+from protocol.codec import encode
+from protocol.messages import Event, Header, PlantPhase, PlantState, TopicHealth
+from protocol.topics import EVENT, STATE
+from services.recorder.log_writer import LogWriter
+from services.recorder.recording import Recording
+from services.recorder.wire_header import read_header
+
+NOW_NS = 5_000_000
+
+
+def event(sequence: int, *, source: str = "plant", epoch: int = 1, wall_ns: int = 1000) -> bytes:
+    header = Header(source, epoch, sequence, 1, 2, 3, wall_ns)
+    return encode(header, Event("info", f"number {sequence}"))
+
+
+def recorded(tmp_path: Path, samples: list[tuple[str, bytes]]) -> tuple[Recording, list[tuple[str, int, int, bytes]]]:
+    path = tmp_path / "run.mcap"
+    with LogWriter(path, {}) as log:
+        recording = Recording(log)
+        recording.take(samples, NOW_NS)
+    with path.open("rb") as stream:
+        found = make_reader(stream).iter_messages(log_time_order=False)
+        return recording, [(c.topic, m.sequence, m.log_time, m.data) for _, c, m in found]
+
+
+def test_gaps_are_counted_per_key(tmp_path: Path) -> None:
+    samples = [("passafe/plant/event", event(k)) for k in (3, 4, 7)]
+    samples += [("passafe/filter/event", event(k, source="filter")) for k in (0, 2)]
+    samples += [("passafe/router/event", event(0, source="router"))]
+    recording, _ = recorded(tmp_path, samples)
+    assert recording.gaps() == {"passafe/plant/event": 2, "passafe/filter/event": 1}
+    assert recording.health() == (TopicHealth("event", received=6, gaps=3, refused=0),)
+    assert recording.bytes_taken == sum(len(data) for _, data in samples)
+
+
+def test_what_is_not_valid_is_logged_at_the_time_of_its_arrival(tmp_path: Path) -> None:
+    key = EVENT.key("plant")
+    good = event(0)
+    other_version = good.replace(b"\x08\x01", b"\x08\x02", 1)
+    forged = event(1, source="filter")
+    before_1970 = event(2, wall_ns=-1)
+    bad = [good[:-1], b"", other_version, forged, before_1970]
+    recording, found = recorded(tmp_path, [(key, data) for data in (good, *bad)])
+    assert found == [(key, 0, 1000, good)] + [(key, 0, NOW_NS, data) for data in bad]
+    assert recording.health() == (TopicHealth("event", received=1, gaps=0, refused=5),)
+
+
+def test_repeated_and_foreign_messages_are_logged_and_counted(tmp_path: Path) -> None:
+    key = EVENT.key("plant")
+    samples = [event(0, epoch=2), event(1, epoch=2), event(1, epoch=2), event(9, epoch=1)]
+    recording, found = recorded(tmp_path, [(key, data) for data in samples])
+    assert [data for *_, data in found] == samples
+    assert recording.health() == (TopicHealth("event", received=2, gaps=0, refused=2),)
+
+
+def test_a_key_of_no_topic_is_logged(tmp_path: Path) -> None:
+    recording, found = recorded(tmp_path, [("passafe/plant/news", b"\x01\x02")])
+    assert found == [("passafe/plant/news", 0, NOW_NS, b"\x01\x02")]
+    assert recording.health() == (TopicHealth("passafe/plant/news", received=0, gaps=0, refused=1),)
+
+
+def test_the_header_is_the_codecs() -> None:
+    header = Header("plant", 9, 8, 7, 6, 5, 4)
+    body = PlantState(3, (1.0, 2.0), (1.0,), (0.5,), 2, PlantPhase.RUNNING, 0.0, 1.0, 0, 0, 0, 0.0, 2)
+    data = encode(header, body)
+    assert read_header(STATE, data) == header
+
+
+# Cut between two fields, at 10 and 16, the rest is a message too; protobuf has no end mark.
+@pytest.mark.parametrize("length", [k for k in range(1, 20) if k not in {10, 16}])
+def test_a_truncated_message_has_no_header(length: int) -> None:
+    data = event(1)
+    assert read_header(EVENT, data[:-length]) is None

@@ -1,0 +1,201 @@
+"""Whole logs out of torn ones, wherever the tear is."""
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from mcap.reader import make_reader
+from mcap.records import Message
+from mcap.writer import CompressionType, Writer
+
+from protocol.codec import encode
+from protocol.messages import Event, Header
+from services.recorder.errors import LogReadError, LogWriteError
+from services.recorder.log_reader import LogReader
+from services.recorder.log_writer import LogWriter
+from services.recorder.recover import recover
+
+WALL_NS = 1_763_800_000_000_000_000
+MS = 1_000_000
+
+
+def write_log(path: Path, *, flushes: int = 5, between: int = 10) -> list[int]:
+    """A log of two channels; returns the size of the file after every flush."""
+    sizes = []
+    with LogWriter(path, {"driver": {"kind": "live"}}) as log:
+        for k in range(flushes * between):
+            source = ("plant", "filter")[k % 2]
+            header = Header(source, 1, k // 2, 0, 0, 0, WALL_NS + k * MS)
+            data = encode(header, Event("info", f"number {k}"))
+            log.write(f"passafe/{source}/event", data, sequence=k // 2, wall_ns=header.wall_ns)
+            if (k + 1) % between == 0:
+                log.flush()
+                sizes.append(path.stat().st_size)
+    return sizes
+
+
+def contents(path: Path) -> list[tuple[str, str, int, int, bytes]]:
+    """Every message as the standard reader gives it."""
+    with path.open("rb") as stream:
+        reader = make_reader(stream, validate_crcs=True)
+        return [
+            (channel.topic, schema.name if schema else "", message.log_time, message.sequence, message.data)
+            for schema, channel, message in reader.iter_messages()
+        ]
+
+
+def metadata(path: Path) -> dict[str, dict[str, str]]:
+    with path.open("rb") as stream:
+        return {record.name: record.metadata for record in make_reader(stream).iter_metadata()}
+
+
+def test_everything_before_the_tear_is_kept(tmp_path: Path) -> None:
+    whole, torn, out = (tmp_path / name for name in ("whole.mcap", "torn.mcap", "out.mcap"))
+    sizes = write_log(whole)
+    torn.write_bytes(whole.read_bytes()[: sizes[2] + 30])
+    before = torn.read_bytes()
+    recovery = recover(torn, out)
+    assert recovery.messages == 30
+    assert recovery.duration_s == pytest.approx(0.029)
+    assert recovery.channels == {"passafe/plant/event": 15, "passafe/filter/event": 15}
+    assert not recovery.was_finished
+    assert f"of {sizes[2] + 30} bytes" in recovery.tear
+    assert contents(out) == contents(whole)[:30]
+    kept = metadata(out)
+    assert kept["driver"] == {"kind": "live"}
+    assert kept["recovered"] == {"tear": recovery.tear, "messages": "30"}
+    assert torn.read_bytes() == before
+
+
+def test_a_whole_log_is_copied(tmp_path: Path) -> None:
+    whole, out = tmp_path / "whole.mcap", tmp_path / "out.mcap"
+    write_log(whole)
+    recovery = recover(whole, out)
+    assert (recovery.messages, recovery.was_finished, recovery.tear) == (50, True, "")
+    assert contents(out) == contents(whole)
+    assert metadata(out) == {"driver": {"kind": "live"}}
+
+
+def test_logs_of_other_programs_are_recovered_as_they_are(tmp_path: Path) -> None:
+    torn, out = tmp_path / "torn.mcap", tmp_path / "out.mcap"
+    with torn.open("wb") as stream:
+        writer = Writer(stream)
+        writer.start("ros2", "elsewhere")
+        schema = writer.register_schema("sensor_msgs/Image", "ros2msg", b"uint8 x")
+        with_schema = writer.register_channel("/image", "cdr", schema, {"qos": "best"})
+        without = writer.register_channel("/raw", "json", 0)
+        writer.add_message(with_schema, 7, b"pixels", 6, 5)
+        writer.add_message(without, 9, b"{}", 8, 4)
+        writer.flush()  # type: ignore[no-untyped-call]  # mcap leaves it unannotated
+    recovery = recover(torn, out)
+    assert recovery.channels == {"/image": 1, "/raw": 1}
+    with out.open("rb") as stream:
+        found = list(make_reader(stream).iter_messages())
+    image, raw = found
+    assert image[0] is not None
+    assert (image[0].name, image[0].encoding, image[0].data) == ("sensor_msgs/Image", "ros2msg", b"uint8 x")
+    assert (image[1].message_encoding, image[1].metadata) == ("cdr", {"qos": "best"})
+    assert (image[2].log_time, image[2].publish_time, image[2].sequence) == (7, 6, 5)
+    assert (raw[0], raw[1].message_encoding, raw[2].data) == (None, "json", b"{}")
+
+
+def test_nothing_to_keep_still_gives_a_valid_file(tmp_path: Path) -> None:
+    whole, torn, out = (tmp_path / name for name in ("whole.mcap", "torn.mcap", "out.mcap"))
+    write_log(whole)
+    torn.write_bytes(whole.read_bytes()[:8])
+    recovery = recover(torn, out)
+    assert (recovery.messages, recovery.duration_s, recovery.channels) == (0, 0.0, {})
+    assert contents(out) == []
+
+
+@pytest.mark.parametrize("same", [True, False])
+def test_no_file_is_overwritten(tmp_path: Path, *, same: bool) -> None:
+    torn, other = tmp_path / "torn.mcap", tmp_path / "other.mcap"
+    write_log(torn)
+    other.write_text("somebody's")
+    out = torn if same else other
+    before = out.read_bytes()
+    with pytest.raises(LogWriteError, match="File exists"):
+        recover(torn, out)
+    assert out.read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [(b"", "is empty"), (b"\x89MCAP1\r\n", "is no MCAP file"), (None, "no such file")],
+)
+def test_what_is_no_log_is_refused_and_nothing_written(tmp_path: Path, content: bytes | None, reason: str) -> None:
+    torn, out = tmp_path / "torn.mcap", tmp_path / "out.mcap"
+    if content is not None:
+        torn.write_bytes(content)
+    with pytest.raises(LogReadError, match=reason):
+        recover(torn, out)
+    assert not out.exists()
+
+
+def test_a_chunk_that_was_altered_is_not_believed(tmp_path: Path) -> None:
+    path = tmp_path / "altered.mcap"
+    with path.open("wb") as stream:
+        writer = Writer(stream, compression=CompressionType.NONE)
+        writer.start()
+        channel = writer.register_channel("/a", "json", 0)
+        writer.add_message(channel, 1, b"first chunk", 1)
+        writer.flush()  # type: ignore[no-untyped-call]  # mcap leaves it unannotated
+        writer.add_message(channel, 2, b"second chunk", 2)
+        writer.finish()  # type: ignore[no-untyped-call]  # mcap leaves it unannotated
+    path.write_bytes(path.read_bytes().replace(b"second", b"sEcond"))
+    reader = LogReader(path)
+    messages = [record.data for record in reader.records() if isinstance(record, Message)]
+    assert messages == [b"first chunk"]
+    assert not reader.finished
+    assert reader.tear.startswith("CRCValidationError")
+
+
+def test_a_record_longer_than_the_file_is_not_waited_for(tmp_path: Path) -> None:
+    path = tmp_path / "long.mcap"
+    write_log(path)
+    chunk = b"\x06" + (2**40).to_bytes(8, "little")
+    path.write_bytes(path.read_bytes()[:8] + chunk + b"little")
+    reader = LogReader(path)
+    assert list(reader.records()) == []
+    assert reader.tear.startswith("RecordLengthLimitExceeded")
+
+
+@pytest.fixture(scope="module")
+def log_bytes(tmp_path_factory: pytest.TempPathFactory) -> tuple[bytes, list[int]]:
+    path = tmp_path_factory.mktemp("log") / "run.mcap"
+    sizes = write_log(path)
+    return path.read_bytes(), sizes
+
+
+@settings(deadline=None, max_examples=60)
+@given(data=st.data())
+def test_every_flush_before_a_tear_anywhere_is_kept(
+    log_bytes: tuple[bytes, list[int]], tmp_path_factory: pytest.TempPathFactory, data: st.DataObject
+) -> None:
+    content, sizes = log_bytes
+    cut = data.draw(st.integers(8, len(content) - 1))
+    path = tmp_path_factory.mktemp("torn") / "torn.mcap"
+    path.write_bytes(content[:cut])
+    recovery = recover(path, path.with_name("out.mcap"))
+    flushed = sum(size <= cut for size in sizes) * 10
+    assert flushed <= recovery.messages <= flushed + 10
+    assert len(contents(path.with_name("out.mcap"))) == recovery.messages
+
+
+@settings(deadline=None, max_examples=100)
+@given(data=st.data())
+def test_no_damage_raises(
+    log_bytes: tuple[bytes, list[int]], tmp_path_factory: pytest.TempPathFactory, data: st.DataObject
+) -> None:
+    content, _ = log_bytes
+    damaged = bytearray(content)
+    for _ in range(data.draw(st.integers(1, 5))):
+        damaged[data.draw(st.integers(8, len(content) - 1))] = data.draw(st.integers(0, 255))
+    path = tmp_path_factory.mktemp("damaged") / "damaged.mcap"
+    path.write_bytes(damaged)
+    reader = LogReader(path)
+    records = list(reader.records())
+    assert reader.finished or reader.tear
+    assert len(records) <= 200

@@ -1,0 +1,63 @@
+"""The core's functions over many samples, against closed forms and against fine integration."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from damped_point_run import DampedPoint, scenario
+from scipy.integrate import solve_ivp
+
+from services.review.core_mathematics import CoreMathematics
+from services.scenarios.schema import Scenario
+
+SAMPLES = 50
+
+
+@pytest.fixture
+def samples() -> tuple[np.ndarray, np.ndarray]:
+    random = np.random.default_rng(1)
+    return random.normal(size=(4, SAMPLES)), random.normal(scale=10, size=(2, SAMPLES))
+
+
+def test_the_papers_robot_is_the_damped_point(samples: tuple[np.ndarray, np.ndarray]) -> None:
+    core, closed = CoreMathematics(scenario()), DampedPoint()
+    x, u = samples
+    assert core.h(x) == pytest.approx(closed.h(x), abs=1e-12)
+    assert core.power_margin(x, u) == pytest.approx(closed.power_margin(x, u), abs=1e-10)
+    for duration_s in (1e-4, 1e-3, 0.5):
+        assert core.flow(x, u, duration_s) == pytest.approx(closed.flow(x, u, duration_s), abs=1e-12)
+
+
+def test_barriers_come_in_the_scenarios_order(samples: tuple[np.ndarray, np.ndarray]) -> None:
+    content: dict[str, Any] = scenario().model_dump()
+    wall = {"kind": "half-plane", "name": "wall", "normal": (0, 1), "offset": -3}
+    content["filter"]["barriers"] += (wall | {"class_k": content["filter"]["barriers"][0]["class_k"]},)
+    x, _ = samples
+    h = CoreMathematics(Scenario.model_validate(content)).h(x)
+    assert h.shape == (2, SAMPLES)
+    assert h[0] == pytest.approx(DampedPoint().h(x)[0])
+    assert h[1] == pytest.approx(x[1] + 3)
+
+
+def test_without_barriers_there_is_nothing_to_keep(samples: tuple[np.ndarray, np.ndarray]) -> None:
+    x, u = samples
+    core = CoreMathematics(scenario(barriers=[]))
+    assert core.h(x).shape == (0, SAMPLES)
+    assert core.power_margin(x, u).shape == (SAMPLES,)
+
+
+def test_a_nonlinear_plant_flows_within_its_stated_accuracy(samples: tuple[np.ndarray, np.ndarray]) -> None:
+    content: dict[str, Any] = scenario().model_dump()
+    content["plant"] |= {"model": "drag-point", "parameters": {"sigma": 0.5, "drag": 0.5}}
+    core = CoreMathematics(Scenario.model_validate(content))
+    x, u = samples
+    reached = core.flow(x, u, 1e-3)
+    for k in range(0, SAMPLES, 10):
+        force = u[:, k]
+
+        def rate(_t: float, z: np.ndarray, force: np.ndarray = force) -> np.ndarray:
+            speed = np.linalg.norm(z[2:])
+            return np.concatenate([z[2:], -(0.5 + 0.5 * speed) * z[2:] + force])
+
+        truth = solve_ivp(rate, (0, 1e-3), x[:, k], rtol=1e-12, atol=1e-14).y[:, -1]
+        assert reached[:, k] == pytest.approx(truth, abs=1e-10)

@@ -1,0 +1,67 @@
+"""Extrema and the tank's ledger."""
+
+import math
+
+import numpy as np
+import pytest
+from damped_point_run import DampedPoint, header, scenario, state
+from hypothesis import given
+from hypothesis import strategies as st
+
+from services.review.continuity import Logged
+from services.review.margins import Extremum, Margins, tank_ledger
+from services.review.trajectory import Trajectory
+
+T = np.array([0.0, 1.0, 2.0])
+
+
+def test_what_is_no_number_is_the_worst() -> None:
+    values = np.array([1.0, math.nan, -5.0])
+    assert Extremum.lowest(values, T) == Extremum(-math.inf, 1.0)
+    assert Extremum.highest(values, T) == Extremum(math.inf, 1.0)
+
+
+def test_the_first_of_equal_extrema_is_told() -> None:
+    assert Extremum.lowest(np.array([2.0, 1.0, 1.0]), T) == Extremum(1.0, 1.0)
+    assert Extremum.highest(np.array([1.0, 2.0, 2.0]), T) == Extremum(2.0, 1.0)
+
+
+def trajectory_of_energies(gained_j: list[float], stored_j: list[float]) -> Trajectory:
+    return Trajectory.of(
+        [
+            Logged(header("plant", k), state(k, (2, 0, 0, 0), (0, 0), energy_in_j=e, energy_stored_j=v))
+            for k, (e, v) in enumerate(zip(gained_j, stored_j, strict=True))
+        ]
+    )
+
+
+energies = st.lists(st.tuples(st.floats(-100, 100), st.floats(0, 100)), min_size=1, max_size=20)
+
+
+@given(energies=energies)
+def test_the_ledger_is_the_sum_as_long_as_the_tank_is_not_full(energies: list[tuple[float, float]]) -> None:
+    gained_j, stored_j = map(list, zip(*energies, strict=True))
+    passivity = scenario().filter.passivity.model_copy(update={"tank_max_j": 1e6})
+    ledger = tank_ledger(trajectory_of_energies(gained_j, stored_j), passivity)
+    expected = 1.0 + (np.array(gained_j) - gained_j[0]) - (np.array(stored_j) - stored_j[0])
+    assert ledger == pytest.approx(expected, abs=1e-9)
+
+
+@given(energies=energies)
+def test_the_ledger_never_passes_its_maximum_and_never_gains_more_than_was_given(
+    energies: list[tuple[float, float]],
+) -> None:
+    gained_j, stored_j = map(list, zip(*energies, strict=True))
+    passivity = scenario().filter.passivity
+    ledger = tank_ledger(trajectory_of_energies(gained_j, stored_j), passivity)
+    assert ledger.max() <= passivity.tank_max_j
+    given_j = np.diff(gained_j) - np.diff(stored_j)
+    assert (np.diff(ledger) <= given_j + 1e-9).all()
+
+
+def test_a_single_sample_has_margins_and_nothing_between() -> None:
+    trajectory = Trajectory.of([Logged(header("plant", 0), state(3, (2, 0, 1, 0), (0, 0)))])
+    margins = Margins.of(trajectory, DampedPoint(), scenario().filter.passivity, 10)
+    assert margins.h_min == margins.h_min_at_samples == Extremum(3.0, 0.003)
+    assert margins.power_margin_min == Extremum(-2.0, 0.003)
+    assert margins.mismatch_max is None
