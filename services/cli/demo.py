@@ -35,6 +35,9 @@ from services.scenarios.schema import Scenario
 DIED: Final = 3
 """Exit code when a process died or could not be started."""
 
+GRACE_S: Final = 15.0
+"""How long a process may take to end: a recorder on a busy machine has a backlog to write."""
+
 
 def demo(
     scenario: ScenarioOption = DEFAULT_SCENARIO,
@@ -76,7 +79,7 @@ def demo(
             console.print(f"dashboard http://{LOOPBACK}:{port}/")
         console.print("running; end with Ctrl-C" if duration is None else f"running for {duration:g} s")
 
-    outcome = supervise(specs, on_ready=say_ready, emit=console.out)
+    outcome = supervise(specs, on_ready=say_ready, emit=console.out, grace_s=GRACE_S)
     raise typer.Exit(_conclude(outcome, log, chosen, console))
 
 

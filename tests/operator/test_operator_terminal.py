@@ -179,7 +179,7 @@ with Terminal() as terminal:
 def start(screen: Screen, program: str) -> subprocess.Popen[bytes]:
     """Start a program on the terminal, as the leader of a session that the terminal controls."""
     take_control = "import fcntl, termios; fcntl.ioctl(0, termios.TIOCSCTTY, 0)\n"
-    return subprocess.Popen(  # noqa: S603  the program is written above
+    return subprocess.Popen(
         [sys.executable, "-c", take_control + program],
         stdin=screen.near,
         stdout=screen.near,

@@ -150,7 +150,7 @@ except LogWriteError as error:
 def test_a_folder_without_permission_is_told_in_one_line(tmp_path: Path) -> None:
     folder = tmp_path / "closed"
     folder.mkdir()
-    child = subprocess.run(  # noqa: S603 - our own interpreter and script
+    child = subprocess.run(
         [sys.executable, "-c", NO_PERMISSION, str(folder)],
         capture_output=True,
         text=True,

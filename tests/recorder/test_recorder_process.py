@@ -141,7 +141,7 @@ def test_a_full_disk_is_told_and_ends_it(tmp_path: Path) -> None:
 
 @contextmanager
 def writing_child(path: Path, limit_bytes: int = 0) -> Iterator[subprocess.Popen[str]]:
-    child = subprocess.Popen(  # noqa: S603 - our own interpreter and script
+    child = subprocess.Popen(
         [sys.executable, str(CHILD), str(path), str(limit_bytes)],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,

@@ -67,9 +67,9 @@ def test_the_drag_point_is_not_linear() -> None:
 
 
 def test_parameters_and_states_that_do_not_fit_the_model_are_named() -> None:
-    with pytest.raises(ScenarioError, match="plant.parameters"):
+    with pytest.raises(ScenarioError, match=r"plant\.parameters"):
         robot_of(load_scenario(NAME, {"plant.parameters": {"mass": 1.0}}))
-    with pytest.raises(ScenarioError, match="plant.x0"):
+    with pytest.raises(ScenarioError, match=r"plant\.x0"):
         robot_of(load_scenario(NAME, {"plant.x0": [1.0]}))
     with pytest.raises(DesignError, match="sigma"):
         robot_of(load_scenario(NAME, {"plant.parameters": {"sigma": -1.0}}))

@@ -1,0 +1,124 @@
+import casadi as ca
+import numpy as np
+import pytest
+from core_designs import DESIGNS, Builder, drag_design, gains, jerk_design, pump_design, random_state
+from finite_differences import Array, numeric, rate_along
+
+from passafe.barrier import Barrier, derive_chain
+from passafe.class_k import Cubic, Linear
+from passafe.errors import DesignError, RelativeDegreeError, ShapeError
+from passafe.system import System
+
+x = ca.SX.sym("x", 3)
+u = ca.SX.sym("u")
+TRIPLE = System(x=x, u=u, f=ca.vertcat(x[1], x[2], u), y=x[1])
+
+
+def barrier(h: ca.SX, count: int) -> Barrier:
+    return Barrier(name="limit", h=h, class_k=gains(*(1.0 + i for i in range(count))))
+
+
+@pytest.mark.parametrize("build", DESIGNS)
+def test_each_psi_is_the_rate_of_the_one_before_plus_gamma(build: Builder) -> None:
+    design = build()
+    system = design.system
+    rng = np.random.default_rng(2)
+    flow = numeric([system.x, system.u], system.f)
+    for chain in (derive_chain(system, one) for one in design.barriers):
+        for i in range(1, len(chain.psi)):
+            before = numeric([system.x], chain.psi[i - 1])
+            gamma = numeric([system.x], chain.barrier.class_k[i - 1](chain.psi[i - 1]))
+            psi = numeric([system.x, system.u], chain.psi[i])
+            for _ in range(20):
+                state, held = random_state(rng, system.n), random_state(rng, system.m)
+
+                def rate(_: float, s: Array, held: Array = held) -> Array:
+                    return flow(s, held)
+
+                expected = rate_along(before, rate, state) + gamma(state)
+
+                assert psi(state, held) == pytest.approx(expected, rel=1e-7, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("build", "degree", "last"), [(pump_design, 1, 2.5), (drag_design, 2, 4.0), (jerk_design, 3, 4.0)]
+)
+def test_finds_relative_degrees(build: Builder, degree: int, last: float) -> None:
+    design = build()
+    chain = derive_chain(design.system, design.barriers[0])
+
+    assert chain.relative_degree == degree
+    assert [ca.which_depends(psi, design.system.u) for psi in chain.psi[:-1]] == [[False] * design.system.m] * degree
+    assert any(ca.which_depends(chain.psi[-1], design.system.u))
+    assert chain.last_class_k is chain.barrier.class_k[degree]
+    assert chain.last_class_k.gain == last
+
+
+@pytest.mark.parametrize(("h", "degree"), [(x[2] + x[0], 1), (x[1] + x[0], 2), (x[0], 3)])
+def test_the_shortest_way_of_the_input_counts(h: ca.SX, degree: int) -> None:
+    assert derive_chain(TRIPLE, barrier(h, degree + 1)).relative_degree == degree
+
+
+def test_gamma_acts_on_the_psi_before_it() -> None:
+    chain = derive_chain(
+        TRIPLE, Barrier(name="limit", h=x[1], class_k=(Cubic(gain=2.0), Linear(gain=3.0), Linear(gain=4.0)))
+    )
+    psi = numeric([x, u], ca.vertcat(*chain.psi))
+
+    # ψ₀ = x₁, ψ₁ = x₂ + 2x₁³, ψ₂ = u + 6x₁²x₂ + 3ψ₁
+    assert psi([0, 2, 5], 7).tolist() == [2.0, 5 + 2 * 8, 7 + 6 * 4 * 5 + 3 * 21]
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 3, 5])
+def test_the_number_of_class_k_functions_is_one_more_than_the_relative_degree(count: int) -> None:
+    with pytest.raises(DesignError) as refused:
+        derive_chain(TRIPLE, barrier(x[0], count))
+
+    assert str(refused.value) == (
+        f"barrier 'limit' class_k: got {count} functions, allowed 4: relative degree 3 and one more"
+    )
+
+
+@pytest.mark.parametrize("count", [0, 2, 4, 9])
+def test_a_barrier_that_the_input_never_reaches_is_refused(count: int) -> None:
+    stuck = System(x=x, u=u, f=ca.vertcat(x[1], -x[0], u), y=x[2])
+
+    with pytest.raises(RelativeDegreeError) as refused:
+        derive_chain(stuck, barrier(x[0] ** 2, count))
+
+    assert (refused.value.barrier, refused.value.tried) == ("limit", 3)
+
+
+def test_a_constant_barrier_has_no_relative_degree() -> None:
+    with pytest.raises(RelativeDegreeError):
+        derive_chain(TRIPLE, barrier(ca.SX(1.0), 2))
+
+
+def test_an_input_that_cancels_does_not_count() -> None:
+    nothing = (x[0] + 1) * u - x[0] * u - u
+    assert ca.jacobian(nothing, u).nnz() == 1  # still there for anyone who looks at the structure alone
+    system = System(x=x, u=u, f=ca.vertcat(x[1] + nothing, x[2], u), y=x[1])
+    stuck = System(x=x, u=u, f=ca.vertcat(x[1] + nothing, -x[0], u), y=x[1])
+
+    assert derive_chain(system, barrier(x[0], 4)).relative_degree == 3
+    with pytest.raises(RelativeDegreeError):
+        derive_chain(stuck, barrier(x[0], 4))
+
+
+@pytest.mark.parametrize("h", [x[0] * x[1], (x[0] - 0.37) * (x[0] + 0.48)])
+def test_an_input_whose_effect_vanishes_only_here_and_there_counts(h: ca.SX) -> None:
+    system = System(x=x, u=u, f=ca.vertcat(u, x[2], x[0]), y=x[1])
+
+    assert derive_chain(system, barrier(h, 2)).relative_degree == 1
+
+
+@pytest.mark.parametrize("h", [ca.log(x[2] - 5), ca.sqrt(x[2] - 20) - 1, ca.fmin(40 - x[2], 1)])
+def test_a_barrier_counts_wherever_it_is_defined(h: ca.SX) -> None:
+    assert derive_chain(TRIPLE, barrier(h, 2)).relative_degree == 1
+
+
+def test_a_barrier_is_a_scalar_function_of_the_state() -> None:
+    with pytest.raises(ShapeError, match=r"barrier 'limit' h: got shape \(3, 1\), allowed shape \(1, 1\)"):
+        derive_chain(TRIPLE, barrier(x, 2))
+    with pytest.raises(DesignError, match=r"barrier 'limit' h: got the symbols \['u'\]"):
+        derive_chain(TRIPLE, barrier(x[0] + u, 2))

@@ -1,0 +1,61 @@
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+from core_designs import PAPER_START, paper_design
+
+from passafe.decision import Status
+from passafe.filter import SafetyPassivityFilter
+from passafe.workspace import Array
+
+START = (PAPER_START, (0.0, 0.0), (-3.0, 0.0), (0.0, 0.0))
+
+
+@pytest.mark.parametrize("status", Status)
+def test_only_the_two_without_an_answer_are_fallbacks(status: Status) -> None:
+    assert status.is_fallback == (status in {Status.UNCERTIFIED, Status.INFEASIBLE})
+
+
+def test_properties_are_the_parts_of_the_block() -> None:
+    decision = SafetyPassivityFilter(paper_design()).decide(*START)
+
+    properties: dict[str, Sequence[float] | Array] = {
+        "v": decision.v,
+        "phi": decision.phi,
+        "u_nominal": decision.u_nominal,
+        "psi": decision.psi,
+        "margins": decision.margins,
+        "lam": decision.duals,
+        "h_u": [decision.power_margin],
+        "slack": [decision.slack],
+        "residuals": [decision.primal_residual, decision.dual_residual, decision.gap],
+        "u_plus": decision.u,
+    }
+    for name, of_property in properties.items():
+        assert list(of_property) == list(decision.part(name)) == list(decision.block[decision.parts[name]]), name
+    assert list(decision.part("x")) == list(PAPER_START)
+    assert list(decision.part("u_h")) == [-3.0, 0.0]
+
+
+def test_parts_cover_the_block_in_order_without_gaps() -> None:
+    decision = SafetyPassivityFilter(paper_design()).decide(*START)
+    edges = [(part.start, part.stop) for part in decision.parts.values()]
+
+    assert [start for start, _ in edges] == [0, *(stop for _, stop in edges[:-1])]
+    assert edges[-1][1] == decision.block.size
+
+
+def test_a_decision_keeps_its_numbers_when_others_are_made() -> None:
+    paper = SafetyPassivityFilter(paper_design())
+    decision = paper.decide(*START)
+    before = decision.block.copy()
+    paper.decide((9.0, 9.0, 9.0, 9.0), (1.0, 1.0), (1.0, 1.0), (1.0, 1.0))
+
+    assert np.array_equal(decision.block, before)
+
+
+def test_a_decision_cannot_be_rewritten() -> None:
+    decision = SafetyPassivityFilter(paper_design()).decide(*START)
+
+    with pytest.raises(AttributeError):
+        decision.u = (0.0, 0.0)  # type: ignore[misc]  # that it is refused is the point

@@ -1,0 +1,102 @@
+"""When no answer can be used: INFEASIBLE and UNCERTIFIED reached by real designs, and the fail-safe that follows."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import casadi as ca
+import numpy as np
+import pytest
+from core_designs import assert_consistent, gains, paper_design
+from finite_differences import Array
+
+from passafe.barrier import Barrier
+from passafe.decision import Status
+from passafe.design import FilterDesign, Law, Mode
+from passafe.filter import SafetyPassivityFilter
+from passafe.passivity import Passivity
+from passafe.quadratic_program import Tolerance
+from passafe.shapes import half_plane
+from passafe.system import System
+
+ZERO = (0.0, 0.0)
+
+
+def channel(left: float, right: float, **changes: object) -> SafetyPassivityFilter:
+    """Return a filter that keeps the paper's robot between two walls, with γ₁ = γ₂ = 10·s."""
+    design = paper_design(mode=Mode.SAFE)
+    position = design.system.x[:2]
+    walls = (("left", (1.0, 0.0), left), ("right", (-1.0, 0.0), -right))
+    barriers = tuple(
+        Barrier(name=name, h=half_plane(position, normal=n, offset=o), class_k=gains(10.0, 10.0, 10.0))
+        for name, n, o in walls
+    )
+    return SafetyPassivityFilter(replace(design, barriers=barriers, **changes))  # type: ignore[arg-type]  # by name
+
+
+def fail_safe(x: Sequence[float], bound: float) -> Array:
+    """−K x₂ with K = γ₁ − σ = 9, within the bound."""
+    return np.clip(-9.0 * np.asarray(x[2:]), -bound, bound)
+
+
+@pytest.mark.parametrize("law", Law)
+def test_conflicting_walls_are_infeasible_and_the_fail_safe_takes_over(law: Law) -> None:
+    made = channel(left=1.0, right=-1.0, law=law)
+    x = (0.0, 0.0, 0.5, -20.0)
+    decision = made.decide(x, (1.0, 1.0), ZERO, ZERO)
+
+    assert decision.status is Status.INFEASIBLE
+    assert decision.u == tuple(fail_safe(x, 100.0))
+    assert decision.margins.min() < -1.0  # the evidence shows what is not kept
+    assert_consistent(made, decision)
+
+
+def test_walls_that_leave_room_are_not_infeasible() -> None:
+    decision = channel(left=-1.0, right=1.0).decide((0.0, 0.0, 0.5, -20.0), (1.0, 1.0), ZERO, ZERO)
+
+    assert decision.status is Status.PASSED
+
+
+def test_a_bound_too_small_for_the_rows_is_infeasible_and_the_fail_safe_is_clipped() -> None:
+    x = (-0.99, 0.0, -5.0, 1.0)  # 5 m/s into a wall 1 cm away needs ψ₂ = u + 5 − 100 + 1 ≥ 0: u ≥ 94
+    enough, too_little = channel(-1.0, 9.0, input_bound=95.0), channel(-1.0, 9.0, input_bound=40.0)
+
+    assert enough.decide(x, ZERO, ZERO, ZERO).status is Status.MODIFIED
+    decision = too_little.decide(x, ZERO, ZERO, ZERO)
+    assert decision.status is Status.INFEASIBLE
+    assert decision.u == (40.0, -9.0) == tuple(fail_safe(x, 40.0))
+    assert_consistent(too_little, decision)
+
+
+@pytest.mark.parametrize("tolerance", [Tolerance(residual=1e-17), Tolerance(gap=1e-17)])
+def test_an_answer_that_fails_the_certificate_is_not_used(tolerance: Tolerance) -> None:
+    x = (-0.99, 0.0, -5.0, 1.0)
+    made = channel(-1.0, 9.0, tolerance=tolerance)
+    decision = made.decide(x, (1.0, 1.0), ZERO, ZERO)
+
+    assert decision.status is Status.UNCERTIFIED
+    assert decision.solver == "piqp"
+    assert decision.u == tuple(fail_safe(x, 100.0))
+    assert (decision.primal_residual > 1e-17) or (decision.dual_residual > 1e-17) or (decision.gap > 1e-17)
+    assert_consistent(made, decision)
+
+
+def test_a_row_that_is_no_number_is_not_certified() -> None:
+    """H = log(x) outside its domain: nobody can say that this row is kept."""
+    x, u = ca.SX.sym("x"), ca.SX.sym("u")
+    design = FilterDesign(
+        system=System(x=x, u=u, f=u, y=x),
+        u_fb=ca.SX(0.0),
+        fail_safe=ca.SX(0.0),
+        barriers=(Barrier(name="log", h=ca.log(x), class_k=gains(1.0, 1.0)),),
+        passivity=Passivity(V=x**2 / 2),
+        k_i=1.0,
+        dt_s=0.1,
+        input_bound=10.0,
+        mode=Mode.SAFE,
+    )
+    made = SafetyPassivityFilter(design)
+
+    assert made.decide((2.0,), (0.0,), (0.0,), (0.0,)).status is Status.PASSED
+    for outside in (-1.0, 0.0, -0.0):
+        decision = made.decide((outside,), (0.0,), (0.0,), (0.0,))
+        assert decision.status.is_fallback, (outside, decision.status, decision.psi)

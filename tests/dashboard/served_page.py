@@ -1,0 +1,104 @@
+"""The dashboard's application behind its real web server, in a thread of the test's process."""
+
+import asyncio
+import json
+import socket
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import httpx
+from closed_form import MS, ClosedFormRun
+from websockets.sync.client import ClientConnection, connect
+
+from dashboard.broadcast import Broadcast
+from dashboard.feed import Feed
+from dashboard.live import create_app
+from dashboard.server import listening_socket, page_server
+from services.runtime.pace import Pace
+
+
+class FastRun:
+    """A closed-form run in which every frame brings ``step_ms``; ends or fails when told to."""
+
+    def __init__(self, feed: Feed, *, step_ms: int = 100, frame_hz: float = 100.0) -> None:
+        self.feed = feed
+        self.now_ns = 0
+        self.fails = False
+        self.broadcast = Broadcast(feed, pump=self._pump, clock=lambda: self.now_ns, frame_hz=frame_hz)
+        self._step_ns = step_ms * MS
+        self._run = ClosedFormRun()
+
+    def _pump(self, now_ns: int, pace: Pace) -> None:
+        del pace
+        if self.fails:
+            raise RuntimeError("the pump is broken")
+        for message in self._run.until(now_ns):
+            self.feed.push(*message)
+        self.now_ns += self._step_ns
+
+
+class ServedPage:
+    """A running server and ways to talk to it."""
+
+    def __init__(self, port: int, loop: asyncio.AbstractEventLoop) -> None:
+        self.host = f"127.0.0.1:{port}"
+        self.url = f"http://{self.host}"
+        self.port = port
+        self._loop = loop
+
+    def get(self, path: str) -> httpx.Response:
+        return httpx.get(self.url + path, timeout=30)
+
+    def listen(self, **options: Any) -> ClientConnection:  # noqa: ANN401 - of connect()
+        return connect(f"ws://{self.host}/live", compression=None, **options)
+
+    def in_loop(self, function: Callable[..., object], *arguments: object) -> None:
+        """Call a function in the server's event loop and wait for it."""
+
+        async def call() -> None:
+            function(*arguments)
+
+        asyncio.run_coroutine_threadsafe(call(), self._loop).result(30)
+
+
+@contextmanager
+def serve_page(broadcast: Broadcast) -> Iterator[ServedPage]:
+    """Serve until the end of the block."""
+    with listening_socket("127.0.0.1", 0) as listener:
+        server = page_server(create_app(broadcast))
+        loop = asyncio.new_event_loop()
+        thread = threading.Thread(target=_run, args=(loop, server.serve(sockets=[listener])))
+        thread.start()
+        page = ServedPage(listener.getsockname()[1], loop)
+        page.get("/healthz")  # answered once the application has started
+        try:
+            yield page
+        finally:
+            server.should_exit = True
+            thread.join(30)
+            assert not thread.is_alive()
+
+
+def _run(loop: asyncio.AbstractEventLoop, serving: Any) -> None:  # noqa: ANN401 - a coroutine
+    with asyncio.Runner(loop_factory=lambda: loop) as runner:
+        runner.run(serving)
+
+
+def frames(connection: ClientConnection, count: int) -> list[dict[str, Any]]:
+    return [json.loads(connection.recv(timeout=30)) for _ in range(count)]
+
+
+@contextmanager
+def client_that_reads_nothing(page: ServedPage) -> Iterator[socket.socket]:
+    """A WebSocket client with a small receive buffer that never reads after the handshake."""
+    with socket.socket() as client:
+        client.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        client.connect(("127.0.0.1", page.port))
+        client.sendall(
+            f"GET /live HTTP/1.1\r\nHost: {page.host}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+            "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n\r\n".encode()
+        )
+        assert client.recv(12) == b"HTTP/1.1 101"
+        yield client

@@ -1,0 +1,210 @@
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from closed_form import header, paper_scenario
+from served_page import FastRun, ServedPage, client_that_reads_nothing, frames, serve_page
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+
+import dashboard.live
+from dashboard.feed import Feed
+from protocol.messages import ScenarioInfo
+
+
+@pytest.fixture
+def run() -> FastRun:
+    return FastRun(Feed(paper_scenario()))
+
+
+@pytest.fixture
+def page(run: FastRun) -> Iterator[ServedPage]:
+    with serve_page(run.broadcast) as served:
+        yield served
+
+
+def test_the_page_has_a_place_for_every_chart_and_table(page: ServedPage) -> None:
+    response = page.get("/")
+    assert response.status_code == 200
+    for heading in (
+        "Filter now",
+        "Robot in the plane",
+        "Barriers h",
+        "ψ chain",
+        "Power margin",
+        "Energy tank",
+        "Filter status over time",
+        "Ages of state and command",
+        "Processes",
+        "Events",
+    ):
+        assert f">{heading}</h2>" in response.text
+    assert response.text.count("data-root-id") == 7
+    assert "The paper&#39;s robot and disk" in response.text
+
+
+def test_everything_the_page_loads_is_served_here(page: ServedPage) -> None:
+    for path, begin in (
+        ("/charts.js", "(function()"),
+        ("/static/bokeh/js/bokeh.min.js", "Copyright"),
+        ("/static/live.js", "// The live page"),
+        ("/static/connection.js", "// The WebSocket"),
+        ("/static/charts.js", "// Moves rows"),
+        ("/static/readouts.js", "// Numbers"),
+        ("/static/common.css", "/* Type"),
+        ("/static/live.css", "/* Layout"),
+    ):
+        response = page.get(path)
+        assert response.status_code == 200, path
+        assert begin in response.text[:400], path
+
+
+def test_the_page_may_load_nothing_from_elsewhere(page: ServedPage) -> None:
+    policy = page.get("/").headers["content-security-policy"]
+    assert "default-src 'none'" in policy
+    assert "http" not in policy
+    assert page.get("/static/live.js").headers["x-content-type-options"] == "nosniff"
+
+
+def test_status_is_the_state_now(page: ServedPage) -> None:
+    with page.listen() as connection:
+        frames(connection, 20)
+    status = page.get("/api/status").json()
+    assert status["filter"]["tick"] > 100
+    assert status["liveness"]["state"] == "live"
+    assert {entry["process"] for entry in status["processes"]} >= {"plant", "filter"}
+
+
+def test_health_says_whether_messages_are_pumped(page: ServedPage, run: FastRun) -> None:
+    response = page.get("/healthz")
+    assert response.status_code == 200
+    assert response.json()["ok"] is True
+    run.fails = True
+    with page.listen() as connection, pytest.raises(TimeoutError):
+        while True:
+            connection.recv(timeout=1)
+    response = page.get("/healthz")
+    assert response.status_code == 503
+    assert response.json()["ok"] is False
+
+
+def test_the_socket_streams_frames(page: ServedPage) -> None:
+    with page.listen() as connection:
+        received = frames(connection, 30)
+    assert received[0]["restart"]
+    assert not any(frame["restart"] for frame in received[1:])
+    ticks = [frame["now"]["filter"]["tick"] for frame in received]
+    assert ticks == sorted(ticks)
+    assert ticks[-1] - ticks[0] == 2900
+    assert sum(len(frame["tables"]["ticks"]) for frame in received[1:]) == 87
+    assert sum(frame["lost"] for frame in received) == 0
+
+
+def test_several_clients_are_served_at_once(page: ServedPage) -> None:
+    with page.listen() as one, page.listen() as other:
+        assert frames(one, 1)[0]["restart"]
+        assert frames(other, 1)[0]["restart"]
+        assert page.get("/healthz").json()["pages"] == 2
+
+
+def test_a_client_that_reads_nothing_holds_nobody_up(page: ServedPage, run: FastRun) -> None:
+    with client_that_reads_nothing(page), page.listen() as quick:
+        received = frames(quick, 300)
+        begun = received[0]["now"]["filter"]["tick"]
+        assert received[-1]["now"]["filter"]["tick"] - begun == 29_900
+        assert all(frame["lost"] == 0 for frame in received)
+        assert page.get("/healthz").json()["pages"] == 2
+    assert run.feed.ticks.since(0).rows[-1].number > 800
+
+
+def test_the_end_of_the_run_is_told_and_closes_the_socket(page: ServedPage, run: FastRun) -> None:
+    with page.listen() as connection:
+        frames(connection, 1)
+        page.in_loop(run.broadcast.finish, "The run has ended.")
+        states = []
+        with pytest.raises(ConnectionClosed) as closed:
+            while True:
+                states += [frame["now"]["liveness"]["state"] for frame in frames(connection, 1)]
+        assert states[-1] == "ended"
+        assert closed.value.rcvd is not None
+        assert closed.value.rcvd.code == 1000
+
+
+@pytest.mark.parametrize("origin", ["http://elsewhere.test", "http://127.0.0.1:1", "null"])
+def test_pages_of_other_sites_are_refused(page: ServedPage, origin: str) -> None:
+    with pytest.raises(InvalidStatus) as refused:
+        page.listen(origin=origin)
+    assert refused.value.response.status_code == 403
+
+
+def test_the_page_s_own_origin_is_let_in(page: ServedPage) -> None:
+    with page.listen(origin=page.url) as connection:
+        assert frames(connection, 1)
+
+
+def test_too_many_pages_are_asked_to_come_later(page: ServedPage, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(dashboard.live, "MAX_CLIENTS", 1)
+    with page.listen() as first:
+        frames(first, 1)
+        with page.listen() as second:
+            with pytest.raises(ConnectionClosed) as refused:
+                second.recv(timeout=30)
+            assert refused.value.rcvd is not None
+            assert refused.value.rcvd.code == 1013
+
+
+def test_what_a_page_says_is_not_used(page: ServedPage) -> None:
+    with page.listen() as connection:
+        connection.send("x" * 1000)
+        connection.send(b"\0\xff")
+        assert frames(connection, 10)[0]["restart"]
+
+
+def test_a_client_that_left_is_forgotten(page: ServedPage) -> None:
+    with page.listen() as other:
+        with page.listen() as connection:
+            frames(connection, 1)
+        for _ in frames(other, 200):
+            if page.get("/healthz").json()["pages"] == 1:
+                break
+        assert page.get("/healthz").json()["pages"] == 1
+
+
+def test_a_new_scenario_changes_the_page(page: ServedPage, run: FastRun) -> None:
+    values = paper_scenario().model_dump()
+    values["title"] = "Another <robot>"
+    values["filter"]["barriers"] = ()
+    before = page.get("/").text
+    page.in_loop(run.feed.push, header("filter", 1, epoch=7), ScenarioInfo(json.dumps(values), "live", "{}"), 0)
+    after = page.get("/").text
+    assert "Barriers h" in before
+    assert "Another &lt;robot&gt;" in after
+    assert "Barriers h" not in after
+    assert run.feed.scenario_id in after
+    with page.listen() as connection:
+        assert frames(connection, 1)[0]["layout"] == run.feed.scenario_id
+
+
+def test_a_page_without_scenario_says_so() -> None:
+    run = FastRun(Feed(), step_ms=0)
+    with serve_page(run.broadcast) as page:
+        text = page.get("/").text
+        assert "No scenario is known yet" in text
+        assert page.get("/charts.js").text == ""
+
+
+def test_charts_are_made_once_for_a_scenario(page: ServedPage) -> None:
+    assert page.get("/charts.js").text == page.get("/charts.js").text
+
+
+def test_there_are_only_our_own_files_beside_bokeh_s() -> None:
+    static = Path(dashboard.live.__file__).parent / "static"
+    assert {file.name for file in static.iterdir()} == {
+        "charts.js",
+        "common.css",
+        "connection.js",
+        "live.css",
+        "live.js",
+        "readouts.js",
+        "report.css",
+    }

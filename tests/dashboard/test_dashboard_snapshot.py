@@ -1,0 +1,128 @@
+import json
+from math import inf
+
+import pytest
+from closed_form import MS, ClosedFormRun, h, header, health, paper_scenario, state, tick
+
+from dashboard.feed import Feed
+from dashboard.frames import json_text
+from dashboard.snapshot import liveness_json, status_json
+from protocol.messages import FilterStatus, PlantPhase
+from protocol.topics import PROCESSES
+
+
+def feed_after(run_ns: int) -> Feed:
+    feed = Feed(paper_scenario())
+    for message in ClosedFormRun().until(run_ns):
+        feed.push(*message)
+    return feed
+
+
+def test_everything_the_page_shows_is_there() -> None:
+    shown = status_json(feed_after(2_000 * MS), 2_000 * MS)
+    assert shown["liveness"]["state"] == "live"
+    assert shown["filter"]["tick"] == 1999
+    assert shown["filter"]["status"] == "MODIFIED"
+    assert shown["filter"]["barriers"] == [{"name": "disk", "psi": tick(1999).barriers[0].psi}]
+    assert shown["filter"]["state_age_ms"] == pytest.approx(1.2)
+    assert [row["active"] for row in shown["filter"]["rows"]] == [True, False]
+    assert shown["plant"]["h"][0]["value"] == pytest.approx(h(1.999))
+    assert shown["plant"]["phase"] == "RUNNING"
+    assert shown["worst"]["barriers"][0]["measured"]["value"] == pytest.approx(0.44, abs=1e-3)
+    assert shown["worst"]["barriers"][0]["measured"]["at_s"] == pytest.approx(1.571, abs=1e-3)
+    assert shown["scenario"]["mode"] == "both"
+    assert shown["scenario"]["driver"] == "live"
+    assert shown["links"] == [{"link": "plant-to-filter", "effect": "dropped", "count": 2}]
+    assert [event["text"] for event in shown["events"]] == ["second 0", "second 1"]
+    assert sum(shown["status_counts"].values()) == 2000
+    assert json.loads(json_text(shown))["filter"]["tick"] == 1999
+
+
+def test_every_process_and_the_topics_in_the_table_s_order_are_listed() -> None:
+    shown = status_json(feed_after(2_000 * MS), 2_000 * MS)
+    assert [process["process"] for process in shown["processes"]] == list(PROCESSES)
+    states = {process["process"]: process["state"] for process in shown["processes"]}
+    assert states == dict.fromkeys(PROCESSES, "ok") | {"dashboard": "not heard from"}
+    topics = [(topic["topic"], topic["source"]) for topic in shown["topics"]]
+    assert topics[:2] == [("state", "plant"), ("tick", "filter")]
+    assert ("health", "router") in topics
+
+
+def test_a_process_that_stopped_reporting_is_silent() -> None:
+    feed = Feed(paper_scenario())
+    feed.push(header("plant", 0), health(1), 0)
+    state_at = {
+        now_ms: next(p["state"] for p in status_json(feed, now_ms * MS)["processes"] if p["process"] == "plant")
+        for now_ms in (0, 2_999, 3_001)
+    }
+    assert state_at == {0: "ok", 2_999: "ok", 3_001: "silent"}
+
+
+def test_an_empty_feed_knows_nothing_and_says_so() -> None:
+    shown = status_json(Feed(), 0)
+    assert shown["filter"] is None
+    assert shown["plant"] is None
+    assert shown["scenario"] is None
+    assert shown["worst"] == {"barriers": [], "power_margin_w": None, "tank_j": None}
+    assert shown["liveness"] == {"state": "waiting", "text": "Nothing has come from filter and plant yet."}
+
+
+def test_waiting_names_who_is_missing() -> None:
+    feed = Feed(paper_scenario())
+    feed.push(header("plant", 0), state(0), 0)
+    assert liveness_json(feed, 0)["text"] == "Nothing has come from filter yet."
+
+
+@pytest.mark.parametrize(
+    ("now_ms", "expected"),
+    [(1_999, "live"), (2_450, "live"), (2_550, "silent")],
+)
+def test_silence_is_told_after_half_a_second(now_ms: int, expected: str) -> None:
+    assert liveness_json(feed_after(2_000 * MS), now_ms * MS)["state"] == expected
+
+
+def test_silence_names_who_is_silent() -> None:
+    feed = feed_after(2_000 * MS)
+    feed.push(header("plant", 2_000), state(2_000), 4_000 * MS)
+    text = liveness_json(feed, 4_000 * MS)["text"]
+    assert "filter for 2.0 s" in text
+    assert "plant" not in text
+
+
+def test_the_end_of_the_run_outranks_silence() -> None:
+    feed = feed_after(2_000 * MS)
+    feed.finish("The run has ended.")
+    assert liveness_json(feed, 10_000 * MS) == {"state": "ended", "text": "The run has ended."}
+
+
+def test_an_age_that_is_not_known_is_null() -> None:
+    feed = Feed(paper_scenario())
+    feed.push(header("filter", 0), tick(0, state_age_ns=-1, command_age_ns=-1), 0)
+    shown = status_json(feed, 0)["filter"]
+    assert shown["state_age_ms"] is None
+    assert shown["command_age_ms"] is None
+
+
+@pytest.mark.parametrize("status", list(FilterStatus))
+def test_every_status_has_words(status: FilterStatus) -> None:
+    feed = Feed(paper_scenario())
+    feed.push(header("filter", 0), tick(0, status=status), 0)
+    shown = status_json(feed, 0)["filter"]
+    assert shown["status"] == status.name
+    assert len(shown["meaning"]) > 20
+
+
+@pytest.mark.parametrize("phase", list(PlantPhase))
+def test_every_phase_has_words(phase: PlantPhase) -> None:
+    feed = Feed(paper_scenario())
+    feed.push(header("plant", 0), state(0, phase=phase), 0)
+    assert status_json(feed, 0)["plant"]["meaning"]
+
+
+def test_numbers_that_json_cannot_hold_become_null() -> None:
+    feed = Feed(paper_scenario())
+    feed.push(header("plant", 0), state(0, x=(1e200, 0.0, 0.0, 0.0)), 0)
+    shown = json.loads(json_text(status_json(feed, 0)))
+    assert shown["plant"]["h"][0]["value"] is None
+    assert shown["plant"]["x"][0] == 1e200
+    assert json.loads(json_text({"a": [inf, (1.0, -inf)]})) == {"a": [None, [1.0, None]]}

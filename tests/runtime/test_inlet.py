@@ -1,0 +1,121 @@
+"""The way of a message into a node."""
+
+from collections.abc import Sequence
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from protocol.codec import encode
+from protocol.errors import ProtocolError
+from protocol.link import Link, LinkSettings
+from protocol.messages import Header, LinkEvent, OperatorCommand, Received, TopicHealth
+from protocol.topics import COMMAND, INPUT, Topic
+from services.runtime.errors import LinkNameError
+from services.runtime.inlet import Inlet, inlets_of, take_all
+from services.runtime.node import Outgoing
+
+BODY = OperatorCommand((1.0, 2.0), (), enabled=True, device="constant")
+MS = 1_000_000
+
+
+def header(sequence: int, *, source: str = "operator", epoch: int = 7) -> Header:
+    return Header(source, epoch, sequence, 0, 0, 0, 0)
+
+
+class Listener:
+    """A node that is never stepped."""
+
+    def __init__(self, name: str, *subscribes: Topic) -> None:
+        self.name = name
+        self.subscribes = subscribes
+
+    def step(self, now_ns: int, inbox: Sequence[Received]) -> Sequence[Outgoing]:
+        """As ``Node.step``."""
+        raise NotImplementedError
+
+
+def test_a_message_is_taken_once_with_the_time_of_its_arrival() -> None:
+    inlet = Inlet(COMMAND)
+    assert inlet.read(5, encode(header(0), BODY)) is None
+    assert inlet.take(9) == [Received(header(0), BODY, 5)]
+    assert inlet.take(9) == []
+
+
+@given(st.binary(max_size=300))
+def test_garbage_is_counted_and_told_and_does_no_harm(garbage: bytes) -> None:
+    inlet = Inlet(COMMAND)
+    assert isinstance(inlet.read(0, garbage), ProtocolError)
+    assert inlet.read(0, encode(header(0), BODY)) is None
+    assert len(inlet.take(0)) == 1
+    assert inlet.health == TopicHealth("command", 1, 0, 1)
+
+
+def test_repeated_and_ended_sessions_are_refused_and_overtaken_ones_pass() -> None:
+    inlet = Inlet(COMMAND)
+    for sequence, epoch in ((0, 7), (2, 7), (2, 7), (1, 7), (5, 6), (6, 7)):
+        assert inlet.accept(0, header(sequence, epoch=epoch), BODY) is None
+    assert [message.header.sequence for message in inlet.take(0)] == [0, 2, 1, 6]
+    assert inlet.health == TopicHealth("command", 4, 3, 2)  # 3, 4 and 5 never came
+
+
+def test_a_process_that_may_not_publish_the_topic_is_not_heard() -> None:
+    inlet = Inlet(COMMAND)
+    inlet.accept(0, header(0, source="plant"), BODY)
+    assert inlet.take(0) == []
+    assert inlet.foreign == 1
+    assert inlet.health.refused == 1
+
+
+def test_a_link_delays_by_its_settings() -> None:
+    inlet = Inlet(COMMAND, Link("operator-to-filter", LinkSettings(delay_s=0.010)))
+    inlet.accept(3 * MS, header(0), BODY)
+    assert inlet.take(13 * MS - 1) == []
+    assert inlet.take(20 * MS) == [Received(header(0), BODY, 13 * MS)]
+
+
+def test_what_a_link_drops_is_told() -> None:
+    inlet = Inlet(COMMAND, Link("operator-to-filter", LinkSettings(loss=1.0)))
+    told = inlet.accept(0, header(4), BODY)
+    assert told == LinkEvent("operator-to-filter", "dropped", "command", 4)
+    assert inlet.take(MS) == []
+    assert inlet.health.gaps == 0  # the bus lost nothing
+
+
+def test_an_inbox_is_in_order_of_arrival_over_all_inlets() -> None:
+    slow = Inlet(COMMAND, Link("operator-to-filter", LinkSettings(delay_s=0.002)))
+    direct = Inlet(COMMAND)
+    for sequence in range(3):
+        slow.accept(sequence * MS, header(sequence), BODY)
+        direct.accept(sequence * MS, header(sequence + 10), BODY)
+    inbox = take_all([slow, direct], 3 * MS)
+    assert [(m.received_ns // MS, m.header.sequence) for m in inbox] == [
+        (0, 10),
+        (1, 11),
+        (2, 0),
+        (2, 12),
+        (3, 1),
+    ]
+
+
+def test_a_link_sits_at_its_reader_only() -> None:
+    links = {"operator-to-filter": LinkSettings(delay_s=1.0), "filter-to-plant": LinkSettings(delay_s=2.0)}
+    (at_filter,) = inlets_of(Listener("filter", COMMAND), links)
+    at_plant, beside = inlets_of(Listener("plant", INPUT, COMMAND), links)
+    assert at_filter.link is not None
+    assert at_filter.link.settings.delay_s == 1.0
+    assert at_plant.link is not None
+    assert at_plant.link.settings.delay_s == 2.0
+    assert beside.link is None
+
+
+def test_a_link_without_settings_lets_everything_through_at_once() -> None:
+    (inlet,) = inlets_of(Listener("filter", COMMAND), {})
+    inlet.accept(5, header(0), BODY)
+    assert inlet.take(5) == [Received(header(0), BODY, 5)]
+
+
+def test_an_unknown_link_is_refused() -> None:
+    with pytest.raises(LinkNameError, match="got 'filter-to-moon', allowed operator-to-filter, ") as caught:
+        inlets_of(Listener("filter", COMMAND), {"filter-to-moon": LinkSettings()})
+    assert caught.value.got == "filter-to-moon"

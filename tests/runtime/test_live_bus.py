@@ -1,0 +1,182 @@
+"""The bus over a real router on loopback."""
+
+import os
+import signal
+import time
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+
+import pytest
+import zenoh
+
+from protocol.codec import decode, encode
+from protocol.messages import Header, OperatorCommand
+from protocol.topics import COMMAND, INPUT, LINK_CONFIG
+from services.runtime.bus import Bus, Reader, open_bus
+from services.runtime.endpoint import Endpoint
+from services.runtime.errors import BusError, PublisherError
+
+pytestmark = pytest.mark.live
+
+PATIENCE_S = 20.0
+
+
+@pytest.fixture
+def endpoint(router: object, port: int) -> Endpoint:
+    del router
+    return Endpoint(port=port)
+
+
+@pytest.fixture
+def sender(endpoint: Endpoint) -> Iterator[Bus]:
+    with open_bus(endpoint) as bus:
+        yield bus
+
+
+@pytest.fixture
+def receiver(endpoint: Endpoint) -> Iterator[Bus]:
+    with open_bus(endpoint) as bus:
+        yield bus
+
+
+def collect(drain: Callable[[], list], number: int) -> list:
+    """At least ``number`` items from a reader, in bounded time."""
+    got: list = []
+    end = time.monotonic() + PATIENCE_S
+    while len(got) < number:
+        assert time.monotonic() < end, f"{len(got)} of {number} came"
+        got += drain()
+        time.sleep(0.001)
+    return got
+
+
+def message(sequence: int) -> bytes:
+    header = Header("operator", 1, sequence, 0, 0, 0, 0)
+    return encode(header, OperatorCommand((float(sequence),), (), enabled=True, device="test"))
+
+
+def wait_for_reader(put: Callable[[bytes], None], reader: Reader) -> None:
+    """Until what is put arrives: a declaration takes a moment to reach the other side."""
+    end = time.monotonic() + PATIENCE_S
+    while not reader.drain():
+        assert time.monotonic() < end
+        put(b"are you there?")
+        time.sleep(0.01)
+    while reader.drain():
+        time.sleep(0.05)
+
+
+def test_what_is_put_arrives_in_order(sender: Bus, receiver: Bus) -> None:
+    reader = receiver.reader(COMMAND)
+    put = sender.publisher(COMMAND, "operator")
+    wait_for_reader(put, reader)
+    for sequence in range(100):
+        put(message(sequence))
+    got = collect(reader.drain, 100)
+    assert got == [message(sequence) for sequence in range(100)]
+    assert sender.connected
+
+
+def test_a_full_ring_keeps_the_newest(sender: Bus, receiver: Bus) -> None:
+    reader = receiver.reader(LINK_CONFIG)
+    marker = receiver.reader(COMMAND)
+    put = sender.publisher(LINK_CONFIG, "console")
+    put_marker = sender.publisher(COMMAND, "operator")
+    wait_for_reader(put, reader)
+    wait_for_reader(put_marker, marker)
+    for number in range(100):
+        put(str(number).encode())
+    put_marker(b"all were sent")
+    collect(marker.drain, 1)
+    assert reader.drain() == [str(number).encode() for number in range(100 - LINK_CONFIG.queue, 100)]
+
+
+def test_a_session_does_not_hear_itself(sender: Bus, receiver: Bus) -> None:
+    own, others = sender.reader(COMMAND), receiver.reader(COMMAND)
+    put = sender.publisher(COMMAND, "operator")
+    wait_for_reader(put, others)
+    put(b"x")
+    collect(others.drain, 1)
+    assert own.drain() == []
+
+
+def test_a_log_reader_hears_every_topic_with_its_key(sender: Bus, receiver: Bus) -> None:
+    log = receiver.log_reader()
+    puts = {
+        "passafe/operator/command": sender.publisher(COMMAND, "operator"),
+        "passafe/filter/input": sender.publisher(INPUT, "filter"),
+        "passafe/console/link_config": sender.publisher(LINK_CONFIG, "console"),
+    }
+    for key, put in puts.items():
+        put(key.encode())
+    got = collect(log.drain, 3)
+    assert sorted(got) == sorted((key, key.encode()) for key in puts)
+    assert list(log.drain_rest()) == []
+
+
+def test_a_log_reader_is_given_what_it_lost(start: Callable, router: object, port: int, sender: Bus) -> None:
+    """The recorder stands still for longer than the lease: its session is closed and samples are dropped."""
+    del router
+    recorder = start("recorder", "--port", port)
+    recorder.wait_ready("recorder")
+    put = sender.publisher(COMMAND, "operator")
+    began = time.monotonic()
+    for sequence in range(3000):
+        if sequence == 200:
+            os.kill(recorder.pid, signal.SIGSTOP)
+        if sequence == 2000:
+            os.kill(recorder.pid, signal.SIGCONT)
+        put(message(sequence))
+        time.sleep(max(0.0, began + 0.001 * (sequence + 1) - time.monotonic()))
+    recorder.cut_lifeline()
+    said = recorder.said()
+    assert said["passafe/operator/command"] == list(range(3000))
+    assert len(said["ring"]) < 3000  # what was lost to a reader that nobody helps
+
+
+def test_a_publisher_goes_on_without_router_and_is_heard_when_it_is_back(start: Callable, port: int) -> None:
+    first = start("router", "--port", port)
+    first.wait_ready("router")
+    with open_bus(Endpoint(port=port)) as sender, open_bus(Endpoint(port=port)) as receiver:
+        reader = receiver.reader(COMMAND)
+        put = sender.publisher(COMMAND, "operator")
+        wait_for_reader(put, reader)
+        os.kill(first.pid, signal.SIGKILL)
+        first.end()
+        end = time.monotonic() + PATIENCE_S
+        while sender.connected:
+            assert time.monotonic() < end
+            put(b"into the void")
+        start("router", "--port", port).wait_ready("router")
+        wait_for_reader(put, reader)
+
+
+def test_no_router_is_an_error_in_bounded_time(port: int) -> None:
+    began = time.monotonic()
+    text = rf"tcp/127.0.0.1:{port}: no router answered within 0.3 s"
+    with pytest.raises(BusError, match=text), open_bus(Endpoint(port=port), timeout_s=0.3):
+        pass
+    assert time.monotonic() - began < 5.0
+
+
+def test_a_process_publishes_its_own_topics_only(sender: Bus) -> None:
+    with pytest.raises(PublisherError, match="publisher of input: got 'operator', allowed filter"):
+        sender.publisher(INPUT, "operator")
+
+
+def test_the_session_is_closed_after_an_exception(endpoint: Endpoint) -> None:
+    with suppress(ZeroDivisionError), open_bus(endpoint) as bus:
+        raise ZeroDivisionError
+    with pytest.raises(zenoh.ZError):
+        bus.publisher(COMMAND, "operator")
+
+
+def test_garbage_arrives_as_it_is(sender: Bus, receiver: Bus) -> None:
+    reader = receiver.reader(COMMAND)
+    put = sender.publisher(COMMAND, "operator")
+    wait_for_reader(put, reader)
+    put(b"\xff\x00garbage")
+    put(message(3))
+    garbage, good = collect(reader.drain, 2)
+    assert garbage == b"\xff\x00garbage"
+    assert decode(COMMAND, good)[0].sequence == 3

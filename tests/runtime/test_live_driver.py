@@ -1,0 +1,182 @@
+"""The live driver in real processes."""
+
+import os
+import signal
+import time
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+
+import pytest
+
+from protocol.codec import decode
+from protocol.errors import ProtocolError
+from protocol.messages import Event, Header, Health, LinkEvent, Message
+from protocol.topics import COMMAND, TOPIC_OF_NAME
+from services.runtime.bus import Bus, open_bus
+from services.runtime.endpoint import Endpoint
+
+pytestmark = pytest.mark.live
+
+PATIENCE_S = 20.0
+Logged = list[tuple[Header, Message]]
+
+
+class Log:
+    """What a recorder hears, decoded, by key."""
+
+    def __init__(self, bus: Bus) -> None:
+        self._reader = bus.log_reader()
+        self.heard: dict[str, Logged] = {}
+
+    def wait_for(self, key: str, enough: Callable[[Logged], bool]) -> Logged:
+        """What came under a key, once it is enough."""
+        end = time.monotonic() + PATIENCE_S
+        while not enough(self.heard.get(key, [])):
+            assert time.monotonic() < end, {name: len(logged) for name, logged in self.heard.items()}
+            for name, data in self._reader.drain():
+                topic = TOPIC_OF_NAME[name.rpartition("/")[2]]
+                with suppress(ProtocolError):
+                    self.heard.setdefault(name, []).append(decode(topic, data))
+            time.sleep(0.005)
+        return self.heard[key]
+
+
+@pytest.fixture
+def bus(router: object, port: int) -> Iterator[Bus]:
+    del router
+    with open_bus(Endpoint(port=port)) as bus:
+        yield bus
+
+
+@pytest.fixture
+def log(bus: Bus) -> Log:
+    return Log(bus)
+
+
+def test_a_header_tells_when_its_step_was_due_which_is_its_time_and_when_it_began(
+    start: Callable, port: int, log: Log
+) -> None:
+    operator = start("operator", "--port", port, "--steps", 300, "--epoch", 77)
+    operator.wait_ready("operator")
+    logged = log.wait_for("passafe/operator/command", lambda logged: len(logged) == 300)
+    assert operator.said()["reason"] == "FINISHED"
+    first = logged[0][0].scheduled_ns
+    for sequence, (header, body) in enumerate(logged):
+        assert header.source == "operator"
+        assert header.epoch == 77
+        assert header.sequence == sequence
+        assert body.u_h == (float(sequence), float(header.scheduled_ns))
+        assert header.scheduled_ns < header.started_ns < header.sent_ns
+        assert (header.scheduled_ns - first) % 1_000_000 == 0
+        assert header.started_ns - header.scheduled_ns < 1_000_000  # else the tick would have been left out
+
+
+def test_a_message_is_received_when_its_step_begins(start: Callable, port: int, log: Log) -> None:
+    start("filter", "--port", port).wait_ready("filter")
+    start("operator", "--port", port, "--steps", 300).wait_ready("operator")
+    logged = log.wait_for("passafe/filter/input", lambda logged: len(logged) >= 300)
+    commands = log.wait_for("passafe/operator/command", lambda logged: len(logged) == 300)
+    sent_ns = {header.sequence: float(header.sent_ns) for header, _ in commands}
+    for header, body in logged:
+        sequence, received_ns, now_ns, was_sent_ns = body.u
+        assert now_ns == float(header.scheduled_ns)
+        assert received_ns == float(header.started_ns)
+        assert was_sent_ns == sent_ns[int(sequence)]
+
+
+def test_a_link_delays_and_drops_and_tells(start: Callable, port: int, log: Log) -> None:
+    start("filter", "--port", port, "--delay", 0.05, "--loss", 0.5).wait_ready("filter")
+    start("operator", "--port", port, "--steps", 400).wait_ready("operator")
+    received = log.wait_for("passafe/filter/input", lambda logged: len(logged) >= 100)
+    for header, body in received:
+        _, received_ns, _, was_sent_ns = body.u
+        assert received_ns <= header.started_ns
+        assert received_ns - was_sent_ns >= 50e6 - 1e3  # floats of 2⁵⁰ ns and more
+    dropped = log.wait_for("passafe/filter/link_event", lambda logged: len(logged) >= 100)
+    assert {event.effect for _, event in dropped} == {"dropped"}
+    came = {int(body.u[0]) for _, body in received}
+    assert came.isdisjoint(event.sequence for _, event in dropped)
+
+
+def test_garbage_is_counted_told_once_and_survived(start: Callable, port: int, bus: Bus, log: Log) -> None:
+    echo = start("filter", "--port", port)
+    echo.wait_ready("filter")
+    put = bus.publisher(COMMAND, "operator")
+    for garbage in (b"", b"\xff" * 40, b"\x00", os.urandom(200), b"{}"):
+        put(garbage)
+    events = log.wait_for("passafe/filter/event", lambda logged: any("refused" in e.text for _, e in logged))
+    assert [event for _, event in events if event.severity == "warning" and "refused" in event.text]
+    health = log.wait_for("passafe/filter/health", lambda logged: logged and logged[-1][1].topics[0].refused >= 5)
+    assert health[-1][1].topics[0].topic == "command"
+    start("operator", "--port", port, "--steps", 5).wait_ready("operator")
+    log.wait_for("passafe/filter/input", lambda logged: len(logged) >= 5)
+    os.kill(echo.pid, signal.SIGTERM)
+    assert echo.said()["reason"] == "SIGNAL"
+    code, errors = echo.end()
+    assert code == 0
+    assert errors.count("warning: refused") == 1
+
+
+def test_what_is_not_finite_does_not_leave(start: Callable, port: int, log: Log) -> None:
+    operator = start("operator", "--port", port, "--steps", 100, "--poison")
+    operator.wait_ready("operator")
+    said = operator.said()
+    assert said["withheld"] == 10
+    logged = log.wait_for("passafe/operator/command", lambda logged: len(logged) == 90)
+    assert [header.sequence for header, _ in logged] == list(range(90))
+    _, errors = operator.end()
+    assert errors.count("error: withheld command.u_h") == 1
+
+
+def test_health_is_told_once_a_second(start: Callable, port: int, log: Log) -> None:
+    operator = start("operator", "--port", port, "--rate", 200, "--duration", 2.2)
+    operator.wait_ready("operator")
+    said = operator.said()
+    assert said["reason"] == "DURATION"
+    assert said["steps"] + said["missed"] == 440
+    logged = log.wait_for("passafe/operator/health", lambda logged: len(logged) == 3)
+    healths = [health for _, health in logged]
+    assert all(isinstance(health, Health) for health in healths)
+    assert healths[-1].steps == said["steps"]
+    assert healths[-1].ticks_missed == said["missed"]
+    assert healths[0].rate_hz == pytest.approx(
+        200.0 * healths[0].steps / (healths[0].steps + healths[0].ticks_missed), rel=0.05
+    )
+    events = log.wait_for("passafe/operator/event", lambda logged: any("ended by" in e.text for _, e in logged))
+    assert Event("info", f"ended by end of its duration after {said['steps']} steps") in [e for _, e in events]
+
+
+@pytest.mark.parametrize("signum", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_ends_it_cleanly(start: Callable, router: object, port: int, signum: int) -> None:
+    del router
+    operator = start("operator", "--port", port)
+    operator.wait_ready("operator")
+    os.kill(operator.pid, signum)
+    assert operator.said()["reason"] == "SIGNAL"
+    assert operator.end()[0] == 0
+
+
+@pytest.mark.usefixtures("router")
+def test_the_end_of_the_lifeline_ends_it_cleanly(start: Callable, port: int) -> None:
+    operator = start("operator", "--port", port, "--lifeline")
+    operator.wait_ready("operator")
+    operator.cut_lifeline()
+    assert operator.said()["reason"] == "LIFELINE"
+    assert operator.end()[0] == 0
+
+
+def test_no_router_is_one_clear_error(start: Callable, port: int) -> None:
+    operator = start("operator", "--port", port)
+    assert operator.said()["fault"] == "BusError"
+    code, errors = operator.end()
+    assert code == 2
+    assert "Traceback" not in errors
+
+
+def test_link_events_are_link_events(start: Callable, port: int, log: Log) -> None:
+    start("filter", "--port", port, "--loss", 1.0).wait_ready("filter")
+    start("operator", "--port", port, "--steps", 20).wait_ready("operator")
+    dropped = log.wait_for("passafe/filter/link_event", lambda logged: len(logged) == 20)
+    assert [event for _, event in dropped] == [
+        LinkEvent("operator-to-filter", "dropped", "command", sequence) for sequence in range(20)
+    ]

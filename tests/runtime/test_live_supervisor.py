@@ -1,0 +1,253 @@
+"""The supervisor and real processes."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import pytest
+
+from services.runtime.outcome import Cause, ProcessSpec
+from services.runtime.supervisor import supervise
+
+pytestmark = pytest.mark.live
+
+TOY = str(Path(__file__).with_name("toy_process.py"))
+PATIENCE_S = 20.0
+
+
+def toy(name: str, kind: str = "plain", *arguments: object, grace_s: float = 10.0) -> ProcessSpec:
+    argv = (sys.executable, TOY, kind, "--name", name, *map(str, arguments))
+    return ProcessSpec(name=name, argv=argv, grace_s=grace_s)
+
+
+class Terminal:
+    """What a supervisor prints, with the time, and the pids that the toys say."""
+
+    def __init__(self) -> None:
+        self.lines: list[tuple[float, str]] = []
+        self.pids: dict[str, dict[str, int]] = {}
+
+    def __call__(self, line: str) -> None:
+        """Take a line."""
+        self.lines.append((time.monotonic(), line))
+        name, bar, text = line.partition(" | ")
+        if bar and text.startswith("{"):
+            said = json.loads(text)
+            if "pid" in said:
+                self.pids[name.strip()] = said
+
+    def when(self, text: str) -> float:
+        """When the first line with ``text`` came."""
+        return next(at for at, line in self.lines if text in line)
+
+    @property
+    def texts(self) -> list[str]:
+        """The lines without their times."""
+        return [line for _, line in self.lines]
+
+    @property
+    def all_pids(self) -> list[int]:
+        """Of all toys and what they started."""
+        return [pid for said in self.pids.values() for pid in said.values()]
+
+
+def alive(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+
+
+def gone(pids: list[int]) -> bool:
+    """Whether all of them end in bounded time."""
+    end = time.monotonic() + PATIENCE_S
+    while any(alive(pid) for pid in pids):
+        if time.monotonic() > end:
+            return False
+        time.sleep(0.01)
+    return True
+
+
+@pytest.fixture
+def terminal() -> Terminal:
+    return Terminal()
+
+
+def test_processes_start_in_order_and_stop_in_the_opposite_order(terminal: Terminal) -> None:
+    sessions = {}
+
+    def look() -> None:
+        terminal("all are ready")
+        sessions.update({said["pid"]: os.getsid(said["pid"]) for said in terminal.pids.values()})
+
+    specs = [toy("first"), toy("second"), toy("third")]
+    outcome = supervise(specs, duration_s=0.0, emit=terminal, on_ready=look)
+    assert outcome.cause is Cause.DURATION
+    assert outcome.clean
+    assert [end.name for end in outcome.exits] == ["third", "second", "first"]
+    assert list(terminal.pids) == ["first", "second", "third"]
+    assert len(sessions) == 3
+    assert 'first  | {"stopped": "first"}' in terminal.texts
+    assert "second | to standard error" in terminal.texts
+    assert all(pid == session for pid, session in sessions.items())  # out of reach of a terminal's Ctrl-C
+    assert not any("passafe-ready" in line for line in terminal.texts)
+    assert gone(terminal.all_pids)
+
+
+def test_a_killed_process_is_noticed_named_and_nothing_stays_behind(terminal: Terminal) -> None:
+    killed_at = []
+
+    def kill() -> None:
+        killed_at.append(time.monotonic())
+        os.kill(terminal.pids["plant"]["pid"], signal.SIGKILL)
+
+    outcome = supervise([toy("router"), toy("plant"), toy("filter")], emit=terminal, on_ready=kill)
+    assert outcome.cause is Cause.DIED
+    assert outcome.culprit == "plant"
+    assert outcome.detail == "plant died: killed by SIGKILL"
+    assert [end.name for end in outcome.died] == ["plant"]
+    assert [(end.name, end.returncode) for end in outcome.exits] == [
+        ("plant", -9),
+        ("filter", 0),
+        ("router", 0),
+    ]
+    assert not outcome.clean
+    assert terminal.when("plant died") - killed_at[0] < 1.0
+    assert gone(terminal.all_pids)
+
+
+def test_a_process_that_fails_is_named_with_its_exit_code(terminal: Terminal) -> None:
+    outcome = supervise([toy("plant"), toy("filter", "brief", "--code", 3)], emit=terminal)
+    assert (outcome.cause, outcome.culprit) == (Cause.DIED, "filter")
+    assert outcome.detail == "filter died: exit code 3"
+    assert gone(terminal.all_pids)
+
+
+def test_a_process_that_leaves_ends_the_run_cleanly(terminal: Terminal) -> None:
+    outcome = supervise([toy("plant"), toy("operator", "brief")], emit=terminal)
+    assert (outcome.cause, outcome.culprit) == (Cause.LEFT, "operator")
+    assert outcome.clean
+    assert outcome.died == ()
+
+
+@pytest.mark.parametrize("signum", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_one_signal_stops_all_cleanly(terminal: Terminal, signum: int) -> None:
+    outcome = supervise([toy("plant"), toy("filter")], emit=terminal, on_ready=lambda: os.kill(os.getpid(), signum))
+    assert outcome.cause is Cause.SIGNAL
+    assert outcome.detail == f"stopped by {signal.Signals(signum).name}"
+    assert outcome.clean
+    assert gone(terminal.all_pids)
+
+
+def test_a_second_signal_kills_at_once(terminal: Terminal) -> None:
+    def interrupt_twice() -> None:
+        os.kill(os.getpid(), signal.SIGINT)
+        threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGINT)).start()
+
+    began = time.monotonic()
+    outcome = supervise(
+        [toy("plant"), toy("filter", "stubborn", grace_s=60.0)], emit=terminal, on_ready=interrupt_twice
+    )
+    assert time.monotonic() - began < PATIENCE_S
+    assert outcome.cause is Cause.SIGNAL
+    assert all(end.forced and end.returncode == -signal.SIGKILL for end in outcome.exits)
+    assert gone(terminal.all_pids)
+
+
+def test_a_process_that_ignores_sigterm_is_killed_with_what_it_started(terminal: Terminal) -> None:
+    outcome = supervise([toy("plant"), toy("filter", "stubborn", grace_s=0.2)], duration_s=0.0, emit=terminal)
+    assert outcome.cause is Cause.DURATION
+    assert not outcome.clean
+    assert [(end.name, end.forced) for end in outcome.exits] == [("filter", True), ("plant", False)]
+    assert "filter was killed: it did not end in 0.2 s" in terminal.texts
+    assert set(terminal.pids["filter"]) == {"pid", "child"}
+    assert gone(terminal.all_pids)
+
+
+def test_what_a_killed_process_started_does_not_stay_behind(terminal: Terminal) -> None:
+    outcome = supervise(
+        [toy("filter", "stubborn")],
+        emit=terminal,
+        on_ready=lambda: os.kill(terminal.pids["filter"]["pid"], signal.SIGKILL),
+    )
+    assert outcome.detail == "filter died: killed by SIGKILL"
+    assert gone(terminal.all_pids)
+
+
+def test_a_process_that_is_not_ready_in_time_ends_the_run(terminal: Terminal) -> None:
+    specs = [toy("plant"), toy("filter", "slow"), toy("operator")]
+    outcome = supervise(specs, emit=terminal, ready_timeout_s=2.0)
+    assert (outcome.cause, outcome.culprit) == (Cause.NOT_READY, "filter")
+    assert outcome.detail == "filter was not ready within 2 s"
+    assert {end.name for end in outcome.exits} == {"plant", "filter"}
+    assert gone(terminal.all_pids)
+
+
+def test_a_program_that_does_not_exist_ends_the_run(terminal: Terminal) -> None:
+    missing = ProcessSpec(name="filter", argv=("/nonexistent/program",))
+    outcome = supervise([toy("plant"), missing], emit=terminal)
+    assert (outcome.cause, outcome.culprit) == (Cause.NOT_STARTED, "filter")
+    assert "filter cannot be started: " in terminal.texts[-2] + terminal.texts[-1]
+    assert [end.name for end in outcome.exits] == ["plant"]
+    assert gone(terminal.all_pids)
+
+
+def test_an_exception_of_the_caller_leaves_nothing_behind(terminal: Terminal) -> None:
+    def fail() -> None:
+        raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        supervise([toy("plant"), toy("filter")], emit=terminal, on_ready=fail)
+    assert gone(terminal.all_pids)
+
+
+def test_lines_of_any_kind_and_length_are_relayed(terminal: Terminal) -> None:
+    code = "import sys; sys.stdout.buffer.write(b'x' * 200_000 + b'\\n' + b'\\xff\\n' + b'no end')"
+    outcome = supervise([ProcessSpec(name="talker", argv=(sys.executable, "-c", code))], emit=terminal)
+    assert outcome.cause is Cause.LEFT
+    relayed = [line.removeprefix("talker | ") for line in terminal.texts if line.startswith("talker | ")]
+    assert sum(line.count("x") for line in relayed) == 200_000
+    assert relayed[-2:] == ["\N{REPLACEMENT CHARACTER}", "no end"]
+
+
+SUPERVISOR = """
+import json, sys
+from services.runtime.outcome import ProcessSpec
+from services.runtime.supervisor import supervise
+specs = [ProcessSpec(name=name, argv=tuple(argv)) for name, argv in json.loads(sys.argv[1])]
+supervise(specs, on_ready=lambda: print("all are ready", flush=True))
+"""
+
+
+def test_a_killed_supervisor_leaves_nothing_behind(terminal: Terminal) -> None:
+    specs = json.dumps([(spec.name, spec.argv) for spec in (toy("plant"), toy("filter"))])
+    with subprocess.Popen(
+        [sys.executable, "-c", SUPERVISOR, specs], stdout=subprocess.PIPE, text=True
+    ) as supervisor:
+        while (line := supervisor.stdout.readline()) != "all are ready\n":
+            assert line
+            terminal(line)
+        assert all(alive(pid) for pid in terminal.all_pids)
+        assert len(terminal.all_pids) == 2
+        os.kill(supervisor.pid, signal.SIGKILL)
+        supervisor.wait(PATIENCE_S)
+    assert gone(terminal.all_pids)
+
+
+def test_a_live_system_is_stopped_in_order(terminal: Terminal, port: int) -> None:
+    """Router and two loops at 1 kHz; the router is asked last, so nobody loses it."""
+
+    def process(name: str, *arguments: object) -> ProcessSpec:
+        argv = (sys.executable, TOY, name, "--port", port, "--lifeline", *arguments)
+        return ProcessSpec(name=name, argv=tuple(map(str, argv)))
+
+    outcome = supervise([process("router"), process("filter"), process("operator")], duration_s=0.5, emit=terminal)
+    assert outcome.clean, terminal.texts
+    assert [end.name for end in outcome.exits] == ["operator", "filter", "router"]
+    assert sum('"reason": "SIGNAL"' in line for line in terminal.texts) == 3

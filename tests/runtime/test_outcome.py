@@ -1,0 +1,45 @@
+"""How a supervised run is told to have ended."""
+
+import pytest
+
+from services.runtime.outcome import Cause, Exit, Outcome
+
+
+def ended(returncode: int, *, asked: bool = True, forced: bool = False) -> Exit:
+    return Exit(name="plant", returncode=returncode, asked=asked, forced=forced)
+
+
+@pytest.mark.parametrize(
+    ("returncode", "how"),
+    [
+        (0, "exit code 0"),
+        (3, "exit code 3"),
+        (-9, "killed by SIGKILL"),
+        (-15, "killed by SIGTERM"),
+        (-40, "killed by signal 40"),
+    ],
+)
+def test_an_end_in_words(returncode: int, how: str) -> None:
+    assert ended(returncode).how == how
+
+
+@pytest.mark.parametrize(
+    ("cause", "end", "clean"),
+    [
+        (Cause.DURATION, ended(0), True),
+        (Cause.SIGNAL, ended(0), True),
+        (Cause.LEFT, ended(0, asked=False), True),
+        (Cause.DIED, ended(0), False),
+        (Cause.NOT_READY, ended(0), False),
+        (Cause.NOT_STARTED, ended(0), False),
+        (Cause.DURATION, ended(1), False),
+        (Cause.DURATION, ended(-9, forced=True), False),
+    ],
+)
+def test_what_is_a_clean_end(cause: Cause, end: Exit, clean: bool) -> None:
+    assert Outcome(cause=cause, culprit=None, detail="", exits=(end,)).clean is clean
+
+
+def test_who_died_is_told_from_who_was_stopped() -> None:
+    ends = (ended(-9, asked=False), ended(0, asked=False), ended(-9, forced=True), ended(1))
+    assert Outcome(cause=Cause.DIED, culprit="plant", detail="", exits=ends).died == ends[:1]

@@ -1,0 +1,167 @@
+"""Small processes for the tests of the live runtime: ``python toy_process.py KIND …``."""
+
+import argparse
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+
+from protocol.codec import decode
+from protocol.link import LinkSettings
+from protocol.messages import OperatorCommand, PlantInput, Received
+from protocol.topics import COMMAND, INPUT, TOPIC_OF_NAME
+from services.router.process import run_router
+from services.runtime.bus import open_bus
+from services.runtime.endpoint import Endpoint
+from services.runtime.errors import RuntimeFault
+from services.runtime.live import run_live
+from services.runtime.node import Outgoing
+from services.runtime.readiness import announce_ready
+from services.runtime.stop import stop_requests
+
+FOREVER_S = 60.0
+
+
+class Metronome:
+    """An operator whose command holds the number of the step and the time that the step was given."""
+
+    name = "operator"
+    subscribes = ()
+
+    def __init__(self, *, poison: bool = False) -> None:
+        """``poison``: every tenth command is not finite."""
+        self.steps = 0
+        self._poison = poison
+
+    def step(self, now_ns: int, inbox: Sequence[Received]) -> Sequence[Outgoing]:
+        """Send one command."""
+        del inbox
+        count = float("nan") if self._poison and self.steps % 10 == 9 else float(self.steps)
+        self.steps += 1
+        body = OperatorCommand((count, now_ns / 1.0), (), enabled=True, device="metronome")
+        return ((COMMAND, lambda: body),)
+
+
+class Echo:
+    """A filter that answers each command with how it received it."""
+
+    name = "filter"
+    subscribes = (COMMAND,)
+
+    def __init__(self) -> None:
+        self.seen = 0
+
+    def step(self, now_ns: int, inbox: Sequence[Received]) -> Sequence[Outgoing]:
+        """Answer each command."""
+        out: list[Outgoing] = []
+        for received in inbox:
+            header, received_ns = received.header, received.received_ns
+            self.seen += 1
+            times = (float(header.sequence), float(received_ns), float(now_ns), float(header.sent_ns))
+            out.append((INPUT, PlantInput(self.seen, times, 0, 0)))
+        return out
+
+
+def live(options: argparse.Namespace) -> None:
+    node = Echo() if options.kind == "filter" else Metronome(poison=options.poison)
+    steps_wanted = options.steps
+    report = run_live(
+        node,
+        rate_hz=options.rate,
+        endpoint=Endpoint(port=options.port),
+        links={"operator-to-filter": LinkSettings(delay_s=options.delay, loss=options.loss)},
+        duration_s=options.duration,
+        epoch=options.epoch,
+        lifeline=options.lifeline,
+        finished=None if steps_wanted is None else lambda: node.steps >= steps_wanted,
+    )
+    say(steps=report.steps, missed=report.ticks_missed, withheld=report.withheld, reason=report.reason.name)
+
+
+def record(options: argparse.Namespace) -> None:
+    """Read everything; when the lifeline ends, say which numbers came by key."""
+    numbers: dict[str, list[int]] = {}
+    with stop_requests(lifeline=True) as stop, open_bus(Endpoint(port=options.port)) as bus:
+        lossless = bus.log_reader()
+        ring = bus.reader(COMMAND)
+        announce_ready("recorder")
+        while not stop.wait(0.02):
+            note(lossless.drain(), numbers)
+            note([("ring", data) for data in ring.drain()], numbers)
+        for rest in lossless.drain_rest():
+            note(rest, numbers)
+    say(**numbers)
+
+
+def note(messages: list[tuple[str, bytes]], numbers: dict[str, list[int]]) -> None:
+    for key, data in messages:
+        topic = TOPIC_OF_NAME.get(key.rpartition("/")[2], COMMAND)
+        numbers.setdefault(key, []).append(decode(topic, data)[0].sequence)
+
+
+def stubborn(options: argparse.Namespace) -> None:
+    """Ignore SIGTERM and start a child that does so too."""
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    sleeper = f"import time; time.sleep({FOREVER_S})"
+    child = subprocess.Popen([sys.executable, "-c", sleeper])
+    say(pid=os.getpid(), child=child.pid)
+    announce_ready(options.name)
+    time.sleep(FOREVER_S)
+
+
+def plain(options: argparse.Namespace) -> None:
+    """Say the pid, be ready if asked to, and wait for the end."""
+    with stop_requests(lifeline=True) as stop:
+        say(pid=os.getpid())
+        sys.stderr.write("to standard error\n")
+        if options.kind != "slow":
+            announce_ready(options.name)
+        if options.kind == "brief":
+            sys.exit(options.code)
+        stop.wait(FOREVER_S)
+        say(stopped=options.name)
+
+
+def say(**values: object) -> None:
+    sys.stdout.write(f"{json.dumps(values)}\n")
+    sys.stdout.flush()
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser()
+    parser.add_argument("kind")
+    parser.add_argument("--port", type=int, default=0)
+    parser.add_argument("--name", default="toy")
+    parser.add_argument("--rate", type=float, default=1000.0)
+    parser.add_argument("--duration", type=float)
+    parser.add_argument("--steps", type=int)
+    parser.add_argument("--epoch", type=int)
+    parser.add_argument("--delay", type=float, default=0.0)
+    parser.add_argument("--loss", type=float, default=0.0)
+    parser.add_argument("--code", type=int, default=0)
+    parser.add_argument("--poison", action="store_true")
+    parser.add_argument("--lifeline", action="store_true")
+    options = parser.parse_args()
+    try:
+        match options.kind:
+            case "router":
+                reason = run_router(options.port, lifeline=options.lifeline)
+                say(reason=None if reason is None else reason.name)
+            case "operator" | "filter":
+                live(options)
+            case "recorder":
+                record(options)
+            case "stubborn":
+                stubborn(options)
+            case _:
+                plain(options)
+    except RuntimeFault as fault:
+        say(fault=type(fault).__name__, text=str(fault))
+        sys.exit(2)
+
+
+if __name__ == "__main__":
+    main()
