@@ -26,8 +26,9 @@ from services.review.core_mathematics import CoreMathematics
 from services.review.log import RunLog
 from services.review.verdict import Verdict
 from services.router.port import require_free_router_port
+from services.runtime.awake import awake_specs
 from services.runtime.endpoint import DEFAULT_PORT, LOOPBACK, Endpoint
-from services.runtime.outcome import Outcome, ProcessSpec
+from services.runtime.outcome import GRACE_S, Outcome, ProcessSpec
 from services.runtime.supervisor import supervise
 from services.scenarios.design import design_of, robot_of
 from services.scenarios.schema import Scenario
@@ -35,8 +36,8 @@ from services.scenarios.schema import Scenario
 DIED: Final = 3
 """Exit code when a process died or could not be started."""
 
-GRACE_S: Final = 15.0
-"""How long a process may take to end: a recorder on a busy machine has a backlog to write."""
+RECORDER_GRACE_S: Final = 20.0
+"""How long the recorder may take to end: on a busy machine it has a backlog to write."""
 
 
 def demo(
@@ -50,6 +51,13 @@ def demo(
     port: Annotated[int, typer.Option(min=1, max=65535, help="Port of the dashboard's page.")] = 8080,
     router_port: Annotated[int, typer.Option(min=1, max=65535, help="Port of the router.")] = DEFAULT_PORT,
     link: LinkOption = None,
+    keep_awake: Annotated[
+        bool,
+        typer.Option(
+            "--keep-awake",
+            help="Keep the processors from halting at the lowest priority: punctual loops on an idle virtual machine.",
+        ),
+    ] = False,
 ) -> None:
     """Run router, recorder, dashboard, operator, filter and plant as processes of their own.
 
@@ -71,7 +79,10 @@ def demo(
     effective = base.with_suffix(".scenario.json")
     effective.write_text(chosen.model_dump_json(indent=2), encoding="utf-8")
     log = base.with_suffix(".mcap")
-    specs = _specs(effective, endpoint, log, None if headless else port, duration)
+    specs = [
+        *(awake_specs() if keep_awake else ()),
+        *_specs(effective, endpoint, log, None if headless else port, duration),
+    ]
     console = Console(highlight=False, soft_wrap=True)
 
     def say_ready() -> None:
@@ -79,7 +90,7 @@ def demo(
             console.print(f"dashboard http://{LOOPBACK}:{port}/")
         console.print("running; end with Ctrl-C" if duration is None else f"running for {duration:g} s")
 
-    outcome = supervise(specs, on_ready=say_ready, emit=console.out, grace_s=GRACE_S)
+    outcome = supervise(specs, on_ready=say_ready, emit=console.out)
     raise typer.Exit(_conclude(outcome, log, chosen, console))
 
 
@@ -104,8 +115,13 @@ def _specs(
         f"{endpoint.host}:{endpoint.port}",
         "--lifeline",
     ]
+    graces = {"recorder": RECORDER_GRACE_S}
     return [
-        ProcessSpec(name=name, argv=(sys.executable, "-m", "services.cli", "run", name, *common, *arguments))
+        ProcessSpec(
+            name=name,
+            argv=(sys.executable, "-m", "services.cli", "run", name, *common, *arguments),
+            grace_s=graces.get(name, GRACE_S),
+        )
         for name, arguments in extra.items()
     ]
 

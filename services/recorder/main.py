@@ -13,6 +13,7 @@ from services.runtime.bus import open_bus
 from services.runtime.endpoint import Endpoint
 from services.runtime.outlet import Outlet
 from services.runtime.readiness import announce_ready
+from services.runtime.realtime import RECORDER_PRIORITY, request_realtime
 from services.runtime.stop import stop_requests
 
 NAME: Final = "recorder"
@@ -37,6 +38,7 @@ def run_recorder(endpoint: Endpoint, path: Path, metadata: RunMetadata, *, lifel
         LogWriteError: The log cannot be created, or the disk does not take it any more.
         BusError: There is no router.
     """
+    request_realtime(RECORDER_PRIORITY)  # loops that need it more say so if it is refused
     with (
         stop_requests(lifeline=lifeline) as stop,
         LogWriter(path, metadata) as log,

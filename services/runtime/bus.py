@@ -6,7 +6,6 @@ callback would need a Python thread that competes with the control loop.
 """
 
 import json
-import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing, contextmanager
 from typing import Final
@@ -29,9 +28,6 @@ HEARTBEAT_S: Final = 0.5
 
 LOG_QUEUE: Final = 16_384
 """Capacity of a log reader. A full one blocks the session, which the publishers' caches then make good."""
-
-QUIET_S: Final = 0.3
-"""After so long without a message nothing is under way any more."""
 
 _SHARED_SETTINGS: Final[dict[str, object]] = {
     "scouting/multicast/enabled": False,
@@ -88,22 +84,6 @@ class LogReader:
                 break
             taken.append((str(sample.key_expr), sample.payload.to_bytes()))
         return taken
-
-    def drain_rest(self, *, limit_s: float = 5.0) -> Iterator[list[tuple[str, bytes]]]:
-        """What is still under way when the publishers have ended.
-
-        Args:
-            limit_s: When to give up waiting for ``QUIET_S`` without a message: a publisher goes on.
-        """
-        quiet_since = time.monotonic()
-        end = quiet_since + limit_s
-        while (now := time.monotonic()) < end and now - quiet_since < QUIET_S:
-            taken = self.drain()
-            if taken:
-                quiet_since = time.monotonic()
-                yield taken
-            else:
-                time.sleep(QUIET_S / 20)
 
 
 class Bus:

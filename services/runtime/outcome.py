@@ -3,6 +3,10 @@
 import signal
 from dataclasses import dataclass
 from enum import Enum
+from typing import Final
+
+GRACE_S: Final = 3.0
+"""How long a process may take to end before it is killed, unless its specification says otherwise."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -20,7 +24,7 @@ class ProcessSpec:
 
     name: str
     argv: tuple[str, ...]
-    grace_s: float = 3.0
+    grace_s: float = GRACE_S
 
 
 class Cause(Enum):

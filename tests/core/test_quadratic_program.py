@@ -150,6 +150,14 @@ def test_a_single_number_that_is_none_is_rejected_wherever_it_stands(poison: flo
             assert not accepted(judge(*spoiled)[1]), f"argument {i}, place {place}"
 
 
+def test_a_multiplier_that_pulls_the_wrong_way_is_rejected_even_if_the_rest_fits() -> None:
+    """Duplicated rows can share a pull as 3 − 1 = 2: stationary, no gap, but λ₂ < 0."""
+    G, d, z = np.array([[1.0, 0.0], [1.0, 0.0]]), np.array([2.0, 2.0]), np.array([2.0, 0.0])
+
+    assert judge(G, d, z, np.array([1.5, 0.5]))[1].tolist() == [0.0, 0.0, 0.0]
+    assert judge(G, d, z, np.array([3.0, -1.0]))[1].tolist() == [0.0, pytest.approx(1 / 3), 0.0]
+
+
 def test_without_rows_only_the_origin_is_accepted() -> None:
     G, none = np.zeros((0, 2)), np.zeros(0)
 

@@ -110,15 +110,21 @@ def health(steps: int) -> Health:
 
 
 class ClosedFormRun:
-    """Messages of the run up to a time: what a pump pushes into a feed, in order of time."""
+    """Messages of the run up to a time: what a pump pushes into a feed, in order of time.
 
-    def __init__(self) -> None:
+    Args:
+        period_ms: Time between two ticks; 1 as in the live system, more for tests that need less work.
+    """
+
+    def __init__(self, *, period_ms: int = 1) -> None:
         self._next_ms = 0
+        self._period_ms = period_ms
+        self._sequence = 0
 
     def until(self, run_ns: int) -> list[tuple[Header, Message, int]]:
         """Messages since the call before, as (header, body, arrival after the run's begin in ns)."""
         messages: list[tuple[Header, Message, int]] = []
-        for k in range(self._next_ms, run_ns // MS):
+        for k in range(self._next_ms, run_ns // MS, self._period_ms):
             at = k * MS
             if k == 0:
                 info = ScenarioInfo(paper_scenario().model_dump_json(), "live", "{}")
@@ -131,7 +137,8 @@ class ClosedFormRun:
             if k % 700 == 699:
                 event = LinkEvent("plant-to-filter", "dropped", "state", k)
                 messages.append((header("filter", k // 700), event, at))
-            messages.append((header("plant", k), state(k), at))
-            messages.append((header("filter", k), tick(k), at))
-        self._next_ms = max(self._next_ms, run_ns // MS)
+            messages.append((header("plant", self._sequence), state(k), at))
+            messages.append((header("filter", self._sequence), tick(k), at))
+            self._sequence += 1
+            self._next_ms = k + self._period_ms
         return messages

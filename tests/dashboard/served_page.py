@@ -28,7 +28,7 @@ class FastRun:
         self.fails = False
         self.broadcast = Broadcast(feed, pump=self._pump, clock=lambda: self.now_ns, frame_hz=frame_hz)
         self._step_ns = step_ms * MS
-        self._run = ClosedFormRun()
+        self._run = ClosedFormRun(period_ms=10)
 
     def _pump(self, now_ns: int, pace: Pace) -> None:
         del pace
@@ -42,17 +42,20 @@ class FastRun:
 class ServedPage:
     """A running server and ways to talk to it."""
 
-    def __init__(self, port: int, loop: asyncio.AbstractEventLoop) -> None:
+    def __init__(self, port: int, loop: asyncio.AbstractEventLoop, client: httpx.Client) -> None:
+        self._client = client
         self.host = f"127.0.0.1:{port}"
         self.url = f"http://{self.host}"
         self.port = port
         self._loop = loop
 
     def get(self, path: str) -> httpx.Response:
-        return httpx.get(self.url + path, timeout=30)
+        """Ask for a path."""
+        return self._client.get(self.url + path)
 
     def listen(self, **options: Any) -> ClientConnection:  # noqa: ANN401 - of connect()
-        return connect(f"ws://{self.host}/live", compression=None, **options)
+        """Open the WebSocket."""
+        return connect(f"ws://{self.host}/live", compression=None, max_queue=None, **options)
 
     def in_loop(self, function: Callable[..., object], *arguments: object) -> None:
         """Call a function in the server's event loop and wait for it."""
@@ -66,12 +69,12 @@ class ServedPage:
 @contextmanager
 def serve_page(broadcast: Broadcast) -> Iterator[ServedPage]:
     """Serve until the end of the block."""
-    with listening_socket("127.0.0.1", 0) as listener:
+    with listening_socket("127.0.0.1", 0) as listener, httpx.Client(timeout=30, verify=False) as client:  # noqa: S501 - no TLS here
         server = page_server(create_app(broadcast))
         loop = asyncio.new_event_loop()
         thread = threading.Thread(target=_run, args=(loop, server.serve(sockets=[listener])))
         thread.start()
-        page = ServedPage(listener.getsockname()[1], loop)
+        page = ServedPage(listener.getsockname()[1], loop, client)
         page.get("/healthz")  # answered once the application has started
         try:
             yield page

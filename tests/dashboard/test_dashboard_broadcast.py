@@ -18,15 +18,16 @@ class VirtualRun:
         self.pumped = 0
         self._step_ns = step_ms * MS
         self._run = ClosedFormRun()
-        self.broadcast = Broadcast(self.feed, pump=self.pump, clock=lambda: self.now_ns)
+        self.broadcast = Broadcast(self.feed, pump=self._pump, clock=lambda: self.now_ns)
 
-    def pump(self, now_ns: int, pace: Pace) -> None:
+    def _pump(self, now_ns: int, pace: Pace) -> None:
         assert pace is self.broadcast.pace
         for message in self._run.until(now_ns):
             self.feed.push(*message)
         self.pumped += 1
 
     def step(self) -> None:
+        """Let one frame pass."""
         self.now_ns += self._step_ns
         self.broadcast.step()
 

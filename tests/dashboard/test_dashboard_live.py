@@ -1,11 +1,13 @@
 import json
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
 from closed_form import header, paper_scenario
 from served_page import FastRun, ServedPage, client_that_reads_nothing, frames, serve_page
 from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import ClientConnection
 
 import dashboard.live
 from dashboard.feed import Feed
@@ -19,12 +21,28 @@ def run() -> FastRun:
 
 @pytest.fixture
 def page(run: FastRun) -> Iterator[ServedPage]:
+    """A page of its own, for tests that change something."""
     with serve_page(run.broadcast) as served:
         yield served
 
 
-def test_the_page_has_a_place_for_every_chart_and_table(page: ServedPage) -> None:
-    response = page.get("/")
+@pytest.fixture(scope="module")
+def shared_page() -> Iterator[ServedPage]:
+    with serve_page(FastRun(Feed(paper_scenario())).broadcast) as served:
+        yield served
+
+
+def last_words(connection: ClientConnection, end: type[Exception], *, timeout_s: float) -> str | bytes:
+    """What was received last before ``end`` was raised."""
+    last: str | bytes = ""
+    with suppress(end):
+        while True:
+            last = connection.recv(timeout=timeout_s)
+    return last
+
+
+def test_the_page_has_a_place_for_every_chart_and_table(shared_page: ServedPage) -> None:
+    response = shared_page.get("/")
     assert response.status_code == 200
     for heading in (
         "Filter now",
@@ -43,7 +61,7 @@ def test_the_page_has_a_place_for_every_chart_and_table(page: ServedPage) -> Non
     assert "The paper&#39;s robot and disk" in response.text
 
 
-def test_everything_the_page_loads_is_served_here(page: ServedPage) -> None:
+def test_everything_the_page_loads_is_served_here(shared_page: ServedPage) -> None:
     for path, begin in (
         ("/charts.js", "(function()"),
         ("/static/bokeh/js/bokeh.min.js", "Copyright"),
@@ -54,22 +72,22 @@ def test_everything_the_page_loads_is_served_here(page: ServedPage) -> None:
         ("/static/common.css", "/* Type"),
         ("/static/live.css", "/* Layout"),
     ):
-        response = page.get(path)
+        response = shared_page.get(path)
         assert response.status_code == 200, path
         assert begin in response.text[:400], path
 
 
-def test_the_page_may_load_nothing_from_elsewhere(page: ServedPage) -> None:
-    policy = page.get("/").headers["content-security-policy"]
+def test_the_page_may_load_nothing_from_elsewhere(shared_page: ServedPage) -> None:
+    policy = shared_page.get("/").headers["content-security-policy"]
     assert "default-src 'none'" in policy
     assert "http" not in policy
-    assert page.get("/static/live.js").headers["x-content-type-options"] == "nosniff"
+    assert shared_page.get("/static/live.js").headers["x-content-type-options"] == "nosniff"
 
 
-def test_status_is_the_state_now(page: ServedPage) -> None:
-    with page.listen() as connection:
+def test_status_is_the_state_now(shared_page: ServedPage) -> None:
+    with shared_page.listen() as connection:
         frames(connection, 20)
-    status = page.get("/api/status").json()
+    status = shared_page.get("/api/status").json()
     assert status["filter"]["tick"] > 100
     assert status["liveness"]["state"] == "live"
     assert {entry["process"] for entry in status["processes"]} >= {"plant", "filter"}
@@ -80,16 +98,15 @@ def test_health_says_whether_messages_are_pumped(page: ServedPage, run: FastRun)
     assert response.status_code == 200
     assert response.json()["ok"] is True
     run.fails = True
-    with page.listen() as connection, pytest.raises(TimeoutError):
-        while True:
-            connection.recv(timeout=1)
+    with page.listen() as connection:
+        last_words(connection, TimeoutError, timeout_s=0.5)
     response = page.get("/healthz")
     assert response.status_code == 503
     assert response.json()["ok"] is False
 
 
-def test_the_socket_streams_frames(page: ServedPage) -> None:
-    with page.listen() as connection:
+def test_the_socket_streams_frames(shared_page: ServedPage) -> None:
+    with shared_page.listen() as connection:
         received = frames(connection, 30)
     assert received[0]["restart"]
     assert not any(frame["restart"] for frame in received[1:])
@@ -121,24 +138,20 @@ def test_the_end_of_the_run_is_told_and_closes_the_socket(page: ServedPage, run:
     with page.listen() as connection:
         frames(connection, 1)
         page.in_loop(run.broadcast.finish, "The run has ended.")
-        states = []
-        with pytest.raises(ConnectionClosed) as closed:
-            while True:
-                states += [frame["now"]["liveness"]["state"] for frame in frames(connection, 1)]
-        assert states[-1] == "ended"
-        assert closed.value.rcvd is not None
-        assert closed.value.rcvd.code == 1000
+        last = last_words(connection, ConnectionClosed, timeout_s=30)
+        assert json.loads(last)["now"]["liveness"] == {"state": "ended", "text": "The run has ended."}
+        assert connection.close_code == 1000
 
 
 @pytest.mark.parametrize("origin", ["http://elsewhere.test", "http://127.0.0.1:1", "null"])
-def test_pages_of_other_sites_are_refused(page: ServedPage, origin: str) -> None:
+def test_pages_of_other_sites_are_refused(shared_page: ServedPage, origin: str) -> None:
     with pytest.raises(InvalidStatus) as refused:
-        page.listen(origin=origin)
+        shared_page.listen(origin=origin)
     assert refused.value.response.status_code == 403
 
 
-def test_the_page_s_own_origin_is_let_in(page: ServedPage) -> None:
-    with page.listen(origin=page.url) as connection:
+def test_the_page_s_own_origin_is_let_in(shared_page: ServedPage) -> None:
+    with shared_page.listen(origin=shared_page.url) as connection:
         assert frames(connection, 1)
 
 
@@ -153,8 +166,8 @@ def test_too_many_pages_are_asked_to_come_later(page: ServedPage, monkeypatch: p
             assert refused.value.rcvd.code == 1013
 
 
-def test_what_a_page_says_is_not_used(page: ServedPage) -> None:
-    with page.listen() as connection:
+def test_what_a_page_says_is_not_used(shared_page: ServedPage) -> None:
+    with shared_page.listen() as connection:
         connection.send("x" * 1000)
         connection.send(b"\0\xff")
         assert frames(connection, 10)[0]["restart"]
@@ -193,8 +206,8 @@ def test_a_page_without_scenario_says_so() -> None:
         assert page.get("/charts.js").text == ""
 
 
-def test_charts_are_made_once_for_a_scenario(page: ServedPage) -> None:
-    assert page.get("/charts.js").text == page.get("/charts.js").text
+def test_charts_are_made_once_for_a_scenario(shared_page: ServedPage) -> None:
+    assert shared_page.get("/charts.js").text == shared_page.get("/charts.js").text
 
 
 def test_there_are_only_our_own_files_beside_bokeh_s() -> None:

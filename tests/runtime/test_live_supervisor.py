@@ -227,9 +227,7 @@ supervise(specs, on_ready=lambda: print("all are ready", flush=True))
 
 def test_a_killed_supervisor_leaves_nothing_behind(terminal: Terminal) -> None:
     specs = json.dumps([(spec.name, spec.argv) for spec in (toy("plant"), toy("filter"))])
-    with subprocess.Popen(
-        [sys.executable, "-c", SUPERVISOR, specs], stdout=subprocess.PIPE, text=True
-    ) as supervisor:
+    with subprocess.Popen([sys.executable, "-c", SUPERVISOR, specs], stdout=subprocess.PIPE, text=True) as supervisor:
         while (line := supervisor.stdout.readline()) != "all are ready\n":
             assert line
             terminal(line)

@@ -91,7 +91,7 @@ def record(options: argparse.Namespace) -> None:
         while not stop.wait(0.02):
             note(lossless.drain(), numbers)
             note([("ring", data) for data in ring.drain()], numbers)
-        for rest in lossless.drain_rest():
+        while not time.sleep(0.3) and (rest := lossless.drain()):  # nothing for so long: nothing is under way
             note(rest, numbers)
     say(**numbers)
 

@@ -1,0 +1,115 @@
+"""The whole system as processes over Zenoh, as a user runs it."""
+
+import os
+import signal
+import time
+from pathlib import Path
+
+import pytest
+from running_demo import all_gone, running_demo
+
+from protocol.messages import FilterTick, OperatorCommand, PlantState
+from services.review.core_mathematics import CoreMathematics
+from services.review.log import RunLog
+from services.review.restep import restep
+from services.review.verdict import Verdict
+
+pytestmark = pytest.mark.live
+
+
+def only_log(folder: Path) -> Path:
+    [log] = [path for path in folder.glob("*.mcap") if not path.name.endswith(".torn.mcap")]
+    return log
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> tuple[RunLog, list[str], int]:
+    folder = tmp_path_factory.mktemp("live")
+    with running_demo(folder, "--duration", "3") as demo:
+        demo.wait_for(r"dashboard http://127\.0\.0\.1:\d+/")
+        code = demo.end()
+    return RunLog.read(only_log(folder)), demo.lines, code
+
+
+def test_a_live_run_ends_by_itself_with_a_verdict_and_the_logs_path(
+    finished: tuple[RunLog, list[str], int],
+) -> None:
+    log, lines, code = finished
+    text = "".join(lines)
+
+    assert code == 0, text
+    assert "verdict   holds" in text
+    assert str(log.path) in text
+    assert log.finished
+
+
+def test_a_live_log_shows_a_safe_and_passive_run(finished: tuple[RunLog, list[str], int]) -> None:
+    log, _, _ = finished
+    verdict = Verdict.of(log, CoreMathematics(log.identity.scenario))
+
+    assert verdict.duration_s == pytest.approx(3.0, abs=0.1)
+    assert verdict.h_min is not None
+    assert verdict.power_margin_min is not None
+    assert verdict.h_min >= -1e-3
+    assert verdict.power_margin_min >= -0.05
+    assert verdict.solve_us_p50 is not None
+    assert verdict.solve_us_p50 > 0
+    assert {"PASSED", "MODIFIED"} <= set(verdict.status_counts)
+
+
+def test_a_live_log_is_complete(finished: tuple[RunLog, list[str], int]) -> None:
+    log, _, _ = finished
+
+    assert all(log.of(kind) for kind in (OperatorCommand, PlantState, FilterTick))
+    assert {name: log.counts[name].gaps for name in ("command", "state", "tick", "input")} == {
+        "command": 0,
+        "state": 0,
+        "tick": 0,
+        "input": 0,
+    }
+
+
+def test_the_filter_of_a_live_run_steps_again_to_the_last_bit(finished: tuple[RunLog, list[str], int]) -> None:
+    result = restep(finished[0])
+
+    assert result.exact, result
+
+
+def test_ctrl_c_ends_cleanly_with_the_verdict_and_leaves_nothing_behind(tmp_path: Path) -> None:
+    with running_demo(tmp_path, "--headless") as demo:
+        demo.wait_for("running; end with Ctrl-C")
+        pids = list(demo.children().values())
+        demo.process.send_signal(signal.SIGINT)
+        demo.end()
+
+    assert len(pids) == 5
+    assert all_gone(pids, 5.0)
+    assert any(line.startswith("verdict") for line in demo.lines)
+    assert RunLog.read(only_log(tmp_path)).finished
+
+
+@pytest.mark.parametrize("victim", ["filter", "recorder", "router"])
+def test_a_killed_process_is_named_within_a_second_and_the_log_is_readable(victim: str, tmp_path: Path) -> None:
+    with running_demo(tmp_path, "--headless") as demo:
+        demo.wait_for("running; end with Ctrl-C")
+        pids = demo.children()
+        os.kill(pids[victim], signal.SIGKILL)
+        killed = time.monotonic()
+        demo.wait_for(f"{victim} died: killed by SIGKILL", timeout_s=5.0)
+        noticed_s = time.monotonic() - killed
+        code = demo.end()
+
+    assert noticed_s < 1.0
+    assert code != 0
+    assert all_gone(list(pids.values()), 5.0)
+    assert RunLog.read(only_log(tmp_path)).finished
+    assert not any("Traceback" in line for line in demo.lines)
+
+
+def test_nothing_outlives_a_killed_supervisor(tmp_path: Path) -> None:
+    with running_demo(tmp_path, "--headless") as demo:
+        demo.wait_for("running; end with Ctrl-C")
+        pids = list(demo.children().values())
+        demo.process.send_signal(signal.SIGKILL)
+
+        assert all_gone(pids, 15.0)
