@@ -1,21 +1,15 @@
 """From a scenario to the nodes of its loop: the same ones live and in lockstep."""
 
-import json
-import platform
-from importlib.metadata import version
-
 from passafe.filter import SafetyPassivityFilter
 from protocol.link import LinkSettings
-from protocol.messages import ScenarioInfo
 from services.filter.node import FilterNode
 from services.operator.node import OperatorNode
 from services.operator.sources import build_source
 from services.plant.node import PlantNode
 from services.runtime.lockstep import Lockstep, Observer
 from services.scenarios.design import design_of, robot_of, sampled_plant_of, tank_of
+from services.scenarios.info import scenario_info
 from services.scenarios.schema import Scenario
-
-COMPUTES_WITH = ("passafe", "casadi", "piqp", "numpy", "scipy", "eclipse-zenoh", "mcap", "protobuf")
 
 VIRTUAL_WALL_NS = 1_000_000_000_000_000_000
 """Wall clock minus virtual clock of a lockstep run: a fixed day in 2001, so that logs show it and stay the same."""
@@ -24,16 +18,6 @@ VIRTUAL_WALL_NS = 1_000_000_000_000_000_000
 def period_ns(scenario: Scenario) -> int:
     """Return the period of one tick, ns."""
     return round(1e9 / scenario.rate_hz)
-
-
-def versions() -> dict[str, str]:
-    """Return the versions of passafe, of what it computes with and of the interpreter."""
-    return {name: version(name) for name in COMPUTES_WITH} | {"python": platform.python_version()}
-
-
-def scenario_info(scenario: Scenario, driver: str) -> ScenarioInfo:
-    """Return the effective configuration as a message."""
-    return ScenarioInfo(scenario.model_dump_json(), driver, json.dumps(versions(), sort_keys=True))
 
 
 def link_settings(scenario: Scenario) -> dict[str, LinkSettings]:

@@ -119,7 +119,7 @@ def _specs(
     return [
         ProcessSpec(
             name=name,
-            argv=(sys.executable, "-m", "services.cli", "run", name, *common, *arguments),
+            argv=(sys.executable, "-m", "services.cli.run", name, *common, *arguments),
             grace_s=graces.get(name, GRACE_S),
         )
         for name, arguments in extra.items()

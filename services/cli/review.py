@@ -5,7 +5,6 @@ from typing import Annotated
 
 import typer
 
-from dashboard.report import render_report
 from services.cli.verdict import exit_code, print_verdict
 from services.review.core_mathematics import CoreMathematics
 from services.review.log import RunLog
@@ -26,6 +25,8 @@ def review(
     mathematics = CoreMathematics(log.identity.scenario)
     verdict = Verdict.of(log, mathematics)
     if html is not None:
+        from dashboard.report import render_report  # noqa: PLC0415 - a second that other reviews need not wait
+
         html.parent.mkdir(parents=True, exist_ok=True)
         html.write_text(render_report(log, mathematics, verdict), encoding="utf-8")
     if json:

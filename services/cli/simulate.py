@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 from rich.progress import Progress, TimeRemainingColumn
 
-from services.assembly import lockstep_loop, steps_of, versions
+from services.assembly import lockstep_loop, steps_of
 from services.cli.options import (
     DEFAULT_SCENARIO,
     DurationOption,
@@ -23,6 +23,7 @@ from services.recorder.log_writer import LogWriter, run_metadata
 from services.review.core_mathematics import CoreMathematics
 from services.review.log import RunLog
 from services.review.verdict import Verdict
+from services.scenarios.info import versions
 
 
 def simulate(

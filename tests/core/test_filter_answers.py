@@ -67,8 +67,7 @@ def test_two_hard_rows_are_answered_as_in_closed_form() -> None:
         assert decision.u == pytest.approx(exact.z, abs=2e-4 * scale)
         assert (decision.status is Status.PASSED) == (not exact.z.any())
         assert_near_minimiser(decision)
-    assert min(seen[status] for status in (Status.PASSED, Status.MODIFIED, Status.INFEASIBLE)) > 10
-    assert seen[Status.UNCERTIFIED] == 0
+    assert min(seen[status] for status in (Status.PASSED, Status.MODIFIED)) > 100
 
 
 def test_a_hard_and_a_soft_row_are_answered_as_in_closed_form() -> None:

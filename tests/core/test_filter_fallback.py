@@ -1,6 +1,6 @@
 """When no answer can be used: INFEASIBLE and UNCERTIFIED reached by real designs, and the fail-safe that follows."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import casadi as ca
@@ -80,23 +80,39 @@ def test_an_answer_that_fails_the_certificate_is_not_used(tolerance: Tolerance) 
     assert_consistent(made, decision)
 
 
-def test_a_row_that_is_no_number_is_not_certified() -> None:
-    """H = log(x) outside its domain: nobody can say that this row is kept."""
+def integrator(h: Callable[[ca.SX], ca.SX], u_fb: Callable[[ca.SX], ca.SX], mode: Mode) -> SafetyPassivityFilter:
+    """Return a filter for ẋ = u with one state, bound 10."""
     x, u = ca.SX.sym("x"), ca.SX.sym("u")
     design = FilterDesign(
         system=System(x=x, u=u, f=u, y=x),
-        u_fb=ca.SX(0.0),
+        u_fb=u_fb(x),
         fail_safe=ca.SX(0.0),
-        barriers=(Barrier(name="log", h=ca.log(x), class_k=gains(1.0, 1.0)),),
+        barriers=(Barrier(name="domain", h=h(x), class_k=gains(1.0, 1.0)),),
         passivity=Passivity(V=x**2 / 2),
         k_i=1.0,
         dt_s=0.1,
         input_bound=10.0,
-        mode=Mode.SAFE,
+        mode=mode,
     )
-    made = SafetyPassivityFilter(design)
+    return SafetyPassivityFilter(design)
+
+
+@pytest.mark.parametrize("outside", [-1.0, 0.0, -0.0])
+def test_a_row_that_is_no_number_is_not_certified(outside: float) -> None:
+    """Outside the domain of h = log(x) nobody can say that the row is kept."""
+    made = integrator(ca.log, lambda x: 0 * x, Mode.SAFE)
 
     assert made.decide((2.0,), (0.0,), (0.0,), (0.0,)).status is Status.PASSED
-    for outside in (-1.0, 0.0, -0.0):
-        decision = made.decide((outside,), (0.0,), (0.0,), (0.0,))
-        assert decision.status.is_fallback, (outside, decision.status, decision.psi)
+    decision = made.decide((outside,), (0.0,), (0.0,), (0.0,))
+    assert decision.status.is_fallback, decision.psi
+
+
+@pytest.mark.parametrize("mode", [Mode.OFF, Mode.SAFE])
+def test_a_nominal_input_that_is_no_number_is_not_certified(mode: Mode) -> None:
+    """Outside the domain of u_fb = √x there is nothing to follow: not the bound either."""
+    made = integrator(lambda x: x + 5, lambda x: -ca.sqrt(x), mode)
+
+    assert made.decide((4.0,), (0.0,), (0.0,), (0.0,)).status is Status.PASSED
+    decision = made.decide((-1.0,), (0.0,), (0.0,), (0.0,))
+    assert decision.status.is_fallback, decision.u
+    assert decision.u == (0.0,)

@@ -156,25 +156,24 @@ def test_the_energy_of_an_output_that_bends_is_as_accurate_as_the_state() -> Non
     """X = ∫u is integrated exactly by any step, ∫sin(x)·u is not: V and the ledger need both."""
     position, held = ca.SX.sym("x"), ca.SX.sym("u")
     system = System(x=position, u=held, f=held, y=ca.sin(position))
-    sample = SampledPlant(system, position**2, 1.0).advance((0.0,), (40.0,))
+    sample = SampledPlant(system, position**2, 1.0).advance((0.0,), (4.0,))
 
-    assert sample.x == pytest.approx([40.0])
-    assert sample.energy_in_j == pytest.approx(1 - np.cos(40.0), abs=100 * LOCAL_TOLERANCE)
+    assert sample.x == pytest.approx([4.0])
+    assert sample.energy_in_j == pytest.approx(1 - np.cos(4.0), abs=100 * LOCAL_TOLERANCE)
 
 
 def test_the_step_is_of_fifth_order_and_its_error_estimate_of_fourth() -> None:
-    """ẋ = −x² from x = 1 is x = 1/(1 + t): halving a step divides its error by 2⁶ and the estimate by 2⁵."""
+    """ẋ = −x² from x = 1 is x = 1/(1 + t): halving a step divides its error by 2⁶ at least, the estimate by 2⁵."""
     state, held, h = ca.SX.sym("x"), ca.SX.sym("u"), ca.SX.sym("h")
     system = System(x=state, u=held, f=held - state**2, y=state)
     flow = numeric([state, held, h], ca.vertcat(*held_flow(system, h)))
     error, estimate = {}, {}
-    for step in (0.2, 0.1, 0.05):
+    for step in (0.1, 0.05, 0.025):
         end, _, estimate[step] = flow(1.0, 0.0, step)
         error[step] = abs(end - 1 / (1 + step))
 
-    assert error[0.2] / error[0.1] == pytest.approx(2**6, rel=0.3)
-    assert error[0.1] / error[0.05] == pytest.approx(2**6, rel=0.15)
-    assert estimate[0.1] / estimate[0.05] == pytest.approx(2**5, rel=0.15)
+    assert min(error[0.1] / error[0.05], error[0.05] / error[0.025]) > 2**6
+    assert estimate[0.05] / estimate[0.025] == pytest.approx(2**5, rel=0.15)
     assert all(error[step] < estimate[step] for step in error)
 
 

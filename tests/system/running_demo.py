@@ -35,7 +35,8 @@ class RunningDemo:
         )
         self.lines: list[str] = []
         self._queue: Queue[str] = Queue()
-        Thread(target=self._read, daemon=True).start()
+        self._reader = Thread(target=self._read, daemon=True)
+        self._reader.start()
 
     def wait_for(self, pattern: str, timeout_s: float = START_S) -> str:
         """Return the first line, printed already or within ``timeout_s``, that matches."""
@@ -49,24 +50,34 @@ class RunningDemo:
             try:
                 self.lines.append(self._queue.get(timeout=max(0.0, end - time.monotonic())))
             except Empty:
-                raise AssertionError(f"no line like {pattern!r} within {timeout_s} s:\n" + "".join(self.lines)) from None
+                raise AssertionError(
+                    f"no line like {pattern!r} within {timeout_s} s:\n" + "".join(self.lines)
+                ) from None
 
     def children(self) -> dict[str, int]:
         """Return the process ids of the supervised processes by name."""
         found = {}
         for pid in Path(f"/proc/{self.process.pid}/task/{self.process.pid}/children").read_text().split():
             words = Path(f"/proc/{pid}/cmdline").read_bytes().decode().split("\0")
-            found[words[words.index("run") + 1]] = int(pid)
+            found[words[words.index("services.cli.run") + 1]] = int(pid)
         return found
 
     def end(self, timeout_s: float = 60.0) -> int:
         """Wait for the supervisor's end; return its exit code."""
         code = self.process.wait(timeout_s)
-        while True:
-            try:
-                self.lines.append(self._queue.get(timeout=1.0))
-            except Empty:
-                return code
+        self._reader.join(timeout_s)
+        while not self._queue.empty():
+            self.lines.append(self._queue.get())
+        return code
+
+    def dispose(self) -> None:
+        """Kill what is left and close the pipe."""
+        if self.process.poll() is None:
+            self.process.send_signal(signal.SIGKILL)
+        self.process.wait(10.0)
+        self._reader.join(30.0)
+        assert self.process.stdout is not None
+        self.process.stdout.close()
 
     def _read(self) -> None:
         assert self.process.stdout is not None
@@ -81,9 +92,7 @@ def running_demo(out: Path, *arguments: str) -> Iterator[RunningDemo]:
     try:
         yield demo
     finally:
-        if demo.process.poll() is None:
-            demo.process.send_signal(signal.SIGKILL)
-        demo.process.wait(10.0)
+        demo.dispose()
 
 
 def alive(pid: int) -> bool:

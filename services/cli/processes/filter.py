@@ -1,0 +1,10 @@
+"""The filter as a process."""
+
+from services.assembly import filter_node
+from services.cli.processes.live import run_node
+from services.cli.processes.options import ProcessOptions
+
+
+def start(options: ProcessOptions) -> None:
+    """Filter until told to stop."""
+    run_node(filter_node(options.scenario, "live"), options)

@@ -1,0 +1,34 @@
+"""A node as a process at the scenario's rate."""
+
+from collections.abc import Callable
+
+from services.assembly import link_settings
+from services.cli.processes.options import ProcessOptions
+from services.runtime.live import run_live
+from services.runtime.node import Node
+
+
+def run_node(
+    node: Node,
+    options: ProcessOptions,
+    *,
+    epoch: int | None = None,
+    finished: Callable[[], bool] | None = None,
+) -> None:
+    """Step a node against the clock until told to stop.
+
+    Args:
+        node: The node.
+        options: Scenario, endpoint and lifeline.
+        epoch: Session number, if the node must know it.
+        finished: Asked before each step whether the node wants no more.
+    """
+    run_live(
+        node,
+        rate_hz=options.scenario.rate_hz,
+        endpoint=options.endpoint,
+        links=link_settings(options.scenario),
+        epoch=epoch,
+        lifeline=options.lifeline,
+        finished=finished,
+    )
