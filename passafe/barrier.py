@@ -74,14 +74,14 @@ def derive_chain(system: System, barrier: Barrier) -> BarrierChain:
     system.require_state_function(f"{part} h", barrier.h, 1)
     psi = [barrier.h]
     unshaped = barrier.h
-    for gamma in (*barrier.class_k, *([None] * system.n)):
+    gammas = iter(barrier.class_k)
+    while len(psi) == 1 or not _depends_on_input(system, unshaped):
+        if len(psi) > system.n:
+            raise RelativeDegreeError(barrier.name, system.n)
+        gamma = next(gammas, None)
         rate = system.lie_derivative(psi[-1])
         unshaped = system.lie_derivative(unshaped)
         psi.append(rate if gamma is None else rate + gamma(psi[-1]))
-        if _depends_on_input(system, unshaped):
-            break
-        if len(psi) > system.n:
-            raise RelativeDegreeError(barrier.name, system.n)
     wanted = len(psi)
     if len(barrier.class_k) != wanted:
         raise DesignError(
@@ -102,6 +102,10 @@ def _depends_on_input(system: System, expression: ca.SX) -> bool:
     if gradient.nnz() == 0:
         return False
     evaluate = ca.Function("gradient", [system.x, system.u], [ca.densify(gradient)])
-    probes = [ca.DM([(0.37 + 0.11 * k + 0.29 * i) * (-1) ** (i + k) for i in range(system.n)]) for k in range(8)]
+    probes = [
+        scale * ca.DM([(0.37 + 0.11 * k + 0.29 * i) * (-1) ** (i + k) for i in range(system.n)])
+        for scale in (1, 10, 100)
+        for k in range(8)
+    ]
     inputs = ca.DM([0.53 + 0.17 * j for j in range(system.m)])
     return any(float(ca.norm_inf(evaluate(x, inputs))) > ROUNDING for x in probes)

@@ -13,7 +13,7 @@ class Status(IntEnum):
     """Outcome of one decision, from best to worst."""
 
     PASSED = 1
-    """v = 0: no row stood in the way."""
+    """u⁺ = u_ref: no row stood in the way; v = 0 unless the input bound did."""
 
     MODIFIED = 2
     """v ≠ 0, every row kept."""
@@ -22,10 +22,10 @@ class Status(IntEnum):
     """Every hard row kept, the passivity row relaxed by the slack."""
 
     UNCERTIFIED = 4
-    """The solver's answer failed the certificate: u is the fail-safe law's."""
+    """No answer passed the certificate, or the nearest lies beyond the bound: u is the fail-safe law's."""
 
     INFEASIBLE = 5
-    """The hard rows conflict, or need more than the input bound: u is the fail-safe law's."""
+    """Proven: no input within the bound keeps the hard rows; u is the fail-safe law's."""
 
     @property
     def is_fallback(self) -> bool:

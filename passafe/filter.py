@@ -33,8 +33,10 @@ class SafetyPassivityFilter:
 
     Parts of a decision, by name (n states, m inputs, N rows): ``x`` n, ``u`` m (the input before), ``u_h`` m,
     ``u_h_rate`` m, ``tank`` 1, ``u_nominal`` m, ``phi`` m, ``u_ref`` m (the input if v = 0, within the bound),
+    ``worst`` 1 (largest d), ``poison`` 1 (not a number or large where anything given or derived is),
     ``G`` N·k, ``d`` N, ``z`` k, ``lam`` N, ``margins`` N, ``u_plus`` m, ``v`` m, ``psi``, ``h_u`` 1,
-    ``residuals`` 3, ``overreach`` 1, ``slack`` 1.
+    ``residuals`` 3, ``overreach`` 1, ``slack`` 1, ``conflict`` 1 (positive: the multipliers prove that the hard rows
+    cannot be kept within the bound).
 
     Attributes:
         design: What it was derived from.
@@ -57,23 +59,34 @@ class SafetyPassivityFilter:
         N, k = derivation.G.shape
         n, m, psi = system.n, system.m, derivation.psi.numel()
         given = {"x": n, "u": m, "u_h": m, "u_h_rate": m, "tank": 1}
-        derived = {"u_nominal": m, "phi": m, "u_ref": m, "G": N * k, "d": N, "worst": 1}
+        derived = {"u_nominal": m, "phi": m, "u_ref": m, "G": N * k, "d": N, "worst": 1, "poison": 1}
         solved = {"z": k, "lam": N}
-        judged = {"margins": N, "u_plus": m, "v": m, "psi": psi, "h_u": 1, "residuals": 3, "overreach": 1, "slack": 1}
+        judged = {
+            "margins": N,
+            "u_plus": m,
+            "v": m,
+            "psi": psi,
+            "h_u": 1,
+            "residuals": 3,
+            "overreach": 1,
+            "slack": 1,
+            "conflict": 1,
+        }
         self.layout = Layout.of(given | derived | solved | judged)
         self._workspace = space = Workspace(self.layout)
         self._prepare = space.bind(derivation.prepare, list(given), list(derived))
-        self._judge = space.bind(derivation.judge, [*given, "phi", "u_ref", "G", "d", *solved], list(judged))
+        self._judge = space.bind(derivation.judge, [*given, "phi", "u_ref", "G", "d", "poison", *solved], list(judged))
         self._fail_safe = space.bind(derivation.fail_safe, ["x"], ["u_plus"])
-        self._z = space.part("z")
-        self._lam = space.part("lam")
+        self._z, self._lam = space.part("z"), space.part("lam")
+        self._z_memory, self._lam_memory = self._z.data, self._lam.data
         self._residual, self._gap = design.tolerance.residual, design.tolerance.gap
         self._overreach = BOUND_TOLERANCE * design.input_bound
         self._relaxed_above = design.passivity.relaxed_above
         self._solver = PiqpSolver(space.matrix("G", (N, k)), space.part("d")) if N else None
+        self._lengths = n, m, m, m
         self._take = struct.Struct(f"{n + 3 * m + 1}d").pack_into
         self._worst = struct.Struct("d").unpack_from, self.layout.parts["worst"].start * 8
-        self._verdict = struct.Struct("5d").unpack_from, self.layout.parts["residuals"].start * 8
+        self._verdict = struct.Struct("6d").unpack_from, self.layout.parts["residuals"].start * 8
         self._u_plus = struct.Struct(f"{m}d").unpack_from, self.layout.parts["u_plus"].start * 8
 
     def decide(
@@ -101,12 +114,11 @@ class SafetyPassivityFilter:
             ShapeError: An argument of the wrong length.
         """
         memory = self._workspace.memory
-        try:
-            self._take(memory, 0, *x, *u, *u_h, *u_h_rate, tank_j)
-        except struct.error:
-            got = f"lengths {len(x)}, {len(u)}, {len(u_h)}, {len(u_h_rate)}"
-            n, m = self.design.system.n, self.design.system.m
-            raise ShapeError("x, u, u_h, u_h_rate", got, f"lengths {n}, {m}, {m}, {m}") from None
+        lengths = (len(x), len(u), len(u_h), len(u_h_rate))
+        if lengths != self._lengths:
+            got, allowed = (", ".join(map(str, each)) for each in (lengths, self._lengths))
+            raise ShapeError("x, u, u_h, u_h_rate", f"lengths {got}", f"lengths {allowed}")
+        self._take(memory, 0, *x, *u, *u_h, *u_h_rate, tank_j)
         self._prepare()
         unpack, offset = self._worst
         outcome, solver = _SOLVED, "none"
@@ -114,7 +126,7 @@ class SafetyPassivityFilter:
             self._z.fill(0.0)
             self._lam.fill(0.0)
         else:
-            outcome, solver = self._solver.solve(self._z, self._lam), self._solver.name
+            outcome, solver = self._solver.solve(self._z_memory, self._lam_memory), self._solver.name
         self._judge()
         status = self._status(outcome, solver)
         if status >= _UNCERTIFIED:
@@ -125,14 +137,14 @@ class SafetyPassivityFilter:
 
     def _status(self, outcome: SolverOutcome, solver: str) -> Status:
         unpack, offset = self._verdict
-        primal, dual, gap, overreach, slack = unpack(self._workspace.memory, offset)
+        primal, dual, gap, overreach, slack, conflict = unpack(self._workspace.memory, offset)
         if outcome is _NO_SOLUTION:
-            return _INFEASIBLE
+            return _INFEASIBLE if conflict > 0 else _UNCERTIFIED
         accepted = primal <= self._residual and dual <= self._residual and gap <= self._gap
         if outcome is not _SOLVED or not accepted:
             return _UNCERTIFIED
         if not overreach <= self._overreach:
-            return _INFEASIBLE
+            return _INFEASIBLE if conflict > 0 else _UNCERTIFIED
         if solver == "none":
             return _PASSED
         return _RELAXED if slack > self._relaxed_above else _MODIFIED
@@ -167,11 +179,18 @@ class _Derivation:
         if design.law is Law.SAMPLED:
             rows = sampled_rows(system, enforced, h_u, design.passivity, u_ref, tank)
         else:
-            rows = continuous_rows(system, enforced, h_u, design.passivity, phi, design.dt_s)
+            rows = continuous_rows(
+                system, enforced, h_u, design.passivity, (u_ref - system.u) / design.dt_s, design.dt_s
+            )
         self.row_names = tuple(row.name for row in rows)
         self.G, d, self.root = stack(rows, m, reach=2 * bound * sqrt(m))
         worst = ca.mmax(d) if rows else ca.SX(0)
-        self.prepare = dense_function("prepare", given, [nominal_input(design.u_fb, u_h), phi, u_ref, self.G, d, worst])
+        # fmin, fmax and mmax swallow a NaN; this is nothing for ordinary numbers and spoils the residual otherwise.
+        poison = 1e-300 * ca.sumsqr(ca.vertcat(*given, phi, *(row.value for row in rows)))
+        self.hard = [i for i, row in enumerate(rows) if row.slack_price is None]
+        self.prepare = dense_function(
+            "prepare", given, [nominal_input(design.u_fb, u_h), phi, u_ref, self.G, d, worst, poison]
+        )
         self.psi = ca.vertcat(ca.SX(0, 1), *(psi for chain in chains for psi in chain.psi))
         self.judge = self._judging(design, given)
         self.fail_safe = dense_function("fail_safe", [system.x], [design.fail_safe])
@@ -189,12 +208,18 @@ class _Derivation:
         u_plus = ca.fmin(ca.fmax(unclipped, -bound), bound)
         v = (u_plus - system.u) / design.dt_s - phi
         psi, h_u = ca.substitute([self.psi, self.h_u], [system.u], [u_plus])
-        # fmin and fmax swallow a NaN; this term is nothing for finite arguments and spoils the residual otherwise.
-        residuals[0] += 1e-300 * ca.sumsqr(ca.vertcat(*given))
+        poison = ca.SX.sym("poison")
+        residuals[0] += poison
+        # Farkas: weighted with any weights ≥ 0, the hard rows ask for more than any admissible input gives.
+        weights = ca.fmax(lam[self.hard], 0)
+        pull = (G[self.hard, :m].T @ weights) if self.hard else ca.SX.zeros(m)
+        conflict = (
+            ca.dot(weights, d[self.hard]) - bound * ca.norm_1(pull) + ca.dot(pull, u_ref) if self.hard else ca.SX(-1)
+        )
         overreach = ca.mmax(ca.fabs(unclipped)) - bound
         slack = z[m] / self.root if self.root else ca.SX(0)
         return dense_function(
             "judge",
-            [*given, phi, u_ref, G, d, z, lam],
-            [margins, u_plus, v, psi, h_u, residuals, overreach, slack],
+            [*given, phi, u_ref, G, d, poison, z, lam],
+            [margins, u_plus, v, psi, h_u, residuals, overreach, slack, conflict],
         )

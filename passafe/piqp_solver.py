@@ -1,11 +1,18 @@
-"""PIQP as the filter's solver: set up once, then updated in place."""
+"""PIQP as the filter's solver: set up once, then updated in place.
+
+Its plain build is used whatever the processor: it is the fastest for the few rows of a filter, and builds for other
+instruction sets round differently, so that a log would step again bit for bit on the same kind of processor only
+(``docs/decisions/0005-plain-piqp.md``).
+"""
 
 from enum import Enum
+from importlib import import_module
 
 import numpy as np
-import piqp
 
 from passafe.workspace import Array
+
+piqp = import_module("piqp.piqp_python")  # the package itself is one of its builds and hides the others
 
 
 class SolverOutcome(Enum):
@@ -49,13 +56,17 @@ class PiqpSolver:
         settings.preconditioner_iter = 0
         bound = np.full(rows, -1.0)
         self._solver.setup(np.eye(size), np.zeros(size), None, None, np.asfortranarray(G), bound, None, None, None)
+        # Views on the solver's own memory, which stays where it is from now on; asking for them costs as much as
+        # reading them.
+        self._solver.solve()
+        self._x, self._z_l = self._solver.result.x.data, self._solver.result.z_l.data
 
-    def solve(self, z: Array, lam: Array) -> SolverOutcome:
+    def solve(self, z: memoryview, lam: memoryview) -> SolverOutcome:
         """Solve for the present G and d.
 
         Args:
-            z: Receives the decision, shape (k,). Whatever the outcome, it may hold anything.
-            lam: Receives the multipliers, shape (N,).
+            z: Receives the decision, k numbers. Whatever the outcome, it may hold anything.
+            lam: Receives the multipliers, N numbers.
 
         Returns:
             What the solver says. A NaN or an infeasible problem also fills ``z``.
@@ -63,9 +74,8 @@ class PiqpSolver:
         solver = self._solver
         solver.update(None, None, None, None, self._G, self._d)
         status = int(solver.solve())
-        result = solver.result
-        z[:] = result.x
-        lam[:] = result.z_l
+        z[:] = self._x
+        lam[:] = self._z_l
         if status == _SOLVED:
             return SOLVED
         return INFEASIBLE if status == _INFEASIBLE else FAILED

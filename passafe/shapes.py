@@ -1,6 +1,7 @@
 """Barrier functions of common safe sets, as expressions of a position."""
 
 from collections.abc import Sequence
+from math import inf, isfinite
 
 import casadi as ca
 
@@ -16,8 +17,8 @@ def disk_keep_out(position: ca.SX, *, centre: Sequence[float], radius: float) ->
         radius: Positive, m.
     """
     _require_length("disk centre", centre, position)
-    if not radius > 0:
-        raise DesignError("disk radius", radius, "a positive number, m")
+    if not 0 < radius < inf:
+        raise DesignError("disk radius", radius, "a positive finite number, m")
     return ca.sumsqr(position - ca.DM(list(centre))) - radius**2
 
 
@@ -32,9 +33,13 @@ def half_plane(position: ca.SX, *, normal: Sequence[float], offset: float) -> ca
     _require_length("half-plane normal", normal, position)
     if not any(normal):
         raise DesignError("half-plane normal", list(normal), "a vector that is not zero")
+    if not isfinite(offset):
+        raise DesignError("half-plane offset", offset, "a finite number")
     return ca.dot(ca.DM(list(normal)), position) - offset
 
 
 def _require_length(part: str, vector: Sequence[float], position: ca.SX) -> None:
     if len(vector) != position.numel():
         raise ShapeError(part, f"{len(vector)} numbers", f"{position.numel()}, one for each coordinate")
+    if not all(map(isfinite, vector)):
+        raise DesignError(part, list(vector), "finite numbers")

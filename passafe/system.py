@@ -54,7 +54,9 @@ class System:
     def _require(self, part: str, expression: ca.SX, rows: int, *, symbols: ca.SX) -> None:
         if expression.shape != (rows, 1):
             raise ShapeError(f"system {part}", f"shape {expression.shape}", f"shape {(rows, 1)}")
-        known = {str(symbol) for symbol in ca.vertsplit(symbols)}
-        foreign = sorted({str(symbol) for symbol in ca.symvar(expression)} - known)
+        # By identity: another system's symbols may well have the same names.
+        known = {symbol.element_hash(): str(symbol) for symbol in ca.vertsplit(symbols)}
+        foreign = sorted(str(symbol) for symbol in ca.symvar(expression) if symbol.element_hash() not in known)
         if foreign:
-            raise DesignError(f"system {part}", f"the symbols {foreign}", f"expressions of {sorted(known)}")
+            allowed = f"expressions of {sorted(known.values())}"
+            raise DesignError(f"system {part}", f"the symbols {foreign}", allowed)

@@ -40,4 +40,5 @@ class Tank:
             energy_in_j: ∫yᵀu dt over the period, J.
             stored_change_j: V after minus V before, J.
         """
-        return min(level_j + energy_in_j - stored_change_j, self.max_j)
+        level_j += energy_in_j - stored_change_j
+        return min(self.max_j, level_j)

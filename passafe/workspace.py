@@ -76,11 +76,13 @@ class Workspace:
         inputs = [function.sparsity_in(i) for i in range(function.n_in())]
         outputs = [function.sparsity_out(i) for i in range(function.n_out())]
         for i, (name, sparsity) in enumerate(zip(arguments, inputs, strict=True)):
-            if self.part(name).size:
-                buffer.set_arg(i, self._fitting(name, function, sparsity))  # type: ignore[call-arg] # stub of the C++ call
+            memory = self._fitting(name, function, sparsity)
+            if memory.nbytes:
+                buffer.set_arg(i, memory)  # type: ignore[call-arg] # stub of the C++ call
         for i, (name, sparsity) in enumerate(zip(results, outputs, strict=True)):
-            if self.part(name).size:
-                buffer.set_res(i, self._fitting(name, function, sparsity))  # type: ignore[call-arg] # stub of the C++ call
+            memory = self._fitting(name, function, sparsity)
+            if memory.nbytes:
+                buffer.set_res(i, memory)  # type: ignore[call-arg] # stub of the C++ call
         self._kept_alive += [function, buffer]
         return cast(Callable[[], None], evaluate)
 

@@ -1,6 +1,6 @@
 """Messages to bytes and back, for every topic of the table; both ways validate.
 
-The conversion is driven by the shapes of the tuples (``protocol.shapes``), so that a field added to
+The conversion is driven by the shapes of the records (``protocol.shapes``), so that a field added to
 ``passafe.proto`` and ``messages.py`` needs nothing here. ``docs/wire-protocol.md`` describes the format.
 """
 
@@ -11,11 +11,12 @@ from google.protobuf.descriptor_pb2 import FileDescriptorSet
 from google.protobuf.message import DecodeError as ParseError
 from google.protobuf.message import Message as ProtobufMessage
 from google.protobuf.unknown_fields import UnknownFieldSet
+from msgspec.structs import astuple
 
 from protocol import passafe_pb2
 from protocol.errors import DecodeError, InvalidMessageError, SchemaVersionError
-from protocol.messages import SCHEMA_VERSION, Header, Message
-from protocol.shapes import Shape, TupleType, shape_of
+from protocol.messages import SCHEMA_VERSION, Header, Message, Record
+from protocol.shapes import RecordType, Shape, shape_of
 from protocol.topics import TOPICS, Topic
 from protocol.validation import check
 
@@ -34,7 +35,7 @@ class _Format(NamedTuple):
 
 
 def _format_of(topic: Topic) -> _Format:
-    body_type: TupleType = topic.body
+    body_type: RecordType = topic.body
     return _Format(
         topic=topic.name,
         shape=shape_of(body_type),
@@ -42,7 +43,7 @@ def _format_of(topic: Topic) -> _Format:
     )
 
 
-_FORMAT_OF_BODY: Final[dict[TupleType, _Format]] = {topic.body: _format_of(topic) for topic in TOPICS}
+_FORMAT_OF_BODY: Final[dict[RecordType, _Format]] = {topic.body: _format_of(topic) for topic in TOPICS}
 
 
 def encode(header: Header, body: Message) -> bytes:
@@ -106,9 +107,10 @@ def schema_name(topic: Topic) -> str:
     return _FORMAT_OF_BODY[topic.body].message_type.DESCRIPTOR.full_name
 
 
-def _fill(topic: str, shape: Shape, message: ProtobufMessage, value: tuple[Any, ...], path: str) -> None:
-    """Copy a tuple into its protobuf message, which refuses wrong types and numbers out of range."""
+def _fill(topic: str, shape: Shape, message: ProtobufMessage, record: Record, path: str) -> None:
+    """Copy a record into its protobuf message, which refuses wrong types and numbers out of range."""
     index, name = 0, ""
+    value = astuple(record)
     try:
         for index, name in shape.plain:
             setattr(message, name, value[index])
@@ -125,8 +127,8 @@ def _fill(topic: str, shape: Shape, message: ProtobufMessage, value: tuple[Any, 
             _fill(topic, part, elements.add(), element, f"{path}{name}[{place}].")
 
 
-def _read(topic: str, shape: Shape, message: ProtobufMessage) -> tuple[Any, ...]:
-    """Tuple of a protobuf message; an unknown enum value stays a number, for the check to refuse.
+def _read(topic: str, shape: Shape, message: ProtobufMessage) -> Record:
+    """Record of a protobuf message; an unknown enum value stays a number, for the check to refuse.
 
     Fields that the message does not have are refused: protobuf would otherwise read a state as an input,
     since the numbers of their vectors agree.
@@ -135,7 +137,7 @@ def _read(topic: str, shape: Shape, message: ProtobufMessage) -> tuple[Any, ...]
     if len(unknown):
         got = f"field number {unknown[0].field_number}"
         allowed = f"its fields of schema version {SCHEMA_VERSION}"
-        raise InvalidMessageError(topic, shape.tuple_type.__name__, got, allowed)
+        raise InvalidMessageError(topic, shape.record_type.__name__, got, allowed)
     values = list(shape.read(message))
     for index, _ in shape.vectors:
         values[index] = tuple(values[index][:])  # the slice copies in one go, iteration would call per number
@@ -145,4 +147,4 @@ def _read(topic: str, shape: Shape, message: ProtobufMessage) -> tuple[Any, ...]
         values[index] = _read(topic, part, values[index])
     for index, _, part in shape.lists:
         values[index] = tuple([_read(topic, part, element) for element in values[index]])
-    return shape.make(values)
+    return shape.make(*values)

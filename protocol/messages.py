@@ -1,13 +1,11 @@
-"""The messages as Python values: one immutable tuple type for each message of ``passafe.proto``.
+"""The messages as Python values: one immutable record for each message of ``passafe.proto``.
 
-Nodes speak these and never protobuf, so that a closed loop in one process pays for no encoding. They
-are named tuples because a lockstep loop makes about ten of them every millisecond of virtual time and a
-frozen dataclass costs three times as much to make (``docs/decisions/0003-named-tuple-messages.md``).
-Field names, units and meanings are those of ``passafe.proto``; the header travels beside the body.
+Nodes speak these and never protobuf, so that a closed loop in one process pays for no encoding. Field names, units and
+meanings are those of ``passafe.proto``; the header travels beside the body.
 """
 
 from enum import IntEnum
-from typing import NamedTuple, TypeAlias
+from typing import TypeAlias
 
 from msgspec import Struct
 
@@ -15,6 +13,13 @@ SCHEMA_VERSION = 1
 """Version of ``passafe.proto``; a reader refuses every other."""
 
 Vector: TypeAlias = tuple[float, ...]
+
+
+class Record(Struct, frozen=True, gc=False):
+    """Base of all of them: what a tick makes a dozen of costs a tenth of a frozen dataclass (decision 0003).
+
+    Records hold numbers, text and other records, never a cycle, so the garbage collector need not look at them.
+    """
 
 
 class PlantPhase(IntEnum):
@@ -37,7 +42,7 @@ class FilterStatus(IntEnum):
     INFEASIBLE = 6
 
 
-class Header(NamedTuple):
+class Header(Record, frozen=True):
     """Who sent a message, which one it is, and when."""
 
     source: str
@@ -49,7 +54,7 @@ class Header(NamedTuple):
     wall_ns: int
 
 
-class OperatorCommand(NamedTuple):
+class OperatorCommand(Record, frozen=True):
     """What the person asks for: ``u_h`` and, if the device knows it, its rate."""
 
     u_h: Vector
@@ -58,7 +63,7 @@ class OperatorCommand(NamedTuple):
     device: str
 
 
-class PlantInput(NamedTuple):
+class PlantInput(Record, frozen=True):
     """What the filter lets the robot do, from ``effective_plant_ns`` on."""
 
     tick: int
@@ -67,7 +72,7 @@ class PlantInput(NamedTuple):
     hold_ns: int
 
 
-class PlantState(NamedTuple):
+class PlantState(Record, frozen=True):
     """What the robot is doing at ``plant_ns``; ``u`` is in force from then on."""
 
     plant_ns: int
@@ -85,14 +90,14 @@ class PlantState(NamedTuple):
     received_tick: int
 
 
-class BarrierChain(NamedTuple):
+class BarrierChain(Record, frozen=True):
     """ψ₀ … ψ_r of one barrier at the decision."""
 
     name: str
     psi: Vector
 
 
-class Row(NamedTuple):
+class Row(Record, frozen=True):
     """One row of the quadratic program at the decision."""
 
     name: str
@@ -101,7 +106,7 @@ class Row(NamedTuple):
     active: bool
 
 
-class Certificate(NamedTuple):
+class Certificate(Record, frozen=True):
     """Our own judgement of the solver's answer: residuals in units of u."""
 
     solver: str
@@ -111,7 +116,7 @@ class Certificate(NamedTuple):
     gap: float
 
 
-class Consumed(NamedTuple):
+class Consumed(Record, frozen=True):
     """A message that a step consumed: enough to feed the step again from a log."""
 
     topic: str
@@ -120,7 +125,7 @@ class Consumed(NamedTuple):
     epoch: int
 
 
-class FilterTick(NamedTuple):
+class FilterTick(Record, frozen=True):
     """Everything the filter did in one tick, and why."""
 
     tick: int
@@ -146,7 +151,7 @@ class FilterTick(NamedTuple):
     command_age_ns: int
 
 
-class LinkConfig(NamedTuple):
+class LinkConfig(Record, frozen=True):
     """Settings of one injected link."""
 
     link: str
@@ -156,7 +161,7 @@ class LinkConfig(NamedTuple):
     seed: int
 
 
-class LinkEvent(NamedTuple):
+class LinkEvent(Record, frozen=True):
     """What a link did to one message."""
 
     link: str
@@ -165,7 +170,7 @@ class LinkEvent(NamedTuple):
     sequence: int
 
 
-class TopicHealth(NamedTuple):
+class TopicHealth(Record, frozen=True):
     """What one process saw of one topic since its start."""
 
     topic: str
@@ -174,7 +179,7 @@ class TopicHealth(NamedTuple):
     refused: int
 
 
-class Health(NamedTuple):
+class Health(Record, frozen=True):
     """How one process is doing; published once per second."""
 
     rate_hz: float
@@ -185,14 +190,14 @@ class Health(NamedTuple):
     topics: tuple[TopicHealth, ...]
 
 
-class Event(NamedTuple):
+class Event(Record, frozen=True):
     """Something that happened, in words."""
 
     severity: str
     text: str
 
 
-class ScenarioInfo(NamedTuple):
+class ScenarioInfo(Record, frozen=True):
     """The effective configuration of a run."""
 
     scenario_json: str
@@ -205,7 +210,7 @@ Message: TypeAlias = (
 )
 
 
-class Received(Struct, frozen=True):
+class Received(Record, frozen=True):
     """A message as it came out of its link: what a node's inbox holds."""
 
     header: Header

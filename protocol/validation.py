@@ -8,6 +8,8 @@ from collections.abc import Callable
 from math import isfinite
 from typing import Any, Final, NamedTuple
 
+from msgspec.structs import astuple
+
 from protocol.errors import InvalidMessageError
 from protocol.link import MAX_DELAY_S
 from protocol.messages import (
@@ -23,11 +25,12 @@ from protocol.messages import (
     OperatorCommand,
     PlantInput,
     PlantState,
+    Record,
     Row,
     ScenarioInfo,
     TopicHealth,
 )
-from protocol.shapes import Shape, TupleType
+from protocol.shapes import RecordType, Shape
 from protocol.topics import LINKS
 
 MAX_VECTOR: Final = 64
@@ -81,7 +84,7 @@ def _empty_or_as_long_as(field: str, other: str) -> Rule:
     )
 
 
-RULES: Final[dict[TupleType, tuple[Rule, ...]]] = {
+RULES: Final[dict[RecordType, tuple[Rule, ...]]] = {
     Header: (_text("source"),),
     OperatorCommand: (_vector("u_h"), _empty_or_as_long_as("u_h_rate", "u_h"), _text("device")),
     PlantInput: (_vector("u"),),
@@ -121,26 +124,27 @@ RULES: Final[dict[TupleType, tuple[Rule, ...]]] = {
 }
 
 
-def check(topic: str, shape: Shape, value: tuple[Any, ...], path: str = "") -> None:
+def check(topic: str, shape: Shape, record: Record, path: str = "") -> None:
     """Refuse a message whose fields hold what they may not.
 
     Args:
         topic: Name of the topic, for the error.
-        shape: Shape of ``value``.
-        value: The message, or a tuple within it, its fields of the right types.
-        path: Where ``value`` stands in the message: empty, or such as ``rows[1].``.
+        shape: Shape of ``record``.
+        record: The message, or a record within it, its fields of the right types.
+        path: Where ``record`` stands in the message: empty, or such as ``rows[1].``.
 
     Raises:
         InvalidMessageError: On the first field that is not allowed.
     """
+    value = astuple(record)
     _check_numbers(topic, shape, value, path)
     for index, name, members in shape.enums:
         if value[index] not in members:
             allowed = ", ".join(f"{member.value} ({member.name})" for member in members.values())
             raise InvalidMessageError(topic, path + name, value[index], allowed)
-    for rule in RULES[shape.tuple_type]:
-        if not rule.holds(value):
-            raise InvalidMessageError(topic, path + rule.field, getattr(value, rule.field), rule.allowed)
+    for rule in RULES[shape.record_type]:
+        if not rule.holds(record):
+            raise InvalidMessageError(topic, path + rule.field, getattr(record, rule.field), rule.allowed)
     for index, name, part in shape.parts:
         check(topic, part, value[index], f"{path}{name}.")
     for index, name, part in shape.lists:

@@ -1,5 +1,7 @@
 """The paper's robot: a point mass in the plane with linear damping (paper, equation 25)."""
 
+from math import inf
+
 import casadi as ca
 
 from passafe.errors import DesignError
@@ -21,6 +23,8 @@ def damped_point(*, sigma: float = 1.0, gamma_1: float = 0.0) -> Robot:
     """
     if not sigma > 0:
         raise DesignError("damped point sigma", sigma, "a positive number, 1/s")
+    if not 0 <= gamma_1 < inf:
+        raise DesignError("damped point gamma_1", gamma_1, "zero or a positive finite number, 1/s")
     x, u = ca.SX.sym("x", 4), ca.SX.sym("u", 2)
     position, velocity = x[:2], x[2:]
     gain = max(gamma_1 - sigma, 0.0)

@@ -1,5 +1,7 @@
 """A point mass in the plane with quadratic drag: the nonlinear sibling of the paper's robot."""
 
+from math import inf
+
 import casadi as ca
 
 from passafe.errors import DesignError
@@ -22,6 +24,8 @@ def drag_point(*, sigma: float = 0.5, drag: float = 0.5, gamma_1: float = 0.0) -
         raise DesignError("drag point sigma", sigma, "a positive number, 1/s")
     if not drag >= 0:
         raise DesignError("drag point drag", drag, "zero or a positive number, 1/m")
+    if not 0 <= gamma_1 < inf:
+        raise DesignError("drag point gamma_1", gamma_1, "zero or a positive finite number, 1/s")
     x, u = ca.SX.sym("x", 4), ca.SX.sym("u", 2)
     position, velocity = x[:2], x[2:]
     # The norm's slope is undefined at rest; this one differs from it by less than 1e-9 m/s and is smooth.

@@ -108,7 +108,7 @@ class FilterNode:
         if self._unaccounted:
             inbox, self._unaccounted = [*self._unaccounted, *inbox], []
         self._tick += 1
-        state_age_ns = max(now_ns - self._state_ns, 0)
+        state_age_ns = now_ns - self._state_ns if now_ns > self._state_ns else 0
         u_h, u_h_rate, command_age_ns, operator_is_stale = self._request(now_ns)
         if state_age_ns > self._state_stale_ns:
             status = _STALE
@@ -156,7 +156,7 @@ class FilterNode:
         return (
             len(command.u_h) == self._m
             and len(command.u_h_rate) in (0, self._m)
-            and isfinite(sum(command.u_h) + sum(command.u_h_rate))
+            and isfinite(sum(command.u_h + command.u_h_rate))
         )
 
     def _request(self, now_ns: int) -> tuple[Vector, Vector, int, bool]:
@@ -164,7 +164,7 @@ class FilterNode:
         command = self._command
         if command is None:
             return self._zero, self._zero, -1, True
-        age_ns = max(now_ns - self._command_ns, 0)
+        age_ns = now_ns - self._command_ns if now_ns > self._command_ns else 0
         stale = age_ns > self._command_stale_ns
         if stale or not command.enabled:
             return self._zero, self._zero, age_ns, stale

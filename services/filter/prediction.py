@@ -1,7 +1,6 @@
 """The state that the plant will have when the next input takes effect."""
 
 from collections import deque
-from collections.abc import Sequence
 
 from msgspec import Struct
 
@@ -15,7 +14,7 @@ TANK_TOLERANCE_J = 1e-9
 """By how much a confirmed tank level may differ from the predicted one and still count as the same."""
 
 
-class Predicted(Struct, frozen=True):
+class Predicted(Struct, frozen=True, gc=False):
     """The plant at one plant time, predicted.
 
     Attributes:
@@ -86,9 +85,11 @@ class Predictor:
     def sent(self, effective_plant_ns: int, u: Vector) -> None:
         """Note an input that was sent to take effect at a plant time not before the prediction's end."""
         self._sent[effective_plant_ns] = u
-        if self._path and self._path[-1].plant_ns == effective_plant_ns:
-            last = self._path.pop()
-            self._path.append(Predicted(last.plant_ns, last.sample, last.tank_j, u))
+        path = self._path
+        if path:
+            last = path[-1]
+            if last.plant_ns == effective_plant_ns:
+                path[-1] = Predicted(last.plant_ns, last.sample, last.tank_j, u)
 
     def at(self, plant_ns: int) -> Predicted:
         """Return the plant at a time not before the newest state, as inputs sent so far will have made it.
@@ -118,5 +119,4 @@ class Predictor:
 
 def is_usable(state: PlantState, n: int, m: int) -> bool:
     """Tell whether a plant state has the shape of the filter's model."""
-    shapes: Sequence[tuple[Sequence[float], int]] = ((state.x, n), (state.y, m), (state.u, m))
-    return all(len(vector) == length for vector, length in shapes)
+    return len(state.x) == n and len(state.y) == len(state.u) == m

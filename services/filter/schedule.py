@@ -40,7 +40,8 @@ class EffectSchedule:
         if state.phase is not _WAITING:
             if state.input_slack_ns < 0 and report_is_current:
                 missing_ns = self._playout_ns - state.input_slack_ns
-            missing_ns = max(missing_ns, self._ahead_of(state) - self._playout_ns - effective_ns)
+            behind_ns = state.plant_ns + self._period_ns - effective_ns
+            missing_ns = max(missing_ns, behind_ns)
         if missing_ns > 0:
             forward_ns = -(-missing_ns // self._period_ns) * self._period_ns
             self._offset_ns += forward_ns

@@ -13,7 +13,7 @@ SHOW_PERIOD_NS: Final = 100_000_000
 KNOWN_NS: Final = 500_000_000
 """What came longer ago is not shown as if it were so now."""
 
-WAITING = PlantPhase.WAITING
+WAITING, LOCAL = PlantPhase.WAITING, SourceClock.LOCAL
 
 
 class OperatorNode:
@@ -101,14 +101,15 @@ class OperatorNode:
                 self._tick, self._tick_ns = body, received.received_ns
 
     def _source_time_s(self, now_ns: int) -> float:
-        if self._source.clock is SourceClock.LOCAL:
+        if self._source.clock is LOCAL:
             if self._first_ns is None:
                 self._first_ns = now_ns
             return (now_ns - self._first_ns) / 1e9
         state = self._state
         if state is None or state.phase is WAITING:
             return 0.0
-        return max(0, state.plant_ns + now_ns - self._state_ns) / 1e9
+        time_ns = state.plant_ns + now_ns - self._state_ns
+        return time_ns / 1e9 if time_ns > 0 else 0.0
 
     def _announcement(self, newer_epoch: int) -> Sequence[Outgoing]:
         if self._announced:

@@ -1,7 +1,6 @@
 """The plant process as a node: the simulated robot, its play-out buffer and its own fail-safe."""
 
 from collections.abc import Sequence
-from math import isfinite
 from struct import Struct
 
 import casadi as ca
@@ -67,7 +66,7 @@ class PlantNode:
         self._playout_ns = playout_ns
         self._hold_ns = hold_ns
         self._bound = input_bound
-        self._buffer = PlayoutBuffer()
+        self._buffer = PlayoutBuffer(period_ns)
         self._origin_ns: int | None = None
         self.plant_ns = 0
         self._in_force: PlantInput | None = None
@@ -86,7 +85,7 @@ class PlantNode:
             inbox: Inputs, in order of arrival.
         """
         for received in inbox:
-            if isinstance(received.body, PlantInput):
+            if type(received.body) is PlantInput:
                 self._receive(received.body, received.received_ns)
         if self._origin_ns is None or now_ns < self._origin_ns + self.plant_ns:
             return ((STATE, self._state()),)
@@ -103,8 +102,7 @@ class PlantNode:
         return outgoing or ((STATE, self._state()),)
 
     def _receive(self, plant_input: PlantInput, received_ns: int) -> None:
-        u = plant_input.u
-        if len(u) != len(self._u) or not isfinite(sum(u)) or max(map(abs, u)) > self._bound:
+        if not self._is_applicable(plant_input.u) or not self._buffer.put(plant_input):
             self._refused += 1
             return
         due_ns = plant_input.effective_plant_ns
@@ -115,7 +113,14 @@ class PlantNode:
         if self._phase is not WAITING and due_ns <= self.plant_ns:
             self._late += 1
         self._slack_ns = due_ns - (received_ns - self._origin_ns)
-        self._buffer.put(plant_input)
+
+    def _is_applicable(self, u: Vector) -> bool:
+        """Tell whether an input has the plant's shape and lies within the bound; a NaN does not."""
+        bound = self._bound
+        for value in u:
+            if not -bound <= value <= bound:
+                return False
+        return len(u) == len(self._u)
 
     def _choose_input(self) -> list[Outgoing]:
         """Decide what is in force from the present plant time on; return an event when that changes in kind."""
@@ -125,7 +130,7 @@ class PlantNode:
             self._in_force, self._u, self._phase = due, due.u, RUNNING
         elif self._in_force is not None:
             held_ns = self.plant_ns - self._in_force.effective_plant_ns
-            if held_ns > min(self._in_force.hold_ns, self._hold_ns):
+            if held_ns > self._hold_ns or held_ns > self._in_force.hold_ns:
                 self._phase = FAIL_SAFE
             elif self._phase is not FAIL_SAFE:
                 self._phase = HOLDING

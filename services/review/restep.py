@@ -3,6 +3,8 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from msgspec.structs import astuple
+
 from protocol.messages import FilterTick, Message, OperatorCommand, PlantState, Received
 from protocol.topics import TICK, TOPIC_OF_BODY
 from services.assembly import filter_node
@@ -73,5 +75,5 @@ def _consumable(log: RunLog) -> Iterator[tuple[tuple[str, int, int], Logged[Mess
 def _differing_fields(logged: FilterTick, again: Message | None) -> str:
     if not isinstance(again, FilterTick):
         return "no tick came out"
-    pairs = zip(logged._fields, logged, again, strict=True)
+    pairs = zip(logged.__struct_fields__, astuple(logged), astuple(again), strict=True)
     return ", ".join(field for field, before, after in pairs if before != after)

@@ -1,14 +1,11 @@
 """All nodes of a closed loop in one process, in virtual time: the same nodes as live, without a network."""
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
 
 from protocol.link import Link, LinkSettings
 from protocol.messages import Header, LinkEvent, Message, Received
 from protocol.topics import LINK_EVENT, Topic
 from services.runtime.node import Node
-
-_header = partial(tuple.__new__, Header)  # the named tuple's own constructor takes three times as long
 
 Observer = Callable[[Topic, Header, Message], None]
 
@@ -75,50 +72,62 @@ class Lockstep:
         return Link(topic.link, settings[topic.link])
 
     def _step(self, seat: "_Seat") -> None:
-        now_ns = self.now_ns
+        now_ns, observer = self.now_ns, self._observer
         inbox, seat.inbox = seat.inbox, []
         if seat.links:
             for link in seat.links:
                 inbox += [Received(header, body, at_ns) for at_ns, (header, body) in link.take(now_ns)]
             inbox.sort(key=_arrival)
         for topic, made in seat.node.step(now_ns, inbox):
-            readers = self._readers.get(topic, ())
-            if not callable(made):
-                self._send(seat, topic, made, readers)
-            elif readers or self._observer is not None:
-                self._send(seat, topic, made(), readers)
+            route = seat.routes.get(topic)
+            if route is None:
+                route = seat.routes[topic] = self._route(seat, topic)
+            if route.readers or observer is not None:
+                self._send(seat, route, made() if callable(made) else made)
 
-    def _send(self, sender: "_Seat", topic: Topic, body: Message, readers: Sequence["_Reader"]) -> None:
+    def _send(self, sender: "_Seat", route: "_Route", body: Message) -> None:
         now_ns = self.now_ns
-        sequence = sender.sent.get(topic, 0)
-        sender.sent[topic] = sequence + 1
-        name, wall_ns = sender.node.name, now_ns + self._wall_offset_ns
-        header = _header((name, self._epoch, sequence, now_ns, now_ns, now_ns, wall_ns))
+        wall_ns = now_ns + self._wall_offset_ns
+        header = Header(sender.name, self._epoch, route.sent, now_ns, now_ns, now_ns, wall_ns)
+        route.sent += 1
         if self._observer is not None:
-            self._observer(topic, header, body)
-        for seat, link in readers:
-            if seat is sender:
-                continue
+            self._observer(route.topic, header, body)
+        for seat, link in route.readers:
             if link is None:
                 seat.inbox.append(Received(header, body, now_ns))
                 continue
             effect = link.put(now_ns, (header, body))
             if effect is not None and self._observer is not None:
-                self._send(seat, LINK_EVENT, LinkEvent(link.name, effect, topic.name, sequence), ())
+                event = LinkEvent(link.name, effect, route.topic.name, header.sequence)
+                events = seat.routes.setdefault(LINK_EVENT, self._route(seat, LINK_EVENT))
+                self._send(seat, events, event)
+
+    def _route(self, sender: "_Seat", topic: Topic) -> "_Route":
+        return _Route(topic, [reader for reader in self._readers.get(topic, ()) if reader[0] is not sender])
 
 
 class _Seat:
-    """A node, what has come in for it, the links on its way and what it has sent."""
+    """A node, what has come in for it, the links on its way and where what it sends goes."""
 
     def __init__(self, node: Node) -> None:
         self.node = node
+        self.name = node.name
         self.inbox: list[Received] = []
         self.links: list[Link[tuple[Header, Message]]] = []
-        self.sent: dict[Topic, int] = {}
+        self.routes: dict[Topic, _Route] = {}
 
 
 _Reader = tuple[_Seat, Link[tuple[Header, Message]] | None]
 """Who reads a topic, and the link on the way there."""
+
+
+class _Route:
+    """One topic of one sender: who reads it, and how many messages have gone that way."""
+
+    def __init__(self, topic: Topic, readers: list[_Reader]) -> None:
+        self.topic = topic
+        self.readers = readers
+        self.sent = 0
 
 
 def _arrival(received: Received) -> int:

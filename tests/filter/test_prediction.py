@@ -1,6 +1,7 @@
 import random
 
 import pytest
+from msgspec.structs import replace
 
 from passafe import SampledPlant, Tank, damped_point
 from protocol.messages import PlantPhase, PlantState
@@ -122,4 +123,4 @@ def test_states_of_the_wrong_shape_are_told() -> None:
     good = TruePlant().state()
 
     assert is_usable(good, 4, 2)
-    assert not any(is_usable(good._replace(**{field: (0.0,)}), 4, 2) for field in ("x", "y", "u"))
+    assert not any(is_usable(replace(good, **{field: (0.0,)}), 4, 2) for field in ("x", "y", "u"))

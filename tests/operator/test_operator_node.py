@@ -102,19 +102,19 @@ def tick(at_ns: int, levels: dict[str, float]) -> Received:
 def asked_for(node: OperatorNode, now_ns: int, *inbox: Received) -> float:
     """Time in seconds for which the node asked its TimeTeller."""
     (outgoing,) = node.step(now_ns, inbox)
-    assert isinstance(outgoing.body, OperatorCommand)
-    return outgoing.body.u_h[0]
+    assert isinstance(outgoing[1], OperatorCommand)
+    return outgoing[1].u_h[0]
 
 
 def test_a_step_sends_what_the_source_says() -> None:
     node = OperatorNode(Lag(target=(-3.0, 0.0), time_constant_s=0.2), epoch=EPOCH)
     (outgoing,) = node.step(700 * MS, [state(200 * MS, 700 * MS)])
-    assert outgoing.topic is COMMAND
-    assert isinstance(outgoing.body, OperatorCommand)
-    assert outgoing.body.u_h == pytest.approx((-3.0 * (1 - exp(-1)), 0.0))
-    assert outgoing.body.u_h_rate == pytest.approx((-15.0 * exp(-1), 0.0))
-    assert outgoing.body.enabled
-    assert outgoing.body.device == "lag"
+    assert outgoing[0] is COMMAND
+    assert isinstance(outgoing[1], OperatorCommand)
+    assert outgoing[1].u_h == pytest.approx((-3.0 * (1 - exp(-1)), 0.0))
+    assert outgoing[1].u_h_rate == pytest.approx((-15.0 * exp(-1), 0.0))
+    assert outgoing[1].enabled
+    assert outgoing[1].device == "lag"
 
 
 def test_a_script_stands_at_its_beginning_until_the_plant_moves() -> None:
@@ -127,7 +127,7 @@ def test_a_script_stands_at_its_beginning_until_the_plant_moves() -> None:
 
 def test_a_script_already_enables_the_robot_while_it_waits() -> None:
     (outgoing,) = OperatorNode(Lag(target=(1.0,), time_constant_s=1.0), epoch=EPOCH).step(0, ())
-    assert outgoing.body == OperatorCommand((0.0,), (1.0,), True, "lag")
+    assert outgoing[1] == OperatorCommand((0.0,), (1.0,), True, "lag")
 
 
 @pytest.mark.parametrize("phase", [PlantPhase.RUNNING, PlantPhase.HOLDING, PlantPhase.FAIL_SAFE])
@@ -163,7 +163,7 @@ def test_the_same_inbox_gives_the_same_commands_whenever_the_run_began() -> None
     def run(start_ns: int) -> list[object]:
         node = OperatorNode(Lag(target=(-3.0, 1.0), time_constant_s=0.2), epoch=EPOCH)
         inboxes = [[] if k < 5 else [state((k - 5) * MS, start_ns + k * MS)] for k in range(200)]
-        return [node.step(start_ns + k * MS, inbox)[0].body for k, inbox in enumerate(inboxes)]
+        return [node.step(start_ns + k * MS, inbox)[0][1] for k, inbox in enumerate(inboxes)]
 
     assert run(0) == run(123_456_789_012_345)
 
@@ -180,7 +180,7 @@ def test_keys_reach_the_wire() -> None:
     node = OperatorNode(source, epoch=EPOCH)
     node.step(50 * MS, ())
     (outgoing,) = node.step(150 * MS, ())
-    body = outgoing.body
+    body = outgoing[1]
     assert isinstance(body, OperatorCommand)
     assert body.u_h == pytest.approx((-10 * (1 - exp(-0.1 / RAMP_S)), 0.0))
     assert (body.enabled, body.device) == (True, "keyboard")
@@ -192,7 +192,7 @@ def test_quitting_sends_a_released_zero_and_tells_the_driver() -> None:
     node.step(0, ())
     assert not node.finished
     (outgoing,) = node.step(MS, ())
-    assert outgoing.body == OperatorCommand((0.0, 0.0), (0.0, 0.0), False, "keyboard")
+    assert outgoing[1] == OperatorCommand((0.0, 0.0), (0.0, 0.0), False, "keyboard")
     assert node.finished
 
 
@@ -201,19 +201,19 @@ def test_an_older_session_and_its_own_commands_do_not_silence_a_node(epoch: int)
     node = OperatorNode(TimeTeller(), epoch=EPOCH)
     for step in range(5):
         (outgoing,) = node.step(step, [command_of(epoch)])
-        assert outgoing.topic is COMMAND
+        assert outgoing[0] is COMMAND
     assert not node.superseded
 
 
 def test_a_newer_session_silences_a_node_for_good_and_it_says_so_once() -> None:
     node = OperatorNode(TimeTeller(), epoch=EPOCH)
-    assert node.step(0, ())[0].topic is COMMAND
+    assert node.step(0, ())[0][0] is COMMAND
     (outgoing,) = node.step(1, [command_of(EPOCH + 1)])
-    assert outgoing.topic is EVENT
-    assert isinstance(outgoing.body, Event)
-    assert outgoing.body.severity == "warning"
-    assert str(EPOCH + 1) in outgoing.body.text
-    assert str(EPOCH) in outgoing.body.text
+    assert outgoing[0] is EVENT
+    assert isinstance(outgoing[1], Event)
+    assert outgoing[1].severity == "warning"
+    assert str(EPOCH + 1) in outgoing[1].text
+    assert str(EPOCH) in outgoing[1].text
     assert node.superseded
     for step in range(2, 50):
         inbox = [command_of(EPOCH + 2)] if step % 2 else [command_of(EPOCH)]
@@ -228,7 +228,7 @@ def test_of_two_nodes_that_hear_each_other_exactly_the_later_session_remains(sta
     heard: list[list[int]] = []
     for step in range(5):
         outbox = [(epoch, out) for epoch, node in nodes.items() for out in node.step(step * MS, inbox)]
-        commanding = [epoch for epoch, out in outbox if out.topic is COMMAND]
+        commanding = [epoch for epoch, out in outbox if out[0] is COMMAND]
         heard.append(sorted(commanding))
         inbox = [command_of(epoch, step * MS) for epoch in commanding]
     assert heard == [[1, 2], [2], [2], [2], [2]]

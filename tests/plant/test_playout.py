@@ -2,7 +2,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from protocol.messages import PlantInput
-from services.plant.playout import PlayoutBuffer
+from services.plant.playout import MOST_WAITING, PlayoutBuffer
 
 
 def plant_input(tick: int, due_ns: int) -> PlantInput:
@@ -10,7 +10,7 @@ def plant_input(tick: int, due_ns: int) -> PlantInput:
 
 
 def test_an_input_waits_for_its_time_and_comes_out_once() -> None:
-    buffer = PlayoutBuffer()
+    buffer = PlayoutBuffer(1)
     buffer.put(plant_input(1, 2))
 
     assert [buffer.take(time) for time in (0, 1)] == [None, None]
@@ -20,30 +20,47 @@ def test_an_input_waits_for_its_time_and_comes_out_once() -> None:
 
 def test_of_two_for_the_same_time_the_newer_tick_counts_in_either_order() -> None:
     for ticks in ((1, 2), (2, 1)):
-        buffer = PlayoutBuffer()
+        buffer = PlayoutBuffer(1)
         for tick in ticks:
             buffer.put(plant_input(tick, 5))
         assert buffer.take(5) == plant_input(2, 5)
 
 
 def test_late_inputs_give_way_to_the_newest_of_them_and_are_forgotten() -> None:
-    buffer = PlayoutBuffer()
-    for tick, due_ns in ((1, 1), (3, 3), (2, 2), (9, 9)):
+    buffer = PlayoutBuffer(1)
+    for tick, due_ns in ((1, 1), (3, 3), (2, 2), (9, 6)):
         buffer.put(plant_input(tick, due_ns))
 
     assert buffer.take(4) == plant_input(3, 3)
-    assert buffer.take(8) is None
-    assert buffer.take(9) == plant_input(9, 9)
+    buffer.put(plant_input(5, 1))
+    buffer.put(plant_input(4, 4))
+    assert buffer.take(5) == plant_input(5, 1)
+    assert buffer.take(6) == plant_input(9, 6)
     assert buffer.received_tick == 9
+
+
+def test_an_effective_time_within_a_period_counts_as_the_beginning_of_the_next() -> None:
+    buffer = PlayoutBuffer(10)
+    buffer.put(plant_input(1, 11))
+
+    assert [buffer.take(time) for time in (0, 10, 20)] == [None, None, plant_input(1, 11)]
+
+
+def test_a_full_buffer_refuses_more() -> None:
+    buffer = PlayoutBuffer(1)
+
+    kept = [buffer.put(plant_input(k, 10 + k)) for k in range(MOST_WAITING + 5)]
+
+    assert kept == [True] * MOST_WAITING + [False] * 5
 
 
 @given(st.lists(st.tuples(st.integers(1, 50), st.integers(0, 50)), max_size=40))
 def test_what_comes_out_is_never_early_and_nothing_stays_behind(inputs: list[tuple[int, int]]) -> None:
-    buffer = PlayoutBuffer()
+    buffer = PlayoutBuffer(1)
     for tick, due_ns in inputs:
         buffer.put(plant_input(tick, due_ns))
 
     taken = [(time, buffer.take(time)) for time in range(51)]
 
     assert all(found.effective_plant_ns <= time for time, found in taken if found is not None)
-    assert buffer.take(1000) is None
+    assert buffer.take(51) is None

@@ -7,6 +7,7 @@ from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 from google.protobuf.message import Message as ProtobufMessage
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from protocol import codec, passafe_pb2
 from protocol.codec import MAX_MESSAGE_BYTES, decode, encode, file_descriptor_set, schema_name
@@ -289,7 +290,7 @@ BAD: list[tuple[type, dict[str, Any], str]] = [
 def test_both_ends_refuse_what_a_field_may_not_hold(
     header: Header, body_of: dict[type, Any], body_type: type, changes: dict[str, Any], field: str
 ) -> None:
-    body = body_of[body_type]._replace(**changes)
+    body = replace(body_of[body_type], **changes)
     topic = TOPIC_OF_BODY[body_type]
 
     with pytest.raises(InvalidMessageError) as sent:
@@ -301,7 +302,7 @@ def test_both_ends_refuse_what_a_field_may_not_hold(
 
 
 def test_both_ends_refuse_a_message_without_source(header: Header, body: Message) -> None:
-    nobody = header._replace(source="")
+    nobody = replace(header, source="")
 
     with pytest.raises(InvalidMessageError) as sent:
         encode(nobody, body)
@@ -336,7 +337,7 @@ def test_what_protobuf_cannot_carry_is_refused_by_name(
     header: Header, body_of: dict[type, Any], body_type: type, changes: dict[str, Any], field: str
 ) -> None:
     with pytest.raises(InvalidMessageError) as caught:
-        encode(header, body_of[body_type]._replace(**changes))
+        encode(header, replace(body_of[body_type], **changes))
 
     assert caught.value.field == field
 
@@ -346,7 +347,7 @@ def test_header_that_protobuf_cannot_carry_is_refused_by_name(
     header: Header, body: Message, field: str, got: object
 ) -> None:
     with pytest.raises(InvalidMessageError) as caught:
-        encode(header._replace(**{field: got}), body)
+        encode(replace(header, **{field: got}), body)
 
     assert (caught.value.field, caught.value.got) == (f"header.{field}", got)
 
@@ -421,6 +422,6 @@ def test_absent_certificate_is_an_empty_one(header: Header, body_of: dict[type, 
 
 
 def test_command_keeps_its_dead_man(header: Header, body_of: dict[type, Any]) -> None:
-    released = body_of[OperatorCommand]._replace(enabled=False)
+    released = replace(body_of[OperatorCommand], enabled=False)
 
     assert decode(COMMAND, encode(header, released))[1] == released

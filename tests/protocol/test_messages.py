@@ -11,7 +11,9 @@ from protocol.messages import FilterStatus, Header, PlantPhase
 TUPLE_TYPES = [
     value
     for value in vars(messages).values()
-    if inspect.isclass(value) and issubclass(value, tuple) and value is not messages.Received
+    if inspect.isclass(value)
+    and issubclass(value, messages.Record)
+    and value not in {messages.Record, messages.Received}
 ]
 
 
@@ -20,7 +22,7 @@ def test_fields_are_those_of_the_proto_file(tuple_type: type) -> None:
     in_proto = {field.name for field in getattr(passafe_pb2, tuple_type.__name__).DESCRIPTOR.fields}
     beside_the_body = {"schema_version"} if tuple_type is Header else {"header"}
 
-    assert set(tuple_type._fields) == in_proto - beside_the_body
+    assert set(tuple_type.__struct_fields__) == in_proto - beside_the_body
 
 
 def test_every_message_of_the_proto_file_has_a_tuple() -> None:

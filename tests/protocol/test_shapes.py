@@ -12,7 +12,7 @@ def test_plant_state_is_read_from_its_annotations() -> None:
     assert [(name, members) for _, name, members in shape.enums] == [
         ("phase", {member.value: member for member in PlantPhase})
     ]
-    assert {name for _, name in (*shape.plain, *shape.vectors)} == set(PlantState._fields)
+    assert {name for _, name in (*shape.plain, *shape.vectors)} == set(PlantState.__struct_fields__)
     assert not shape.parts
     assert not shape.lists
 
@@ -20,8 +20,8 @@ def test_plant_state_is_read_from_its_annotations() -> None:
 def test_parts_and_lists_carry_the_shapes_within() -> None:
     shape = shape_of(FilterTick)
 
-    assert [(name, part.tuple_type) for _, name, part in shape.parts] == [("certificate", Certificate)]
-    assert [(name, part.tuple_type) for _, name, part in shape.lists[:2]] == [
+    assert [(name, part.record_type) for _, name, part in shape.parts] == [("certificate", Certificate)]
+    assert [(name, part.record_type) for _, name, part in shape.lists[:2]] == [
         ("barriers", BarrierChain),
         ("rows", Row),
     ]
@@ -32,14 +32,14 @@ def test_every_entry_knows_its_place() -> None:
     shape = shape_of(FilterTick)
     kinds = (shape.plain, shape.floats, shape.enums, shape.vectors, shape.parts, shape.lists)
 
-    assert all(FilterTick._fields[entry[0]] == entry[1] for kind in kinds for entry in kind)
+    assert all(FilterTick.__struct_fields__[entry[0]] == entry[1] for kind in kinds for entry in kind)
 
 
 def test_make_undoes_read() -> None:
     row = Row("disk", 0.5, 0.25, active=True)
     shape = shape_of(Row)
 
-    made = shape.make(list(shape.read(row)))
+    made = shape.make(*shape.read(row))
 
     assert made == row
     assert type(made) is Row

@@ -5,6 +5,7 @@ from math import inf, nan
 from typing import Any, TypeAlias
 
 import pytest
+from msgspec.structs import replace
 
 from protocol.errors import InvalidMessageError
 from protocol.messages import (
@@ -64,8 +65,8 @@ REFUSED: list[tuple[type, dict[str, Any], str]] = [
     (FilterTick, {"barriers": (BarrierChain("disk", ()),)}, "barriers[0].psi"),
     (FilterTick, {"barriers": (BarrierChain("disk", LONG),)}, "barriers[0].psi"),
     (FilterTick, {"rows": (Row("", 0.0, 0.0, active=True),)}, "rows[0].name"),
-    (FilterTick, {"certificate": CERTIFICATE._replace(dual_residual=-1e-9)}, "certificate.dual_residual"),
-    (FilterTick, {"certificate": CERTIFICATE._replace(gap=-1e-9)}, "certificate.gap"),
+    (FilterTick, {"certificate": replace(CERTIFICATE, dual_residual=-1e-9)}, "certificate.dual_residual"),
+    (FilterTick, {"certificate": replace(CERTIFICATE, gap=-1e-9)}, "certificate.gap"),
     (FilterTick, {"consumed": (Consumed("", 0, 0, 0),)}, "consumed[0].topic"),
     (FilterTick, {"state_age_ns": -2}, "state_age_ns"),
     (FilterTick, {"command_age_ns": -2}, "command_age_ns"),
@@ -98,7 +99,7 @@ ALLOWED: list[tuple[type, dict[str, Any]]] = [
     (PlantState, {"x": (-0.0, 5e-324)}),
     (FilterTick, {"x_hat": (), "u_h": (), "u_h_rate": (), "u_nominal": (), "phi": (), "v": ()}),
     (FilterTick, {"barriers": (), "rows": (), "consumed": (), "state_age_ns": -1, "command_age_ns": -1}),
-    (FilterTick, {"certificate": CERTIFICATE._replace(solver="", primal_residual=-1e-9)}),
+    (FilterTick, {"certificate": replace(CERTIFICATE, solver="", primal_residual=-1e-9)}),
     (FilterTick, {"rows": tuple(Row("r", 0.0, -1e-12, active=False) for _ in range(250))}),
     (LinkConfig, {"delay_s": 0.0, "jitter_s": 0.0, "loss": 0.0}),
     (LinkConfig, {"delay_s": 10.0, "jitter_s": 10.0, "loss": 1.0}),
@@ -113,7 +114,7 @@ Replace: TypeAlias = Callable[[float], tuple]
 
 
 def check_changed(valid: Message | Header, changes: dict[str, Any]) -> None:
-    check("a topic", shape_of(type(valid)), valid._replace(**changes))
+    check("a topic", shape_of(type(valid)), replace(valid, **changes))
 
 
 @pytest.mark.parametrize(("tuple_type", "changes", "field"), REFUSED)
@@ -138,7 +139,7 @@ def test_allowed(body_of: dict[type, Message], tuple_type: type, changes: dict[s
 
 def test_every_rule_is_tested() -> None:
     def rules_under(shape: Shape, path: str = "") -> set[str]:
-        here = {path + rule.field for rule in RULES[shape.tuple_type]}
+        here = {path + rule.field for rule in RULES[shape.record_type]}
         for _, name, part in shape.parts:
             here |= rules_under(part, f"{path}{name}.")
         for _, name, part in shape.lists:
@@ -162,7 +163,7 @@ def floats_of(value: tuple, path: str = "") -> list[tuple[str, Replace]]:
             if place is not None:
                 old = getattr(value, name)
                 new = (*old[:place], new, *old[place + 1 :])
-            return value._replace(**{name: new})
+            return replace(value, **{name: new})
 
         return changed
 

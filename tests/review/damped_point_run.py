@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from protocol.codec import encode
@@ -146,7 +147,7 @@ class Run:
     def replace(self, index: int, **keys: object) -> None:
         """Change fields of one body."""
         head, body = self.sent[index]
-        self.sent[index] = (head, body._replace(**keys))
+        self.sent[index] = (head, replace(body, **keys))
 
     def indices(self, body: type[Message]) -> list[int]:
         """Where the messages with this body are."""

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from damped_point_run import PERIOD_NS, Run, header, rollout, tick
+from msgspec.structs import replace
 
 from protocol.messages import FilterTick, OperatorCommand, PlantInput, PlantState
 from services.review.continuity import Logged
@@ -25,7 +26,7 @@ def run_with_times(driver: str = "live") -> Run:
         begun_ns = head.scheduled_ns + late_ns
         sent_ns = begun_ns + 20 * US
         wall_ns = head.wall_ns + late_ns + 20 * US
-        moved = head._replace(started_ns=begun_ns, sent_ns=sent_ns, wall_ns=wall_ns)
+        moved = replace(head, started_ns=begun_ns, sent_ns=sent_ns, wall_ns=wall_ns)
         run.sent[index] = (moved, body)
     for k, index in enumerate(run.indices(FilterTick)):
         run.replace(index, command_age_ns=k * 10 * US)
@@ -52,7 +53,7 @@ def test_solve_time_is_the_filter_step_up_to_its_input(tmp_path: Path) -> None:
     run = run_with_times()
     for index in run.indices(FilterTick):  # telemetry is sent after the input and does not count
         head, body = run.sent[index]
-        run.sent[index] = (head._replace(sent_ns=head.sent_ns + 500 * US), body)
+        run.sent[index] = (replace(head, sent_ns=head.sent_ns + 500 * US), body)
     solve = Timing.of(read(run, tmp_path)).solve_us
     assert solve == Spread(p50=20, p99=20, p99_9=20, max=20)
 
@@ -116,6 +117,6 @@ def test_ticks_missed_are_holes_in_the_schedule_and_not_in_the_log() -> None:
 
 def test_inputs_alone_are_enough_for_the_solve_time(tmp_path: Path) -> None:
     run = Run()
-    head = header("filter", 0)._replace(sent_ns=42 * US)
+    head = replace(header("filter", 0), sent_ns=42 * US)
     run.add(head, PlantInput(1, (0.0, 0.0), 0, PERIOD_NS))
     assert Timing.of(read(run, tmp_path)).solve_us == Spread(p50=42, p99=42, p99_9=42, max=42)
