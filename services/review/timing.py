@@ -15,6 +15,7 @@ from services.review.log import RunLog
 
 NS_PER_US: Final = 1e3
 NS_PER_MS: Final = 1e6
+NS_PER_S: Final = 1e9
 
 IntArray = NDArray[np.int64]
 
@@ -42,7 +43,8 @@ class Lateness(Spread):
     """Lateness of one process's steps, µs.
 
     Attributes:
-        within_1_ms: Share of its steps that began within 1 ms of their time.
+        within_1_ms: Share of the steps that were due which began within 1 ms of their time; one that was left out to
+            catch up did not.
     """
 
     within_1_ms: float = 0.0
@@ -83,12 +85,15 @@ def ticks_missed(ticks: Sequence[Logged[FilterTick]], period_ns: float) -> int:
 
     Counted between ticks that follow one another, so that a message missing in the log counts for nothing.
     """
-    missed = 0
-    for before, after in pairwise(ticks):
-        a, b = before.header, after.header
+    return _left_out([tick.header for tick in ticks], period_ns)
+
+
+def _left_out(headers: Sequence[Header], period_ns: float) -> int:
+    left_out = 0
+    for a, b in pairwise(headers):
         if (a.source, a.epoch, a.sequence + 1) == (b.source, b.epoch, b.sequence):
-            missed += max(round((b.scheduled_ns - a.scheduled_ns) / period_ns) - 1, 0)
-    return missed
+            left_out += max(round((b.scheduled_ns - a.scheduled_ns) / period_ns) - 1, 0)
+    return left_out
 
 
 def _solve_us(inputs: Sequence[Logged[PlantInput]]) -> Spread | None:
@@ -103,10 +108,13 @@ def _late_us(log: RunLog) -> dict[str, Lateness]:
     }
     found = {}
     for process, sent in headers.items():
-        late_ns = _ns([header.started_ns - header.scheduled_ns for header in sent])
+        # A plant that catches up sends several states in one step.
+        steps = {(header.epoch, header.scheduled_ns): header for header in sent}.values()
+        late_ns = _ns([header.started_ns - header.scheduled_ns for header in steps])
         lateness = Lateness.of(late_ns, NS_PER_US)
         if lateness is not None:
-            share = float(np.mean(late_ns <= NS_PER_MS))
+            due = late_ns.size + _left_out(sent, log.identity.scenario.dt_s * NS_PER_S)
+            share = float(np.count_nonzero(late_ns <= NS_PER_MS)) / due
             found[process] = lateness.model_copy(update={"within_1_ms": share})
     return found
 
@@ -125,7 +133,7 @@ def _operator_to_plant_ms(log: RunLog) -> Spread | None:
     applied = np.maximum.accumulate(_ns([state.body.applied_tick for state in states]))
     begun_ns = [s.header.wall_ns - (s.header.sent_ns - s.header.started_ns) for s in states]
     latencies = []
-    for tick in ticks:
+    for tick in ticks[1:]:  # the first accounts for all commands that came before there was a robot to move
         at = int(np.searchsorted(applied, tick.body.tick))
         if at == len(states):
             break
