@@ -67,9 +67,9 @@ class ServedPage:
 
 
 @contextmanager
-def serve_page(broadcast: Broadcast) -> Iterator[ServedPage]:
+def serve_page(broadcast: Broadcast, *, port: int = 0) -> Iterator[ServedPage]:
     """Serve until the end of the block."""
-    with listening_socket("127.0.0.1", 0) as listener, httpx.Client(timeout=30, verify=False) as client:  # noqa: S501 - no TLS here
+    with listening_socket("127.0.0.1", port) as listener, httpx.Client(timeout=30, verify=False) as client:  # noqa: S501 - no TLS here
         server = page_server(create_app(broadcast))
         loop = asyncio.new_event_loop()
         thread = threading.Thread(target=_run, args=(loop, server.serve(sockets=[listener])))

@@ -14,6 +14,7 @@ from protocol.messages import (
     OperatorCommand,
     PlantInput,
     ScenarioInfo,
+    TopicHealth,
 )
 from protocol.topics import TICK
 
@@ -126,7 +127,7 @@ def test_who_may_not_publish_a_topic_is_refused() -> None:
     feed.push(header("operator", 0), tick(0), 0)
     assert feed.tick is None
     assert feed.traffic == {}
-    assert feed.health[0] == ("tick", 0, 0, 1)
+    assert feed.health[0] == TopicHealth("tick", 0, 0, 1)
 
 
 def test_other_topics_are_passed_over() -> None:

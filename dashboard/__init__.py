@@ -1,0 +1,1 @@
+"""The live page, the HTML report and the figures that they share."""

@@ -1,0 +1,151 @@
+"""Names of the columns that charts draw: one vocabulary for the feed, the figures, the page and the report.
+
+Two tables share a time axis in seconds of plant time. ``ticks`` holds what the filter computed, ``states``
+what the plant measured. Each row covers ``start_s`` to ``time_s``.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import asinh, sinh
+from typing import Final
+
+from dashboard.decimation import Keep
+from dashboard.obstacles import Obstacle, obstacles_of, unit_of_h
+from protocol.messages import FilterTick, PlantState
+from services.scenarios.schema import Scenario
+
+TIME: Final = "time_s"
+START: Final = "start_s"
+ZERO: Final = "zero"
+"""Always 0: the zero line, and what keeps zero inside an automatic range."""
+
+POWER_MARGIN: Final = "power_margin_w"
+TANK: Final = "tank_j"
+SLACK: Final = "slack_w"
+STATE_AGE: Final = "state_age_ms"
+COMMAND_AGE: Final = "command_age_ms"
+STATUS: Final = "status"
+P1: Final = "p1_m"
+P2: Final = "p2_m"
+
+SIGNED_LOG_LINEAR: Final = 0.1
+"""Half-width of the part of a signed-log axis that is nearly linear."""
+
+
+def measured_h(barrier: int) -> str:
+    """Column of h of barrier number ``barrier``, evaluated at the plant's state."""
+    return f"h_{barrier}"
+
+
+def psi(barrier: int, level: int) -> str:
+    """Column of ψ of barrier number ``barrier`` at ``level``; level 0 is the filter's h."""
+    return f"psi_{barrier}_{level}"
+
+
+def signed_log_column(column: str) -> str:
+    """Column that holds another one on a signed-log axis."""
+    return f"{column}_log"
+
+
+def signed_log(value: float) -> float:
+    """Symmetric logarithm asinh(value / c), c = ``SIGNED_LOG_LINEAR``: odd, increasing, 0 at 0."""
+    return asinh(value / SIGNED_LOG_LINEAR)
+
+
+def signed_log_inverse(place: float) -> float:
+    """Value at a place on a signed-log axis."""
+    return SIGNED_LOG_LINEAR * sinh(place)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Layout:
+    """Columns of one scenario, and how messages fill them.
+
+    Attributes:
+        obstacles: Shape of each barrier, in the scenario's order.
+        levels: Number of ψ of each barrier, h included.
+    """
+
+    obstacles: tuple[Obstacle, ...]
+    levels: tuple[int, ...]
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> "Layout":
+        """Layout of a scenario: a barrier with r + 1 class-K functions has ψ₀ … ψ_r."""
+        return cls(
+            obstacles=obstacles_of(scenario),
+            levels=tuple(len(barrier.class_k) for barrier in scenario.filter.barriers),
+        )
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Name of each barrier."""
+        return tuple(obstacle.name for obstacle in self.obstacles)
+
+    @property
+    def h_unit(self) -> str:
+        """Unit of h as an axis label says it, also when barriers differ."""
+        units = sorted({unit_of_h(obstacle) for obstacle in self.obstacles})
+        return " or ".join(units) or "m"
+
+    @property
+    def chain(self) -> tuple[tuple[int, int], ...]:
+        """(barrier, level) of every ψ, in the order in which a tick lists them."""
+        return tuple((i, level) for i, count in enumerate(self.levels) for level in range(count))
+
+    @property
+    def tick_columns(self) -> dict[str, Keep]:
+        """What is kept of a FilterTick's columns; ``status`` grows with severity."""
+        return {
+            STATUS: Keep.HIGHEST,
+            POWER_MARGIN: Keep.LOWEST,
+            TANK: Keep.LOWEST,
+            SLACK: Keep.HIGHEST,
+            STATE_AGE: Keep.HIGHEST,
+            COMMAND_AGE: Keep.HIGHEST,
+            **{psi(i, level): Keep.LOWEST for i, level in self.chain},
+        }
+
+    @property
+    def state_columns(self) -> dict[str, Keep]:
+        """What is kept of a PlantState's columns."""
+        return {
+            P1: Keep.LAST,
+            P2: Keep.LAST,
+            **{measured_h(i): Keep.LOWEST for i in range(len(self.obstacles))},
+        }
+
+    def tick_values(self, tick: FilterTick) -> list[float] | None:
+        """Values of ``tick_columns``, or ``None`` for a tick whose barriers are not this scenario's."""
+        if len(tick.barriers) != len(self.levels):
+            return None
+        values = [
+            tick.status.value,
+            tick.power_margin,
+            tick.tank_j,
+            tick.slack,
+            tick.state_age_ns * 1e-6,
+            tick.command_age_ns * 1e-6,
+        ]
+        for chain, count in zip(tick.barriers, self.levels, strict=True):
+            if len(chain.psi) != count:
+                return None
+            values.extend(chain.psi)
+        return values
+
+    def state_values(self, state: PlantState) -> list[float] | None:
+        """Values of ``state_columns``, or ``None`` for a state with fewer than two coordinates."""
+        x = state.x
+        if len(x) < 2:  # noqa: PLR2004 - a position in the plane has two coordinates
+            return None
+        return [x[0], x[1], *[obstacle.h(x) for obstacle in self.obstacles]]
+
+    @property
+    def log_columns(self) -> tuple[str, ...]:
+        """Tick columns that a chart shows on a signed-log axis: every ψ but h."""
+        return tuple(psi(i, level) for i, level in self.chain if level)
+
+
+def drawn_columns(columns: Sequence[str], log_columns: Sequence[str]) -> tuple[str, ...]:
+    """Columns of a chart's data source: time, the zero line, the table's own and their signed logarithms."""
+    return (START, TIME, ZERO, *columns, *(signed_log_column(name) for name in log_columns))

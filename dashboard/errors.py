@@ -1,0 +1,70 @@
+"""Errors of the dashboard.
+
+* ``DashboardError``
+    * ``PageAddressError``: the page's address cannot be listened on
+        * ``PagePortInUseError``: another program listens on its port
+    * ``SeriesError``: a series for the report that does not fit together
+    * ``UndrawableError``: a part of a figure that the picture writer does not know
+"""
+
+
+class DashboardError(Exception):
+    """Anything that the dashboard refuses."""
+
+
+class PageAddressError(DashboardError):
+    """The page's address cannot be listened on.
+
+    Attributes:
+        host: Address that was to be listened on.
+        port: Port that was to be listened on.
+        reason: What is wrong with it.
+    """
+
+    def __init__(self, host: str, port: int, reason: str) -> None:
+        self.host = host
+        self.port = port
+        self.reason = reason
+        super().__init__(
+            f"dashboard address: got {host}:{port} ({reason}), allowed an address of this machine and a port "
+            "that this user may listen on"
+        )
+
+
+class PagePortInUseError(PageAddressError):
+    """Another program listens on the page's port."""
+
+    def __init__(self, host: str, port: int) -> None:
+        super().__init__(host, port, "in use")
+        advice = "is another demo running? Stop it, or choose another port; 0 takes a free one."
+        self.args = (f"dashboard port {port} on {host} is in use: {advice}",)
+
+
+class SeriesError(DashboardError):
+    """A series for the report that does not fit together.
+
+    Attributes:
+        field: Name of the field.
+        got: Its shape or value.
+        allowed: What is allowed, in words.
+    """
+
+    def __init__(self, field: str, got: object, allowed: str) -> None:
+        self.field = field
+        self.got = got
+        self.allowed = allowed
+        super().__init__(f"series {field}: got {got}, allowed {allowed}")
+
+
+class UndrawableError(DashboardError):
+    """A part of a figure that the picture writer does not know: better no picture than one that omits it.
+
+    Attributes:
+        part: Type of the part.
+        allowed: Types that it knows.
+    """
+
+    def __init__(self, part: str, allowed: tuple[str, ...]) -> None:
+        self.part = part
+        self.allowed = allowed
+        super().__init__(f"picture: got a {part}, allowed {', '.join(allowed)}")

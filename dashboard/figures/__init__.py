@@ -1,0 +1,1 @@
+"""Charts made in Python, once: the live page streams into them, report and pictures fill them."""

@@ -1,0 +1,61 @@
+"""Charts of the barriers: h, which says whether the robot is safe, and ψ₁ … ψ_r, which lead to the input."""
+
+from bokeh.models import ColumnDataSource, Range
+from bokeh.plotting import figure
+
+from dashboard.columns import Layout, measured_h, psi, signed_log, signed_log_column
+from dashboard.figures.over_time import Trace, time_figure
+
+SUBSCRIPTS = "₀₁₂₃₄₅₆₇₈₉"
+
+
+def h_figure(layout: Layout, *, ticks: ColumnDataSource | None, states: ColumnDataSource, x_range: Range) -> figure:
+    """Chart of every h: at the plant's state and, where there are ticks, as the filter predicts it."""
+    traces = []
+    for index, name in enumerate(layout.names):
+        traces.append(Trace(source=states, column=measured_h(index), label=f"h of {name}, measured", style=2 * index))
+        if ticks is not None:
+            traces.append(Trace(source=ticks, column=psi(index, 0), label=f"h of {name}, filter", style=2 * index + 1))
+    return time_figure(
+        traces,
+        name="h",
+        y_label=f"barrier h ({layout.h_unit})",
+        x_range=x_range,
+        height=240,
+        zero_label="limit: h = 0",
+    )
+
+
+def chain_figure(layout: Layout, *, ticks: ColumnDataSource, x_range: Range) -> figure | None:
+    """Chart of ψ₁ … ψ_r of every barrier over time on a signed-log axis; ``None`` if there is none."""
+    traces = [
+        Trace(
+            source=ticks,
+            column=signed_log_column(psi(index, level)),
+            shown=psi(index, level),
+            label=f"ψ{SUBSCRIPTS[level]} of {layout.names[index]}",
+            style=style,
+        )
+        for style, (index, level) in enumerate((i, k) for i, k in layout.chain if k > 0)
+    ]
+    if not traces:
+        return None
+    return time_figure(
+        traces,
+        name="chain",
+        y_label="ψᵢ (unit of h·s⁻ⁱ), signed log",
+        x_range=x_range,
+        zero_label="limit: ψ = 0",
+        y_ticks=signed_log_ticks(),
+        height=240,
+    )
+
+
+def signed_log_ticks() -> dict[float, str]:
+    """Places and texts of the ticks 0, ±0.1, ±1, …, ±10⁸ on a signed-log axis."""
+    ticks = {0.0: "0"}
+    for exponent in range(-1, 9):
+        text = f"{10.0**exponent:g}" if exponent < 4 else f"1e{exponent}"  # noqa: PLR2004 - five digits are long
+        ticks[signed_log(10.0**exponent)] = text
+        ticks[-signed_log(10.0**exponent)] = f"−{text}"
+    return ticks

@@ -1,0 +1,64 @@
+"""All charts of the live page in one document, and what the browser needs to embed them."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from math import nan
+from typing import Final
+
+from bokeh.embed import components
+from bokeh.models import ColumnDataSource
+from bokeh.plotting import figure
+
+from dashboard.columns import P1, P2, START, TIME, ZERO, Layout, drawn_columns
+from dashboard.figures.barriers import chain_figure, h_figure
+from dashboard.figures.energy import power_margin_figure, tank_figure
+from dashboard.figures.over_time import live_range
+from dashboard.figures.plane import plane_figure
+from dashboard.figures.timeline import age_figure, status_figure
+
+TICKS: Final = "ticks"
+STATES: Final = "states"
+ROBOT: Final = "robot"
+"""Names under which the page's script finds the tables in the document."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LiveCharts:
+    """Charts of the live page.
+
+    Attributes:
+        script: JavaScript that makes them appear.
+        divs: Markup of the place of each chart, by the chart's name.
+    """
+
+    script: str
+    divs: dict[str, str]
+
+
+@lru_cache(maxsize=4)
+def live_charts(layout: Layout, *, start: tuple[float, float], window_s: float) -> LiveCharts:
+    """Charts of the live page without data; ``window_s`` is the stretch of time that they show."""
+    ticks = unfilled_table(TICKS, drawn_columns(tuple(layout.tick_columns), layout.log_columns))
+    states = unfilled_table(STATES, drawn_columns(tuple(layout.state_columns), ()))
+    robot = unfilled_table(ROBOT, (P1, P2))
+    x_range = live_range(window_s)
+    charts: list[figure] = [
+        plane_figure(layout.obstacles, trail=states, robot=robot, start=start),
+        power_margin_figure(source=ticks, x_range=x_range, with_slack=True),
+        tank_figure(ticks=ticks, x_range=x_range),
+        status_figure(source=ticks, x_range=x_range),
+        age_figure(ticks=ticks, x_range=x_range),
+    ]
+    if layout.obstacles:
+        charts.append(h_figure(layout, ticks=ticks, states=states, x_range=x_range))
+    chain = chain_figure(layout, ticks=ticks, x_range=x_range)
+    if chain is not None:
+        charts.append(chain)
+    script, divs = components({str(chart.name): chart for chart in charts}, wrap_script=False)
+    return LiveCharts(script=script, divs=divs)
+
+
+def unfilled_table(name: str, columns: tuple[str, ...]) -> ColumnDataSource:
+    """Table with one row of nothing at time 0: a chart with no row at all has no range and no legend."""
+    at_zero = {START, TIME, ZERO}
+    return ColumnDataSource(name=name, data={column: [0.0 if column in at_zero else nan] for column in columns})

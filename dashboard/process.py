@@ -1,0 +1,107 @@
+"""The dashboard as a process: reads the bus, serves the page, ends when it is told to."""
+
+import asyncio
+import gc
+import os
+import socket
+import sys
+import time
+from collections.abc import Callable
+from typing import Final
+
+from fastapi import FastAPI
+
+from dashboard.broadcast import FRAME_HZ, Broadcast
+from dashboard.bus_pump import BusPump
+from dashboard.feed import Feed
+from dashboard.live import create_app
+from dashboard.server import listening_socket, page_server, require_free_page_port
+from services.runtime.bus import open_bus
+from services.runtime.endpoint import LOOPBACK, Endpoint
+from services.runtime.outlet import Outlet
+from services.runtime.readiness import announce_ready
+from services.runtime.stop import Stop, StopReason, stop_requests
+from services.scenarios.schema import Scenario
+
+__all__ = ["require_free_page_port", "serve"]
+
+NAME: Final = "dashboard"
+NICENESS: Final = 10
+"""The page may wait; a control loop on the same processors may not."""
+
+CHECK_PERIOD_S: Final = 0.05
+FAREWELL_S: Final = 0.5
+"""How long pages are given to receive their last frame."""
+
+
+def serve(
+    endpoint: Endpoint,
+    port: int,
+    *,
+    host: str = LOOPBACK,
+    scenario: Scenario | None = None,
+    lifeline: bool = False,
+    frame_hz: float = FRAME_HZ,
+) -> StopReason | None:
+    """Serve the live page of the system behind a router until somebody ends it; main thread only.
+
+    Lowers the priority of the whole process for good.
+
+    Args:
+        endpoint: Where the router listens.
+        port: TCP port of the page; 0 takes a free one and says which.
+        host: Address of the page: loopback, unless other hosts are to see it. There is no access control.
+        scenario: What to draw until a ScenarioInfo says otherwise.
+        lifeline: Whether standard input is a lifeline (see ``services.runtime.stop``).
+        frame_hz: Frames a second for each page, at most.
+
+    Returns:
+        Why it ended.
+
+    Raises:
+        PagePortInUseError: Another program listens on the port.
+        PageAddressError: The address cannot be listened on for another reason.
+        BusError: There is no router.
+    """
+    os.nice(NICENESS)
+    with stop_requests(lifeline=lifeline) as stop, listening_socket(host, port) as listener:
+        feed = Feed(scenario)
+        with open_bus(endpoint) as bus:
+            pump = BusPump(bus, feed, Outlet(bus, NAME, time.time_ns()))
+            broadcast = Broadcast(feed, pump=pump, clock=time.monotonic_ns, frame_hz=frame_hz)
+            asyncio.run(_run(create_app(broadcast), broadcast, listener, stop))
+    return stop.reason
+
+
+async def _run(app: FastAPI, broadcast: Broadcast, listener: socket.socket, stop: Stop) -> None:
+    server = page_server(app)
+    serving = asyncio.create_task(server.serve(sockets=[listener]))
+    await _until(lambda: server.started or serving.done())
+    if server.started:
+        gc.collect()
+        gc.freeze()  # what the charts were made from is not searched for garbage again and again
+        _say_address(listener)
+        announce_ready(NAME)
+        pumping: asyncio.Task[None] = app.state.broadcasting
+        await _until(lambda: stop.reason is not None or pumping.done() or serving.done())
+        if not pumping.done():
+            broadcast.finish("The run has ended. What is shown is its last state.")
+            await _until(lambda: not broadcast.clients, timeout_s=FAREWELL_S)
+    server.should_exit = True
+    await serving
+    if server.started and pumping.done() and not pumping.cancelled():
+        pumping.result()
+
+
+async def _until(condition: Callable[[], bool], timeout_s: float | None = None) -> None:
+    end_s = None if timeout_s is None else time.monotonic() + timeout_s
+    # Nothing sets an asyncio.Event here: a request to stop comes from a signal handler, the rest from uvicorn
+    while not condition() and (end_s is None or time.monotonic() < end_s):  # noqa: ASYNC110 - see above
+        await asyncio.sleep(CHECK_PERIOD_S)
+
+
+def _say_address(listener: socket.socket) -> None:
+    host, port = listener.getsockname()[:2]
+    shown = f"[{host}]" if ":" in host else host
+    sys.stdout.write(f"page at http://{shown}:{port}/\n")
+    sys.stdout.flush()

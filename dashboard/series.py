@@ -1,0 +1,92 @@
+"""A whole run as arrays: what the report and the pictures draw."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dashboard.errors import SeriesError
+from dashboard.obstacles import Obstacle
+from protocol.messages import FilterStatus
+
+FloatArray: TypeAlias = NDArray[np.float64]
+
+PLANE_DIMENSIONS = 2
+
+
+class StatusSpan(NamedTuple):
+    """A stretch of plant time in which every filter tick had the same status."""
+
+    status: FilterStatus
+    start_s: float
+    end_s: float
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RunSeries:
+    """Signals of one run, one column a sample.
+
+    Attributes:
+        times_s: Plant time, s, shape (N,), N ≥ 1.
+        x: State, shape (n, N), n ≥ 2; its first two numbers are the position in the plane, m.
+        u: Input in force, shape (m, N).
+        h: Barrier values at x, shape (barriers, N).
+        power_margin_w: Power margin h_u(x, u), W, shape (N,).
+        obstacles: Shape of each barrier, in the order of ``h``.
+        statuses: What the filter's status was, in order of time.
+    """
+
+    times_s: FloatArray
+    x: FloatArray
+    u: FloatArray
+    h: FloatArray
+    power_margin_w: FloatArray
+    obstacles: tuple[Obstacle, ...]
+    statuses: tuple[StatusSpan, ...]
+
+    def __post_init__(self) -> None:
+        """Check that the arrays fit together."""
+        samples = self.times_s.size
+        barriers = len(self.obstacles)
+        states = self.x.shape[0] if self.x.ndim else 0
+        inputs = self.u.shape[0] if self.u.ndim else 0
+        _require("times_s", self.times_s, (samples,), "one dimension")
+        _require("x", self.x, (states, samples), "a row for each state")
+        _require("u", self.u, (inputs, samples), "a row for each input")
+        _require("h", self.h, (barriers, samples), "a row for each obstacle")
+        _require("power_margin_w", self.power_margin_w, (samples,), "one dimension")
+        if not samples:
+            raise SeriesError("times_s", "no samples", "at least one")
+        if states < PLANE_DIMENSIONS:
+            raise SeriesError("x", f"{states} rows", "two or more: the position comes first")
+
+    @property
+    def position(self) -> FloatArray:
+        """Position in the plane, m, shape (2, N)."""
+        return self.x[:PLANE_DIMENSIONS]
+
+
+def _require(field: str, array: FloatArray, shape: tuple[int, ...], rows: str) -> None:
+    if array.shape != shape:
+        raise SeriesError(field, f"shape {array.shape}", f"{shape}: {rows}, a column for each sample")
+
+
+def status_spans(ticks: Iterable[tuple[float, FilterStatus]], *, period_s: float) -> tuple[StatusSpan, ...]:
+    """Join ticks of equal status that follow each other.
+
+    Args:
+        ticks: Plant time, s, and status of each tick, in order of time.
+        period_s: How long the last tick of a span lasts; a longer wait until the next tick leaves a hole.
+    """
+    spans: list[StatusSpan] = []
+    for time_s, status in ticks:
+        if spans:
+            last = spans[-1]
+            joined = time_s - last.end_s <= period_s / 2
+            if joined and status is last.status:
+                spans[-1] = last._replace(end_s=time_s + period_s)
+                continue
+        spans.append(StatusSpan(status, time_s, time_s + period_s))
+    return tuple(spans)

@@ -1,0 +1,54 @@
+// The live page: one WebSocket in, charts and numbers out.
+// Frames are applied in animation frames, so a hidden page does no work and catches up when it is shown.
+import { applyRows, chartsReady, moveRobot, startOver } from "./charts.js";
+import { connect } from "./connection.js";
+import { forgetEvents, showConnection, showLost, showState } from "./readouts.js";
+
+const setup = JSON.parse(document.getElementById("setup").textContent);
+const NUMBERS_EVERY_MS = 100;
+
+let pending = { restart: false, ticks: [], states: [], lost: 0, now: null };
+let scheduled = false;
+let numbersShownAt = -Infinity;
+
+function take(frame) {
+  if (frame.layout !== setup.layout) {
+    location.reload();
+    return;
+  }
+  if (frame.restart) pending = { restart: true, ticks: [], states: [], lost: 0, now: null };
+  for (const table of ["ticks", "states"]) {
+    pending[table].push(...frame.tables[table]);
+    pending[table].splice(0, pending[table].length - setup.rows);
+  }
+  pending.lost += frame.lost;
+  pending.now = frame.now;
+  showConnection(frame.now.liveness.state, frame.now.liveness.text);
+  if (!scheduled) {
+    scheduled = true;
+    requestAnimationFrame(draw);
+  }
+}
+
+function draw(at) {
+  scheduled = false;
+  const { now, lost } = pending;
+  if (chartsReady()) {
+    if (pending.restart) {
+      startOver();
+      forgetEvents();
+    }
+    for (const table of ["ticks", "states"]) {
+      applyRows(table, setup.columns[table], pending[table], setup.rows);
+    }
+    if (now.plant) moveRobot(now.plant.x);
+    pending = { restart: false, ticks: [], states: [], lost: 0, now };
+  }
+  if (lost) showLost(lost);
+  if (at - numbersShownAt >= NUMBERS_EVERY_MS || now.liveness.state === "ended") {
+    numbersShownAt = at;
+    showState(now);
+  }
+}
+
+connect({ onFrame: take, onState: showConnection });

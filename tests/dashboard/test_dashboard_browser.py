@@ -1,0 +1,217 @@
+"""The page and the report in a real browser."""
+
+import os
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from closed_form import h, header, paper_scenario, tick
+from closed_form_series import run_series, verdict
+from served_page import FastRun, ServedPage, serve_page
+
+from dashboard.feed import Feed
+from dashboard.report_page import report_page
+from protocol.messages import BarrierChain, FilterStatus
+
+pytestmark = pytest.mark.browser
+playwright = pytest.importorskip("playwright.sync_api")
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or "/usr/bin/chromium"
+ARGUMENTS = [
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--no-first-run",
+]
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    if not os.access(CHROMIUM, os.X_OK):
+        pytest.skip("Chromium is not installed")
+    with playwright.sync_playwright() as driver:
+        started = driver.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS)
+        yield started
+        started.close()
+
+
+class Watched:
+    """A browser page, its complaints and what it asked for."""
+
+    def __init__(self, browser: Any) -> None:  # noqa: ANN401 - playwright's
+        self.page = browser.new_page(viewport={"width": 1300, "height": 900})
+        self.page.set_default_timeout(60_000)
+        self.complaints: list[str] = []
+        self.requests: list[str] = []
+        self.page.on("console", self._hear)
+        self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        self.page.on("request", lambda request: self.requests.append(request.url))
+
+    def _hear(self, message: Any) -> None:  # noqa: ANN401 - playwright's
+        if message.type in ("error", "warning"):
+            self.complaints.append(message.text)
+
+    def text(self, selector: str) -> str:
+        """Text of an element."""
+        return str(self.page.text_content(selector))
+
+    def wait_for(self, condition: str) -> None:
+        """Wait until a JavaScript expression is true."""
+        self.page.wait_for_function(condition)
+
+
+@pytest.fixture
+def watched(browser: Any) -> Iterator[Watched]:  # noqa: ANN401 - playwright's
+    opened = Watched(browser)
+    yield opened
+    opened.page.close()
+
+
+@pytest.fixture
+def run() -> FastRun:
+    return FastRun(Feed(paper_scenario()), step_ms=50, frame_hz=30.0)
+
+
+@pytest.fixture
+def served(run: FastRun) -> Iterator[ServedPage]:
+    with serve_page(run.broadcast) as page:
+        yield page
+
+
+def rows_of(name: str, column: str) -> str:
+    """JavaScript for a column of a chart's table, numbers only."""
+    found = f"Array.from(Bokeh.documents[0].get_model_by_name('{name}').data['{column}'])"
+    return f"{found}.filter(Number.isFinite)"
+
+
+def test_the_live_page_shows_the_run(watched: Watched, served: ServedPage, tmp_path: Path) -> None:
+    watched.page.goto(served.url)
+    watched.wait_for("document.getElementById('connection').textContent === 'live'")
+    watched.wait_for("parseFloat(document.getElementById('plant-time').textContent) > 7")
+    watched.wait_for(f"globalThis.Bokeh && Bokeh.documents.length && {rows_of('ticks', 'psi_0_0')}.length > 100")
+    assert watched.page.is_hidden("#banner")
+    assert watched.text("#status") in ("PASSED", "MODIFIED")
+    assert watched.text("#mode") == "both"
+    cells = watched.page.locator("#barriers tr").first.locator("th, td").all_text_contents()
+    assert cells[0] == "disk"
+    assert cells[2] == "0.4400"
+    assert float(watched.text("#power-margin").split()[0]) > 0
+    assert watched.page.locator("#rows tr").first.locator("td").first.text_content() == "active"
+    assert watched.text("#state-age") == "1.2 ms"
+    assert "plant" in watched.page.locator("#processes th").all_text_contents()
+    drawn = watched.page.evaluate(rows_of("states", "h_0"))
+    assert min(drawn) >= 0.44 - 1e-6
+    assert max(drawn) <= h(0.0) + 1e-6
+    assert len(watched.page.evaluate(rows_of("robot", "p1_m"))) == 1
+    watched.page.screenshot(path=tmp_path / "live.png", full_page=True)
+    assert watched.complaints == []
+    assert all(url.startswith((served.url, "data:", f"ws://{served.host}")) for url in watched.requests)
+
+
+def test_a_dip_of_one_tick_is_seen_on_the_page(watched: Watched, served: ServedPage, run: FastRun) -> None:
+    watched.page.goto(served.url)
+    watched.wait_for(f"globalThis.Bokeh && Bokeh.documents.length && {rows_of('ticks', 'psi_0_0')}.length > 5")
+
+    def dip() -> None:
+        newest = run.feed.tick
+        assert newest is not None
+        body = tick(
+            newest.tick,
+            power_margin=-3.5,
+            barriers=(BarrierChain("disk", (-0.25, -1.0, -2.0)),),
+            status=FilterStatus.INFEASIBLE,
+            effective_plant_ns=newest.effective_plant_ns,
+        )
+        run.feed.push(header("filter", 10**9), body, run.now_ns)
+
+    served.in_loop(dip)
+    watched.wait_for("document.getElementById('power-margin-worst').textContent === '−3.5000 W'")
+    watched.wait_for("document.getElementById('power-margin-worst').classList.contains('negative')")
+    watched.wait_for(f"Math.min(...{rows_of('ticks', 'psi_0_0')}) === -0.25")
+    watched.wait_for(f"Math.max(...{rows_of('ticks', 'status')}) === 6")
+    watched.wait_for("document.querySelector('[data-count=INFEASIBLE]').textContent === '1'")
+    assert watched.complaints == []
+
+
+def test_the_end_of_the_run_is_told(watched: Watched, served: ServedPage, run: FastRun) -> None:
+    watched.page.goto(served.url)
+    watched.wait_for("document.getElementById('connection').textContent === 'live'")
+    served.in_loop(run.broadcast.finish, "The run has ended. What is shown is its last state.")
+    watched.wait_for("document.getElementById('connection').textContent === 'run ended'")
+    assert watched.text("#banner") == "The run has ended. What is shown is its last state."
+    assert watched.page.is_visible("#banner")
+
+
+def test_a_lost_connection_is_told_and_mended(watched: Watched, run: FastRun) -> None:
+    with serve_page(run.broadcast) as served:
+        watched.page.goto(served.url)
+        watched.wait_for("document.getElementById('connection').textContent === 'live'")
+        port = served.port
+    watched.wait_for("document.getElementById('connection').textContent === 'lost'")
+    assert "the run has ended, or the dashboard does not answer" in watched.text("#banner")
+    again = FastRun(Feed(paper_scenario()), step_ms=50, frame_hz=30.0)
+    with serve_page(again.broadcast, port=port):
+        watched.wait_for("document.getElementById('connection').textContent === 'live'")
+        watched.wait_for("document.getElementById('banner').hidden")
+
+
+def test_silence_is_told(watched: Watched, served: ServedPage, run: FastRun) -> None:
+    watched.page.goto(served.url)
+    watched.wait_for("document.getElementById('connection').textContent === 'live'")
+    run.fails = True
+    watched.wait_for("document.getElementById('connection').textContent === 'lost'")
+    assert "has sent nothing for" in watched.text("#banner")
+
+
+def test_a_page_drawn_for_another_scenario_loads_itself_again(watched: Watched) -> None:
+    run = FastRun(Feed(), step_ms=0)
+    with serve_page(run.broadcast) as served:
+        watched.page.goto(served.url)
+        assert "No scenario is known yet" in watched.text("header")
+        run._step_ns = 50_000_000
+        watched.wait_for("document.querySelectorAll('.chart').length === 7")
+        watched.wait_for("document.getElementById('connection').textContent === 'live'")
+    assert watched.complaints == [] or all("WebSocket" in text for text in watched.complaints)
+
+
+def test_the_page_can_be_used_without_seeing_it(watched: Watched, served: ServedPage) -> None:
+    watched.page.goto(served.url)
+    headings = watched.page.evaluate("[...document.querySelectorAll('h1, h2, h3')].map((e) => e.tagName)")
+    assert headings[0] == "H1"
+    assert headings.count("H1") == 1
+    assert "H3" not in headings
+    assert watched.page.evaluate("document.documentElement.lang") == "en"
+    unnamed = "[...document.querySelectorAll('[role=img]')].filter((e) => !e.getAttribute('aria-label')).length"
+    assert watched.page.evaluate(unnamed) == 0
+    assert watched.page.evaluate("document.querySelectorAll('[role=img]').length") == 7
+    assert watched.page.evaluate("document.querySelectorAll('table:not(:has(caption))').length") == 0
+    assert watched.page.evaluate("document.querySelectorAll('thead th:not([scope])').length") == 0
+    assert watched.page.get_attribute("#banner", "role") == "alert"
+    assert watched.page.get_attribute("#events", "role") == "log"
+    assert watched.page.locator("main").count() == 1
+
+
+def test_the_page_fits_a_narrow_window(watched: Watched, served: ServedPage) -> None:
+    watched.page.set_viewport_size({"width": 400, "height": 800})
+    watched.page.goto(served.url)
+    watched.wait_for("document.getElementById('connection').textContent === 'live'")
+    watched.wait_for("document.documentElement.scrollWidth <= 400")
+
+
+def test_the_report_is_complete_offline(watched: Watched, tmp_path: Path) -> None:
+    file = tmp_path / "report.html"
+    file.write_text(report_page(verdict(), run_series(), configuration={"a": 1}, versions={}), encoding="utf-8")
+    watched.page.context.set_offline(True)
+    watched.page.goto(file.as_uri())
+    watched.wait_for("Bokeh.documents.length === 1")
+    watched.wait_for("Bokeh.index && Object.keys(Bokeh.index.roots ?? Bokeh.index).length >= 4")
+    watched.page.screenshot(path=tmp_path / "report.png", full_page=True)
+    assert watched.complaints == []
+    assert [url for url in watched.requests if not url.startswith(("file:", "data:"))] == []
+    widths = watched.page.evaluate("[...document.querySelectorAll('[data-root-id]')].map((e) => e.clientWidth)")
+    assert len(widths) == 4
+    assert min(widths) > 200

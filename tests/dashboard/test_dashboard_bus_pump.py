@@ -1,0 +1,118 @@
+from collections.abc import Callable
+
+import pytest
+from closed_form import MS, ClosedFormRun, header, paper_scenario, state, tick
+
+from dashboard.bus_pump import BusPump
+from dashboard.feed import Feed
+from protocol.codec import encode
+from protocol.messages import BarrierChain, Event, Health, Message
+from protocol.topics import EVENT, HEALTH, STATE, TICK, TOPIC_OF_BODY, Topic
+from services.runtime.pace import Pace
+
+
+class FakeReader:
+    def __init__(self) -> None:
+        self.arrived: list[bytes] = []
+
+    def drain(self) -> list[bytes]:
+        """What a bus reader gives."""
+        arrived, self.arrived = self.arrived, []
+        return arrived
+
+
+class FakeBus:
+    """Readers that a test fills."""
+
+    def __init__(self) -> None:
+        self.readers: dict[str, FakeReader] = {}
+
+    def reader(self, topic: Topic) -> FakeReader:
+        """A reader of its own for each topic."""
+        return self.readers.setdefault(topic.name, FakeReader())
+
+
+class FakeOutlet:
+    """Keeps what is published."""
+
+    source = "dashboard"
+    epoch = 1
+
+    def __init__(self) -> None:
+        self.published: list[Message] = []
+
+    def publish(self, topic: Topic, body: Message | Callable[[], Message], **times: int) -> None:
+        """As an outlet."""
+        assert set(times) == {"scheduled_ns", "started_ns"}
+        assert not callable(body)
+        assert TOPIC_OF_BODY[type(body)] is topic
+        self.published.append(body)
+
+
+class Rig:
+    """A pump between fakes."""
+
+    def __init__(self) -> None:
+        self.feed, self.bus, self.outlet = Feed(paper_scenario()), FakeBus(), FakeOutlet()
+        self.pump = BusPump(self.bus, self.feed, self.outlet)  # type: ignore[arg-type] # stand-ins
+        self.pace = Pace(0, 30.0)
+
+    def arrive(self, topic: Topic, *messages: bytes) -> None:
+        self.bus.readers[topic.name].arrived += messages
+
+    def turn(self, now_ms: int) -> None:
+        self.pump(now_ms * MS, self.pace)
+
+
+@pytest.fixture
+def rig() -> Rig:
+    return Rig()
+
+
+def test_the_feed_is_as_if_every_message_had_been_decoded(rig: Rig) -> None:
+    whole = Feed(paper_scenario())
+    for head, body, at_ns in ClosedFormRun().until(300 * MS):
+        rig.arrive(TOPIC_OF_BODY[type(body)], encode(head, body))
+        whole.push(head, body, at_ns)
+    rig.turn(300)
+    assert rig.feed.tick == whole.tick == tick(299)
+    assert rig.feed.state == whole.state == state(299)
+    assert rig.feed.worst == whole.worst
+    assert rig.feed.ticks.since(0) == whole.ticks.since(0)
+    assert rig.feed.states.since(0) == whole.states.since(0)
+    assert rig.feed.health == whole.health
+
+
+def test_a_dip_between_two_frames_is_seen(rig: Rig) -> None:
+    for k in range(30):
+        value = -0.5 if k == 11 else 1.0
+        body = tick(k, barriers=(BarrierChain("disk", (value, value, value)),))
+        rig.arrive(TICK, encode(header("filter", k), body))
+    rig.turn(30)
+    assert rig.feed.worst["psi_0_0"] == (-0.5, 0.011)
+
+
+def test_garbage_is_counted_told_once_and_survived(rig: Rig) -> None:
+    rig.arrive(TICK, b"\xff\xff", encode(header("filter", 0), tick(0)), b"\xff\xff\xff")
+    rig.arrive(STATE, b"", encode(header("plant", 0), state(0)))
+    rig.turn(1)
+    assert rig.feed.refused == {"tick": 2, "state": 1}
+    assert rig.feed.tick == tick(0)
+    assert rig.feed.state == state(0)
+    events = [body for body in rig.outlet.published if isinstance(body, Event)]
+    assert [event.severity for event in events] == ["warning", "warning"]
+    assert [notice.text for notice in rig.feed.notices] == [event.text for event in events]
+
+
+def test_health_is_told_once_a_second_and_shown(rig: Rig) -> None:
+    for frame in range(91):
+        now_ns = round(frame * 1e9 / 30)
+        rig.pace.begin(now_ns)
+        rig.pump(now_ns, rig.pace)
+        rig.pace.end(now_ns)
+    told = [body for body in rig.outlet.published if isinstance(body, Health)]
+    assert len(told) == 3
+    assert told[-1].rate_hz == pytest.approx(30.0)
+    assert told[-1].steps == 90
+    assert {topic.topic for topic in told[-1].topics} >= {TICK.name, STATE.name, HEALTH.name, EVENT.name}
+    assert rig.feed.processes["dashboard"].health == told[-1]

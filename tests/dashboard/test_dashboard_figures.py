@@ -1,0 +1,146 @@
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from bokeh.models import ColumnDataSource, HBar, Line
+from bokeh.models.annotations import Legend
+from bokeh.plotting import figure
+from closed_form import paper_scenario
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dashboard.columns import P1, P2, TIME, ZERO, Layout, drawn_columns, signed_log
+from dashboard.figures.barriers import chain_figure, h_figure, signed_log_ticks
+from dashboard.figures.energy import power_margin_figure, tank_figure
+from dashboard.figures.over_time import full_range, live_range
+from dashboard.figures.page import live_charts
+from dashboard.figures.plane import half_plane_corners, plane_figure
+from dashboard.figures.timeline import age_figure, status_figure
+from dashboard.obstacles import Disk, HalfPlane
+from protocol.messages import FilterStatus
+
+LAYOUT = Layout(
+    obstacles=(
+        Disk(name="disk", centre=(0.0, 0.0), radius=1.0),
+        HalfPlane(name="wall", normal=(1.0, 0.0), offset=-3.0),
+    ),
+    levels=(3, 3),
+)
+
+
+def table(*columns: str) -> ColumnDataSource:
+    return ColumnDataSource({column: [0.0, 1.0] for column in columns})
+
+
+def every_chart() -> Iterator[figure]:
+    x_range = full_range()
+    ticks = table(*drawn_columns(tuple(LAYOUT.tick_columns), LAYOUT.log_columns))
+    states = table(*drawn_columns(tuple(LAYOUT.state_columns), ()))
+    yield h_figure(LAYOUT, ticks=ticks, states=states, x_range=x_range)
+    chain = chain_figure(LAYOUT, ticks=ticks, x_range=x_range)
+    assert chain is not None
+    yield chain
+    yield power_margin_figure(source=ticks, x_range=x_range, with_slack=True)
+    yield tank_figure(ticks=ticks, x_range=x_range)
+    yield age_figure(ticks=ticks, x_range=x_range)
+    yield status_figure(source=ticks, x_range=x_range)
+    yield plane_figure(LAYOUT.obstacles, trail=states, robot=table(P1, P2), start=(2.0, 2.0))
+
+
+def chart_named(name: str) -> figure:
+    return next(chart for chart in every_chart() if chart.name == name)
+
+
+def lines(chart: figure) -> list[Line]:
+    return [part.glyph for part in chart.renderers if isinstance(part.glyph, Line)]
+
+
+def legend_words(chart: figure) -> list[str]:
+    return [item.label.value for part in chart.above if isinstance(part, Legend) for item in part.items]
+
+
+@pytest.mark.parametrize("name", ["h", "chain", "power_margin", "tank", "ages", "status", "plane"])
+def test_axes_say_quantity_and_unit(name: str) -> None:
+    chart = chart_named(name)
+    assert chart.xaxis[0].axis_label.endswith(("(s)", "(m)"))
+    assert "(" in chart.yaxis[0].axis_label or name == "status"
+    assert chart.toolbar.logo is None
+
+
+@pytest.mark.parametrize("name", ["h", "chain", "power_margin", "tank"])
+def test_the_zero_line_is_drawn_and_named(name: str) -> None:
+    chart = chart_named(name)
+    assert any((line.x, line.y) == (TIME, ZERO) for line in lines(chart))
+    assert any("= 0" in words for words in legend_words(chart))
+
+
+def test_every_barrier_has_its_own_named_lines() -> None:
+    h, chain, *_ = every_chart()
+    assert legend_words(h)[1:] == [
+        "h of disk, measured",
+        "h of disk, filter",
+        "h of wall, measured",
+        "h of wall, filter",
+    ]
+    assert legend_words(chain)[1:] == ["ψ₁ of disk", "ψ₂ of disk", "ψ₁ of wall", "ψ₂ of wall"]
+    drawn = [line for line in lines(chain) if line.y not in (ZERO, "y")]
+    assert len({(line.line_color, tuple(line.line_dash)) for line in drawn}) == 4
+
+
+def test_a_barrier_of_relative_degree_zero_has_no_chain() -> None:
+    layout = Layout(obstacles=LAYOUT.obstacles[:1], levels=(1,))
+    assert chain_figure(layout, ticks=table(TIME, ZERO), x_range=full_range()) is None
+
+
+def test_lanes_of_the_status_chart_are_words_in_order_of_severity() -> None:
+    chart = chart_named("status")
+    assert chart.yaxis[0].major_label_overrides == {status.value: status.name for status in FilterStatus}
+    assert isinstance(chart.renderers[0].glyph, HBar)
+
+
+def test_signed_log_ticks_are_symmetric_and_in_place() -> None:
+    ticks = signed_log_ticks()
+    assert ticks[0.0] == "0"
+    assert ticks[signed_log(100.0)] == "100"
+    assert ticks[-signed_log(0.1)] == "−0.1"
+    assert {-place for place in ticks} == set(ticks)
+
+
+def test_a_live_range_follows_the_newest_sample() -> None:
+    assert live_range(20.0).follow == "end"
+    assert live_range(20.0).follow_interval == 20.0
+
+
+@given(
+    st.tuples(st.floats(-5, 5), st.floats(-5, 5)).filter(lambda n: n[0] ** 2 + n[1] ** 2 > 1e-4),
+    st.floats(-5, 5),
+)
+def test_a_wall_covers_its_forbidden_side(normal: tuple[float, float], offset: float) -> None:
+    length = float(np.hypot(*normal))
+    wall = HalfPlane(name="wall", normal=normal, offset=offset * length)
+    corners = half_plane_corners(wall)
+    on_line, behind = corners[:2], corners[2:]
+    assert all(abs(wall.h(corner)) <= 1e-9 * length * 200 for corner in on_line)
+    assert all(wall.h(corner) == pytest.approx(-100.0 * length) for corner in behind)
+    middle = np.mean(on_line, axis=0)
+    assert np.hypot(*middle) == pytest.approx(abs(offset), abs=1e-9)
+
+
+def test_obstacles_that_are_not_in_the_plane_are_not_drawn() -> None:
+    ball = Disk(name="ball", centre=(0.0, 0.0, 0.0), radius=1.0)
+    ceiling = HalfPlane(name="ceiling", normal=(0.0, 0.0, 1.0), offset=0.0)
+    chart = plane_figure((ball, ceiling), trail=table(P1, P2), robot=table(P1, P2), start=(0.0, 0.0))
+    assert legend_words(chart) == ["trail", "start", "robot"]
+
+
+def test_the_page_has_a_chart_for_everything() -> None:
+    charts = live_charts(Layout.of(paper_scenario()), start=(2.0, 2.0), window_s=20.0)
+    assert set(charts.divs) == {"plane", "h", "chain", "power_margin", "tank", "status", "ages"}
+    for name in ("ticks", "states", "robot"):
+        assert f'"name":"{name}"' in charts.script
+    assert "NaN" not in charts.script.replace('"nan"', "")
+
+
+def test_without_barriers_there_are_no_charts_of_them() -> None:
+    charts = live_charts(Layout(obstacles=(), levels=()), start=(2.0, 2.0), window_s=20.0)
+    assert set(charts.divs) == {"plane", "power_margin", "tank", "status", "ages"}

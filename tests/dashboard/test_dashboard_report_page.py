@@ -1,0 +1,108 @@
+import re
+from dataclasses import replace
+
+import pytest
+from closed_form_series import run_series, verdict
+
+from dashboard.report_page import inline_script, number, report_page
+
+CONFIGURATION = {"name": "circle", "title": "a <b>circle</b> & </script>"}
+VERSIONS = {"passafe": "0.1.0"}
+
+
+@pytest.fixture(scope="module")
+def page() -> str:
+    return report_page(verdict(), run_series(), configuration=CONFIGURATION, versions=VERSIONS)
+
+
+def markup(page: str) -> str:
+    """The page without scripts and styles."""
+    return re.sub(r"<(script|style)>.*?</\1>", "", page, flags=re.DOTALL)
+
+
+def cells(page: str, head: str) -> list[str]:
+    """Texts of the table row that begins with ``head``."""
+    row = re.search(rf"<tr><th scope=\"row\">{re.escape(head)}</th>(.*?)</tr>", markup(page), re.DOTALL)
+    assert row is not None, head
+    return re.findall(r"<td[^>]*>(.*?)</td>", row.group(1))
+
+
+def test_the_report_has_the_paper_s_plots(page: str) -> None:
+    for heading in ("Trajectory", "Barriers", "Power margin", "Filter status"):
+        assert f"<h2>{heading}</h2>" in page
+    assert markup(page).count("data-root-id") == 4
+    assert "h of disk, measured" in page
+    assert "limit: h = 0" in page
+
+
+def test_properties_say_whether_they_hold_with_worst_value_and_time(page: str) -> None:
+    assert cells(page, "safe")[:4] == ["holds", "yes", "0.44", "1.571 s"]
+    assert cells(page, "passive") == ["violated", "yes", "−0.2", "3.142 s", "h_u ≥ −0.05"]
+    assert cells(page, "certified")[:4] == ["unknown", "no", "unknown", "–"]
+    assert "A required property is violated" in page
+
+
+def test_figures_and_timing_are_those_of_the_verdict(page: str) -> None:
+    assert cells(page, "lowest h") == ["0.44"]
+    assert cells(page, "final x") == ["(−1.5, 0.25, 0, −0.0001)"]
+    assert cells(page, "filter ticks") == ["10000"]
+    assert cells(page, "messages missing in the log") == ["tick 2"]
+    assert cells(page, "filter step: state in, input out") == ["µs", "21.5", "80.2", "120", "400"]
+    assert cells(page, "lateness of filter") == ["µs", "70", "300", "900", "1.5e+03"]
+    assert "operator to plant" not in page
+
+
+def test_the_report_needs_nothing_else(page: str) -> None:
+    assert "default-src 'none'" in page
+    assert re.findall(r"\b(?:src|href|action|data)=\"(?!data:)[^\"]*\"", markup(page)) == []
+    assert not re.search(r"@import|url\(", "".join(re.findall(r"<style>(.*?)</style>", page, re.DOTALL)))
+    assert len(page) < 4_000_000
+
+
+def test_what_others_wrote_stays_text(page: str) -> None:
+    assert "a &lt;b&gt;circle&lt;/b&gt; &amp; &lt;/script&gt;" in page
+    assert page.count("</script>") == page.count("<script>") == 2
+
+
+def test_unknown_figures_are_called_unknown() -> None:
+    unknown = verdict(h_min=None, timing=None, status_counts=None, gaps=None, final_x=None, verdict="unproven")
+    page = report_page(unknown, run_series(100), configuration={}, versions={})
+    assert cells(page, "lowest h") == ["unknown"]
+    assert cells(page, "final x") == ["unknown"]
+    assert cells(page, "messages missing in the log") == ["unknown"]
+    assert "This log holds no timing." in page
+    assert "Not proven" in page
+
+
+def test_a_violation_that_the_mode_allows_is_told() -> None:
+    properties = verdict()["properties"]
+    properties["passive"]["required"] = False
+    page = report_page(
+        verdict(mode="off", verdict="holds", properties=properties),
+        run_series(100),
+        configuration={},
+        versions={},
+    )
+    assert 'not asked for in this mode: <strong class="bad">passive</strong>' in page
+
+
+def test_a_run_without_barriers_and_ticks_has_its_plots() -> None:
+    series = run_series(100)
+    bare = replace(series, h=series.h[:0], obstacles=(), statuses=())
+    page = report_page(verdict(), bare, configuration={}, versions={})
+    assert markup(page).count("data-root-id") == 2
+    assert "Obstacles: none." in page
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(0.1 + 0.2, "0.3"), (-2.0, "−2"), (1234567.0, "1.235e+06"), (-1e-7, "−1e−07"), (None, "unknown")],
+)
+def test_numbers_are_short_and_signed(value: object, text: str) -> None:
+    assert number(value) == text
+
+
+def test_a_script_cannot_end_its_element() -> None:
+    text = inline_script('a = "</script><!--";')
+    assert "</script" not in text
+    assert "<!--" not in text
