@@ -89,8 +89,12 @@ def parse_endpoint(text: str) -> Endpoint:
     return Endpoint(host=host, port=int(port))
 
 
-def writable_folder(path: Path) -> Path:
+def writable_folder(path: Path, option: str = "--out") -> Path:
     """Return the folder, made if it was not there.
+
+    Args:
+        path: The folder.
+        option: What the user gave it with, for the message.
 
     Raises:
         typer.BadParameter: It cannot be made or written.
@@ -101,7 +105,7 @@ def writable_folder(path: Path) -> Path:
         probe.touch()
         probe.unlink()
     except OSError as error:
-        raise typer.BadParameter(f"--out: got {path} ({error.strerror}), allowed a writable folder") from error
+        raise typer.BadParameter(f"{option}: got {path} ({error.strerror}), allowed a writable folder") from error
     return path
 
 

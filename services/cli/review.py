@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from services.cli.options import writable_folder
 from services.cli.verdict import exit_code, print_verdict
 from services.review.core_mathematics import CoreMathematics
 from services.review.log import RunLog
@@ -27,7 +28,7 @@ def review(
     if html is not None:
         from dashboard.report import render_report  # noqa: PLC0415 - a second that other reviews need not wait
 
-        html.parent.mkdir(parents=True, exist_ok=True)
+        writable_folder(html.parent, "--html")
         html.write_text(render_report(log, mathematics, verdict), encoding="utf-8")
     if json:
         typer.echo(verdict.model_dump_json(indent=2))

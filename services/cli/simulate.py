@@ -16,6 +16,7 @@ from services.cli.options import (
     RateOption,
     ScenarioOption,
     scenario_from_options,
+    writable_folder,
 )
 from services.cli.verdict import exit_code, print_verdict
 from services.recorder.lockstep_log import LockstepLog
@@ -44,7 +45,7 @@ def simulate(
     """
     chosen = scenario_from_options(scenario, mode=mode, law=law, duration_s=duration, rate_hz=rate, links=link or ())
     metadata = run_metadata(scenario_json=chosen.model_dump_json(), versions=versions(), driver="lockstep")
-    out.parent.mkdir(parents=True, exist_ok=True)
+    writable_folder(out.parent)
     steps = steps_of(chosen)
     chunk = max(1, steps // 100)
     with (
