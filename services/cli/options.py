@@ -6,6 +6,7 @@ from typing import Annotated, Any, Final
 
 import typer
 
+from services.cli.errors import OptionError
 from services.runtime.endpoint import DEFAULT_PORT, LOOPBACK, Endpoint
 from services.scenarios.errors import ScenarioError
 from services.scenarios.load import load_scenario
@@ -81,11 +82,11 @@ def parse_endpoint(text: str) -> Endpoint:
     """Return the endpoint that ``HOST:PORT`` names.
 
     Raises:
-        typer.BadParameter: It does not.
+        OptionError: It does not.
     """
     host, separator, port = text.rpartition(":")
     if not separator or not port.isdigit():
-        raise typer.BadParameter(f"--router: got {text!r}, allowed HOST:PORT such as {DEFAULT_ROUTER}")
+        raise OptionError("--router", repr(text), f"HOST:PORT such as {DEFAULT_ROUTER}")
     return Endpoint(host=host, port=int(port))
 
 
@@ -97,7 +98,7 @@ def writable_folder(path: Path, option: str = "--out") -> Path:
         option: What the user gave it with, for the message.
 
     Raises:
-        typer.BadParameter: It cannot be made or written.
+        OptionError: It cannot be made or written.
     """
     try:
         path.mkdir(parents=True, exist_ok=True)
@@ -105,7 +106,7 @@ def writable_folder(path: Path, option: str = "--out") -> Path:
         probe.touch()
         probe.unlink()
     except OSError as error:
-        raise typer.BadParameter(f"{option}: got {path} ({error.strerror}), allowed a writable folder") from error
+        raise OptionError(option, f"{path} ({error.strerror})", "a writable folder") from error
     return path
 
 

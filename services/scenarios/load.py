@@ -67,13 +67,18 @@ def scenario_from(data: Any, source: str, overrides: Mapping[str, Any] | None = 
         first = error.errors()[0]
         field = ".".join(str(part) for part in first["loc"]) or "scenario"
         more = "" if error.error_count() == 1 else f" (and {error.error_count() - 1} more)"
-        raise ScenarioError(source, field, _shown(first["input"]), first["msg"] + more) from error
+        raise ScenarioError(source, field, _shown(first["input"]), _allowed(first["msg"]) + more) from error
 
 
 def _put(data: dict[str, Any], path: list[str], value: object) -> None:
     for part in path[:-1]:
         data = data.setdefault(part, {})
     data[path[-1]] = value
+
+
+def _allowed(message: str) -> str:
+    """Return what pydantic says is wanted, as the end of "got …, allowed …"."""
+    return message.removeprefix("Input should be ").removeprefix("Value error, ")
 
 
 def _shown(value: object) -> str:
