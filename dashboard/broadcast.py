@@ -11,6 +11,8 @@ from dashboard.snapshot import status_json
 from services.runtime.pace import Pace
 
 FRAME_HZ: Final = 30.0
+REST_S: Final = 0.002
+"""Least time left to everybody else between two frames, however far behind they are."""
 
 Pump: TypeAlias = Callable[[int, Pace], None]
 """Moves what has arrived by a time, ns, into the feed and returns at once; may report the frames' pace."""
@@ -54,7 +56,7 @@ class Broadcast:
         self.pace = Pace(self.clock(), self._frame_hz)
         while True:
             self.step()
-            await asyncio.sleep((self.pace.due_ns - self.clock()) / NS_PER_S)
+            await asyncio.sleep(max(REST_S, (self.pace.due_ns - self.clock()) / NS_PER_S))
 
     def step(self) -> None:
         """Pump once and let every waiting client have a frame."""

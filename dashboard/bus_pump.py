@@ -44,7 +44,7 @@ class BusPump:
                     if thin is None:
                         self._take(topic, data, now_ns)
                     else:
-                        self._feed.push(thin[0], thin[1], now_ns)
+                        self._feed.glance(thin[0], thin[1], now_ns)
                 del arrived[:-1]
             for data in arrived:
                 self._take(topic, data, now_ns)

@@ -129,19 +129,30 @@ class Feed:
             body: Its body.
             received_ns: This process's monotonic clock at its arrival, ns.
         """
-        handler = self._handlers.get(type(body))
-        if handler is None:
-            return
+        if self._is_fit(header, body, received_ns):
+            self._handlers[type(body)](header, body, received_ns)
+
+    def glance(self, header: Header, body: FilterTick | PlantState, received_ns: int) -> None:
+        """Take a message for what charts, counts and lowest values need of it; it is not shown in full."""
+        if self._is_fit(header, body, received_ns):
+            if isinstance(body, FilterTick):
+                self._count_tick(header, body)
+            else:
+                self._count_state(header, body)
+
+    def _is_fit(self, header: Header, body: Message, received_ns: int) -> bool:
+        """Note an arrival and tell whether the message counts; an overtaken one does, it may be the worst."""
+        if type(body) not in self._handlers:
+            return False
         topic = TOPIC_OF_BODY[type(body)]
-        if header.source not in topic.publishers:
-            self.refuse(topic)
-            return
         key = (header.source, topic.name)
         traffic = self.traffic.get(key)
         if traffic is None:
+            if header.source not in topic.publishers:
+                self.refuse(topic)
+                return False
             traffic = self.traffic[key] = Traffic(topic, header.source)
-        if traffic.take(header, received_ns):  # an overtaken message counts too: it may hold the worst value
-            handler(header, body, received_ns)
+        return traffic.take(header, received_ns)
 
     def refuse(self, topic: Topic) -> None:
         """Count a message that could not be decoded, or came from who may not publish its topic."""
@@ -193,17 +204,23 @@ class Feed:
 
     def _take_tick(self, header: Header, tick: FilterTick, received_ns: int) -> None:
         del received_ns
-        self._note_session(header)
+        self._count_tick(header, tick)
         if self.tick is None or tick.tick > self.tick.tick:
             self.tick = tick
+
+    def _count_tick(self, header: Header, tick: FilterTick) -> None:
+        self._note_session(header)
         self.status_counts[tick.status] += 1
         self._keep(self.ticks, tick.effective_plant_ns, self.layout.tick_values(tick))
 
     def _take_state(self, header: Header, state: PlantState, received_ns: int) -> None:
         del received_ns
-        self._note_session(header)
+        self._count_state(header, state)
         if self.state is None or state.plant_ns >= self.state.plant_ns:
             self.state = state
+
+    def _count_state(self, header: Header, state: PlantState) -> None:
+        self._note_session(header)
         self._keep(self.states, state.plant_ns, self.layout.state_values(state))
 
     def _keep(self, series: DecimatedSeries, time_ns: int, values: list[float] | None) -> None:

@@ -4,11 +4,14 @@ import errno
 import socket
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Final
 
 import uvicorn
 from fastapi import FastAPI
 
 from dashboard.errors import PageAddressError, PagePortInUseError
+
+LARGEST_PORT: Final = 65_535
 
 
 class PageServer(uvicorn.Server):
@@ -54,13 +57,14 @@ def listening_socket(host: str, port: int) -> Iterator[socket.socket]:
         PagePortInUseError: Another program listens on the port.
         PageAddressError: The address cannot be listened on for another reason.
     """
+    if not 0 <= port <= LARGEST_PORT:
+        raise PageAddressError(host, port, "no port number")
     try:
         family = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0][0]
         listener = socket.create_server((host, port), family=family, backlog=64)
-    except (OSError, OverflowError) as error:
-        if isinstance(error, OSError) and error.errno == errno.EADDRINUSE:
+    except OSError as error:
+        if error.errno == errno.EADDRINUSE:
             raise PagePortInUseError(host, port) from error
-        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-        raise PageAddressError(host, port, reason) from error
+        raise PageAddressError(host, port, error.strerror or str(error)) from error
     with listener:
         yield listener

@@ -16,7 +16,6 @@ from protocol.messages import (
     FilterStatus,
     FilterTick,
     Header,
-    Message,
     PlantPhase,
     PlantState,
 )
@@ -24,7 +23,7 @@ from protocol.passafe_pb2 import FilterTick as FilterTickBytes
 from protocol.passafe_pb2 import PlantState as PlantStateBytes
 from protocol.topics import STATE, TICK
 
-Thin: TypeAlias = tuple[Header, Message]
+Thin: TypeAlias = tuple[Header, FilterTick | PlantState]
 
 _NO_CERTIFICATE: Final = Certificate("", accepted=False, primal_residual=0.0, dual_residual=0.0, gap=0.0)
 _STATUSES: Final = {status.value: status for status in FilterStatus}

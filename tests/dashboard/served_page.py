@@ -4,39 +4,54 @@ import asyncio
 import json
 import socket
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
 import httpx
-from closed_form import MS, ClosedFormRun
+from closed_form import ClosedFormRun
+from msgspec import structs
 from websockets.sync.client import ClientConnection, connect
 
 from dashboard.broadcast import Broadcast
 from dashboard.feed import Feed
 from dashboard.live import create_app
 from dashboard.server import listening_socket, page_server
+from protocol.messages import FilterTick
 from services.runtime.pace import Pace
 
 
 class FastRun:
-    """A closed-form run in which every frame brings ``step_ms``; ends or fails when told to."""
+    """A closed-form run in which time passes ``speed`` times as fast as it does.
 
-    def __init__(self, feed: Feed, *, step_ms: int = 100, frame_hz: float = 100.0) -> None:
+    Attributes:
+        speed: May be changed; 0 until then means that nothing happens.
+        fails: Set it to make the pump raise.
+        next_tick: Fields to change in the next tick, once.
+    """
+
+    def __init__(self, feed: Feed, *, speed: float = 5.0, frame_hz: float = 100.0) -> None:
         self.feed = feed
-        self.now_ns = 0
+        self.speed = speed
         self.fails = False
-        self.broadcast = Broadcast(feed, pump=self._pump, clock=lambda: self.now_ns, frame_hz=frame_hz)
-        self._step_ns = step_ms * MS
+        self.next_tick: dict[str, Any] = {}
+        self.broadcast = Broadcast(feed, pump=self._pump, clock=time.monotonic_ns, frame_hz=frame_hz)
+        self._before_ns: int | None = None
+        self._run_ns = 0.0
         self._run = ClosedFormRun(period_ms=10)
 
     def _pump(self, now_ns: int, pace: Pace) -> None:
         del pace
         if self.fails:
             raise RuntimeError("the pump is broken")
-        for message in self._run.until(now_ns):
-            self.feed.push(*message)
-        self.now_ns += self._step_ns
+        self._run_ns += self.speed * (now_ns - (self._before_ns or now_ns))
+        self._before_ns = now_ns
+        for header, body, _ in self._run.until(int(self._run_ns)):
+            if isinstance(body, FilterTick) and self.next_tick:
+                body = structs.replace(body, **self.next_tick)  # noqa: PLW2901 - stands in for what came
+                self.next_tick = {}
+            self.feed.push(header, body, now_ns)
 
 
 class ServedPage:
@@ -70,6 +85,7 @@ class ServedPage:
 def serve_page(broadcast: Broadcast, *, port: int = 0) -> Iterator[ServedPage]:
     """Serve until the end of the block."""
     with listening_socket("127.0.0.1", port) as listener, httpx.Client(timeout=30, verify=False) as client:  # noqa: S501 - no TLS here
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 4096)  # so that a slow reader is felt soon
         server = page_server(create_app(broadcast))
         loop = asyncio.new_event_loop()
         thread = threading.Thread(target=_run, args=(loop, server.serve(sockets=[listener])))
@@ -103,5 +119,6 @@ def client_that_reads_nothing(page: ServedPage) -> Iterator[socket.socket]:
             f"GET /live HTTP/1.1\r\nHost: {page.host}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
             "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n\r\n".encode()
         )
+        client.settimeout(30)
         assert client.recv(12) == b"HTTP/1.1 101"
         yield client

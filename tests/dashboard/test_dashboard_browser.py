@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from closed_form import h, header, paper_scenario, tick
+from closed_form import h, paper_scenario
 from closed_form_series import run_series, verdict
 from served_page import FastRun, ServedPage, serve_page
 
@@ -61,7 +61,7 @@ class Watched:
 
     def wait_for(self, condition: str) -> None:
         """Wait until a JavaScript expression is true."""
-        self.page.wait_for_function(condition)
+        self.page.wait_for_function(f"() => {condition}")
 
 
 @pytest.fixture
@@ -73,7 +73,7 @@ def watched(browser: Any) -> Iterator[Watched]:  # noqa: ANN401 - playwright's
 
 @pytest.fixture
 def run() -> FastRun:
-    return FastRun(Feed(paper_scenario()), step_ms=50, frame_hz=30.0)
+    return FastRun(Feed(paper_scenario()), speed=3.0, frame_hz=30.0)
 
 
 @pytest.fixture
@@ -116,19 +116,11 @@ def test_a_dip_of_one_tick_is_seen_on_the_page(watched: Watched, served: ServedP
     watched.page.goto(served.url)
     watched.wait_for(f"globalThis.Bokeh && Bokeh.documents.length && {rows_of('ticks', 'psi_0_0')}.length > 5")
 
-    def dip() -> None:
-        newest = run.feed.tick
-        assert newest is not None
-        body = tick(
-            newest.tick,
-            power_margin=-3.5,
-            barriers=(BarrierChain("disk", (-0.25, -1.0, -2.0)),),
-            status=FilterStatus.INFEASIBLE,
-            effective_plant_ns=newest.effective_plant_ns,
-        )
-        run.feed.push(header("filter", 10**9), body, run.now_ns)
-
-    served.in_loop(dip)
+    run.next_tick = {
+        "power_margin": -3.5,
+        "barriers": (BarrierChain("disk", (-0.25, -1.0, -2.0)),),
+        "status": FilterStatus.INFEASIBLE,
+    }
     watched.wait_for("document.getElementById('power-margin-worst').textContent === '−3.5000 W'")
     watched.wait_for("document.getElementById('power-margin-worst').classList.contains('negative')")
     watched.wait_for(f"Math.min(...{rows_of('ticks', 'psi_0_0')}) === -0.25")
@@ -153,7 +145,7 @@ def test_a_lost_connection_is_told_and_mended(watched: Watched, run: FastRun) ->
         port = served.port
     watched.wait_for("document.getElementById('connection').textContent === 'lost'")
     assert "the run has ended, or the dashboard does not answer" in watched.text("#banner")
-    again = FastRun(Feed(paper_scenario()), step_ms=50, frame_hz=30.0)
+    again = FastRun(Feed(paper_scenario()), speed=3.0, frame_hz=30.0)
     with serve_page(again.broadcast, port=port):
         watched.wait_for("document.getElementById('connection').textContent === 'live'")
         watched.wait_for("document.getElementById('banner').hidden")
@@ -168,11 +160,11 @@ def test_silence_is_told(watched: Watched, served: ServedPage, run: FastRun) -> 
 
 
 def test_a_page_drawn_for_another_scenario_loads_itself_again(watched: Watched) -> None:
-    run = FastRun(Feed(), step_ms=0)
+    run = FastRun(Feed(), speed=0.0)
     with serve_page(run.broadcast) as served:
         watched.page.goto(served.url)
         assert "No scenario is known yet" in watched.text("header")
-        run._step_ns = 50_000_000
+        run.speed = 3.0
         watched.wait_for("document.querySelectorAll('.chart').length === 7")
         watched.wait_for("document.getElementById('connection').textContent === 'live'")
     assert watched.complaints == [] or all("WebSocket" in text for text in watched.complaints)
@@ -212,6 +204,6 @@ def test_the_report_is_complete_offline(watched: Watched, tmp_path: Path) -> Non
     watched.page.screenshot(path=tmp_path / "report.png", full_page=True)
     assert watched.complaints == []
     assert [url for url in watched.requests if not url.startswith(("file:", "data:"))] == []
-    widths = watched.page.evaluate("[...document.querySelectorAll('[data-root-id]')].map((e) => e.clientWidth)")
+    widths = watched.page.evaluate("[...document.querySelectorAll('[data-root-id] > *')].map((e) => e.clientWidth)")
     assert len(widths) == 4
     assert min(widths) > 200

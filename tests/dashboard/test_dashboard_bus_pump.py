@@ -12,6 +12,8 @@ from services.runtime.pace import Pace
 
 
 class FakeReader:
+    """What a test makes arrive."""
+
     def __init__(self) -> None:
         self.arrived: list[bytes] = []
 
@@ -93,7 +95,9 @@ def test_a_dip_between_two_frames_is_seen(rig: Rig) -> None:
 
 
 def test_garbage_is_counted_told_once_and_survived(rig: Rig) -> None:
-    rig.arrive(TICK, b"\xff\xff", encode(header("filter", 0), tick(0)), b"\xff\xff\xff")
+    rig.arrive(TICK, b"\xff\xff", encode(header("filter", 0), tick(0)))
+    rig.turn(0)
+    rig.arrive(TICK, encode(header("filter", 1), tick(1)), b"\xff\xff\xff")
     rig.arrive(STATE, b"", encode(header("plant", 0), state(0)))
     rig.turn(1)
     assert rig.feed.refused == {"tick": 2, "state": 1}

@@ -1,7 +1,9 @@
 import json
 from collections.abc import Iterator
 from contextlib import suppress
+from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import pytest
 from closed_form import header, paper_scenario
@@ -39,6 +41,14 @@ def last_words(connection: ClientConnection, end: type[Exception], *, timeout_s:
         while True:
             last = connection.recv(timeout=timeout_s)
     return last
+
+
+def assert_nothing_is_missing(received: list[dict[str, Any]]) -> None:
+    """Every row begins where the one before ended."""
+    rows = [row for frame in received for row in frame["tables"]["ticks"]]
+    assert len(rows) > 20
+    assert all(row[0] == before[1] for before, row in pairwise(rows))
+    assert all(frame["lost"] == 0 for frame in received)
 
 
 def test_the_page_has_a_place_for_every_chart_and_table(shared_page: ServedPage) -> None:
@@ -88,7 +98,7 @@ def test_status_is_the_state_now(shared_page: ServedPage) -> None:
     with shared_page.listen() as connection:
         frames(connection, 20)
     status = shared_page.get("/api/status").json()
-    assert status["filter"]["tick"] > 100
+    assert status["filter"]["tick"] > 0
     assert status["liveness"]["state"] == "live"
     assert {entry["process"] for entry in status["processes"]} >= {"plant", "filter"}
 
@@ -110,11 +120,10 @@ def test_the_socket_streams_frames(shared_page: ServedPage) -> None:
         received = frames(connection, 30)
     assert received[0]["restart"]
     assert not any(frame["restart"] for frame in received[1:])
-    ticks = [frame["now"]["filter"]["tick"] for frame in received]
+    ticks = [frame["now"]["filter"]["tick"] for frame in received if frame["now"]["filter"]]
     assert ticks == sorted(ticks)
-    assert ticks[-1] - ticks[0] == 2900
-    assert sum(len(frame["tables"]["ticks"]) for frame in received[1:]) == 87
-    assert sum(frame["lost"] for frame in received) == 0
+    assert ticks[-1] > ticks[0]
+    assert_nothing_is_missing(received)
 
 
 def test_several_clients_are_served_at_once(page: ServedPage) -> None:
@@ -125,13 +134,16 @@ def test_several_clients_are_served_at_once(page: ServedPage) -> None:
 
 
 def test_a_client_that_reads_nothing_holds_nobody_up(page: ServedPage, run: FastRun) -> None:
-    with client_that_reads_nothing(page), page.listen() as quick:
+    with client_that_reads_nothing(page) as slow, page.listen() as quick:
         received = frames(quick, 300)
-        begun = received[0]["now"]["filter"]["tick"]
-        assert received[-1]["now"]["filter"]["tick"] - begun == 29_900
-        assert all(frame["lost"] == 0 for frame in received)
         assert page.get("/healthz").json()["pages"] == 2
-    assert run.feed.ticks.since(0).rows[-1].number > 800
+        page.in_loop(run.broadcast.finish, "over")
+        got = bytearray()
+        while b'"state":"ended"' not in got:
+            got += slow.recv(65_536)
+    assert got.count(b'"restart":') < 100  # the others were never made
+    assert_nothing_is_missing(received)
+    assert run.feed.ticks.since(0).rows[-1].number > 300
 
 
 def test_the_end_of_the_run_is_told_and_closes_the_socket(page: ServedPage, run: FastRun) -> None:
@@ -199,7 +211,7 @@ def test_a_new_scenario_changes_the_page(page: ServedPage, run: FastRun) -> None
 
 
 def test_a_page_without_scenario_says_so() -> None:
-    run = FastRun(Feed(), step_ms=0)
+    run = FastRun(Feed(), speed=0.0)
     with serve_page(run.broadcast) as page:
         text = page.get("/").text
         assert "No scenario is known yet" in text

@@ -102,7 +102,7 @@ def test_a_killed_process_is_named_within_a_second_and_the_log_is_readable(victi
     assert noticed_s < 1.0
     assert code != 0
     assert all_gone(list(pids.values()), 5.0)
-    assert RunLog.read(only_log(tmp_path)).of(FilterTick)
+    assert RunLog.read(only_log(tmp_path)).of(OperatorCommand)  # killed at once, it may have flushed no tick yet
     assert not any("Traceback" in line for line in demo.lines)
 
 
