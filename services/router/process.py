@@ -1,9 +1,8 @@
 """The router: the process that every message passes through. Zenoh's own, no other program."""
 
-import errno
-import socket
 from typing import Final
 
+from services.router.port import is_taken
 from services.runtime.bus import listening_router
 from services.runtime.endpoint import LOOPBACK, Endpoint
 from services.runtime.errors import BusError, PortInUseError
@@ -38,21 +37,7 @@ def run_router(port: int, *, host: str = LOOPBACK, lifeline: bool = False) -> St
                 announce_ready(NAME)
                 stop.wait()
         except BusError as error:
-            if _taken(endpoint):
+            if is_taken(endpoint):
                 raise PortInUseError(host, port) from error
             raise
     return stop.reason
-
-
-def _taken(endpoint: Endpoint) -> bool:
-    """Whether somebody else listens on the endpoint."""
-    try:
-        family, kind, protocol, _, address = socket.getaddrinfo(endpoint.host, endpoint.port, type=socket.SOCK_STREAM)[
-            0
-        ]
-        with socket.socket(family, kind, protocol) as probe:
-            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            probe.bind(address)
-    except OSError as error:
-        return error.errno == errno.EADDRINUSE
-    return False
