@@ -1,5 +1,6 @@
 """From the bus into the feed: decodes what has arrived, and tells how the dashboard is doing."""
 
+from dataclasses import replace
 from typing import Final
 
 from dashboard.feed import TOPICS_READ, Feed
@@ -14,6 +15,8 @@ from services.runtime.outlet import Outlet
 from services.runtime.pace import Pace
 
 HEALTH_PERIOD_NS: Final = 1_000_000_000
+QUEUE: Final = 4096
+"""Messages of a topic that wait for us: 4 s at 1 kHz, since control loops may keep the processors for long."""
 
 
 class BusPump:
@@ -28,7 +31,9 @@ class BusPump:
     def __init__(self, bus: Bus, feed: Feed, outlet: Outlet) -> None:
         self._feed = feed
         self._outlet = outlet
-        self._readers = tuple((topic, bus.reader(topic), THIN_READERS.get(topic.name)) for topic in TOPICS_READ)
+        self._readers = tuple(
+            (topic, bus.reader(replace(topic, queue=QUEUE)), THIN_READERS.get(topic.name)) for topic in TOPICS_READ
+        )
         self._notices = Notices()
         self._told_ns: int | None = None
         self._told_steps = 0

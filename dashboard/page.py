@@ -10,6 +10,7 @@ from dashboard.feed import Feed, scenario_id
 from dashboard.figures.page import STATES, TICKS, LiveCharts, live_charts
 from dashboard.frames import json_text
 from dashboard.palette import STATUS_STYLES
+from services.review.properties import Tolerances
 from services.scenarios.schema import Scenario
 
 TEMPLATES: Final = Environment(
@@ -100,7 +101,12 @@ class LivePage:
                 TICKS: drawn_columns(tuple(layout.tick_columns), layout.log_columns),
                 STATES: drawn_columns(tuple(layout.state_columns), ()),
             }
-        return {"layout": scenario_id(scenario), "columns": columns, "rows": self._feed.capacity}
+        return {
+            "layout": scenario_id(scenario),
+            "columns": columns,
+            "rows": self._feed.capacity,
+            "tolerances": Tolerances().model_dump(),
+        }
 
     def _charts_of(self, scenario: Scenario | None) -> LiveCharts:
         if scenario is None:

@@ -31,7 +31,7 @@ _PHASES: Final = {phase.value: phase for phase in PlantPhase}
 
 
 def thin_tick(data: bytes) -> Thin | None:
-    """Header and FilterTick without vectors, rows, certificate and what was consumed.
+    """Header and FilterTick with status, time, ψ, power margin, tank, slack and ages only.
 
     Args:
         data: A FilterTick as it arrived.
@@ -47,10 +47,10 @@ def thin_tick(data: bytes) -> Thin | None:
     if read.header.schema_version != SCHEMA_VERSION or status is None:
         return None
     return _header(read.header), FilterTick(
-        tick=read.tick,
+        tick=0,
         status=status,
-        mode=read.mode,
-        law=read.law,
+        mode="",
+        law="",
         effective_plant_ns=read.effective_plant_ns,
         x_hat=(),
         u_h=(),
@@ -59,7 +59,8 @@ def thin_tick(data: bytes) -> Thin | None:
         phi=(),
         v=(),
         u=(),
-        barriers=tuple([BarrierChain(chain.name, tuple(chain.psi)) for chain in read.barriers]),
+        # A slice is one copy; iterating asks for element after element, and for one too many.
+        barriers=tuple([BarrierChain("", tuple(chain.psi[:])) for chain in read.barriers[:]]),
         power_margin=read.power_margin,
         tank_j=read.tank_j,
         slack=read.slack,
@@ -89,7 +90,7 @@ def thin_state(data: bytes) -> Thin | None:
         return None
     return _header(read.header), PlantState(
         plant_ns=read.plant_ns,
-        x=tuple(read.x),
+        x=tuple(read.x[:]),
         y=(),
         u=(),
         applied_tick=0,

@@ -21,6 +21,7 @@ def h_figure(layout: Layout, *, ticks: ColumnDataSource | None, states: ColumnDa
         name="h",
         y_label=f"barrier h ({layout.h_unit})",
         x_range=x_range,
+        least_span=0.02,
         height=240,
         zero_label="limit: h = 0",
     )
@@ -45,6 +46,7 @@ def chain_figure(layout: Layout, *, ticks: ColumnDataSource, x_range: Range) -> 
         name="chain",
         y_label="ψᵢ (unit of h·s⁻ⁱ), signed log",
         x_range=x_range,
+        least_span=2 * signed_log(1.0),
         zero_label="limit: ψ = 0",
         y_ticks=signed_log_ticks(),
         height=240,

@@ -17,6 +17,7 @@ def power_margin_figure(*, source: ColumnDataSource, x_range: Range, with_slack:
         name="power_margin",
         y_label="power margin (W)",
         x_range=x_range,
+        least_span=0.2,
         zero_label="limit: h_u = 0",
     )
 
@@ -28,5 +29,6 @@ def tank_figure(*, ticks: ColumnDataSource, x_range: Range) -> figure:
         name="tank",
         y_label="tank energy (J)",
         x_range=x_range,
+        least_span=0.2,
         zero_label="empty: E = 0",
     )

@@ -50,6 +50,7 @@ def time_figure(
     name: str,
     y_label: str,
     x_range: Range,
+    least_span: float,
     height: int = 220,
     zero_label: str | None = None,
     y_ticks: dict[float, str] | None = None,
@@ -61,11 +62,13 @@ def time_figure(
         name: Unique name of the figure in its document.
         y_label: Quantity and unit.
         x_range: Time range, which charts of one page share.
+        least_span: Least interval of the vertical axis, so that rounding does not look like motion.
         height: Height in pixels.
         zero_label: What the legend says of the zero line; no entry if ``None``.
         y_ticks: Place and text of each tick of the vertical axis, for an axis that is not linear.
     """
     chart = plain_figure(name=name, x_label=TIME_LABEL, y_label=y_label, x_range=x_range, height=height)
+    chart.y_range = DataRange1d(min_interval=least_span)
     zero = zero_line(TIME, ZERO)
     chart.add_glyph(traces[0].source, zero)
     items = [] if zero_label is None else [key(chart, zero_label, zero)]

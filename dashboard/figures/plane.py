@@ -54,7 +54,7 @@ def plane_figure(
     items = [key(chart, "trail", line), key(chart, "start", begin), key(chart, "robot", dot)]
     if shapes:
         items.insert(0, key(chart, "keep out", _unsafe_sample()))
-    add_legend(chart, items)
+    add_legend(chart, items, columns=4)
     drawn += [shape for shape in shapes if isinstance(shape.glyph, Circle)]
     chart.x_range = DataRange1d(renderers=drawn, range_padding=0.12)
     chart.y_range = DataRange1d(renderers=drawn, range_padding=0.12)

@@ -12,6 +12,7 @@ from bokeh.plotting import figure
 from dashboard.palette import INK, ZERO_COLOUR, line_style
 
 TOOLS: Final = "pan,box_zoom,wheel_zoom,reset,save"
+LEGEND_ROW_PX: Final = 26
 
 
 def plain_figure(
@@ -65,11 +66,16 @@ def key(chart: figure, label: str, glyph: Glyph) -> LegendItem:
     return LegendItem(label=label, renderers=[chart.add_glyph(nothing, glyph.clone(x="x", y="y"))])
 
 
-def add_legend(chart: figure, items: Sequence[LegendItem]) -> None:
-    """Put the legend above the plot, where it covers no data."""
+def add_legend(chart: figure, items: Sequence[LegendItem], *, columns: int = 3) -> None:
+    """Put the legend above the plot, where it covers no data, in rows of ``columns`` entries.
+
+    Every row after the first makes the chart taller, so the plot keeps its height.
+    """
+    chart.height = (chart.height or 0) + LEGEND_ROW_PX * ((len(items) - 1) // columns)
     legend = Legend(
         items=list(items),
         orientation="horizontal",
+        ncols=min(columns, len(items)),
         background_fill_alpha=0.0,
         border_line_color=None,
         spacing=14,

@@ -46,4 +46,5 @@ def age_figure(*, ticks: ColumnDataSource, x_range: Range) -> figure:
         name="ages",
         y_label="age at decision (ms)",
         x_range=x_range,
+        least_span=5.0,
     )

@@ -1,5 +1,6 @@
 // The WebSocket: connects, notices silence, connects again, and says in words what is wrong.
 const RETRY_MS = 1000;
+const RETRY_AFTER_END_MS = 5000;
 const SILENCE_MS = 2000;
 
 export function connect({ onFrame, onState }) {
@@ -21,7 +22,7 @@ export function connect({ onFrame, onState }) {
         const reason = closing.reason ? ` (${closing.reason})` : "";
         onState("lost", `Connection lost${reason}: the run has ended, or the dashboard does not answer. Trying again.`);
       }
-      setTimeout(open, RETRY_MS);
+      setTimeout(open, ended ? RETRY_AFTER_END_MS : RETRY_MS);
     };
   }
 

@@ -1,4 +1,7 @@
 // Numbers and words of the page. Text is set as text, never as markup.
+// A value is marked as negative when it is below zero by more than a review tolerates.
+const { tolerances } = JSON.parse(document.getElementById("setup").textContent);
+
 const byId = (id) => document.getElementById(id);
 
 function setText(element, text) {
@@ -13,16 +16,16 @@ export function number(value, digits = 4) {
   if (value === null || value === undefined) return "–";
   const size = Math.abs(value);
   const text = size !== 0 && (size >= 1e5 || size < 1e-3) ? value.toExponential(2) : value.toFixed(digits);
-  return text.replace("-", "−");
+  return text.replaceAll("-", "−");
 }
 
 const vector = (values) => (values && values.length ? `(${values.map((v) => number(v, 3)).join(", ")})` : "–");
 const seconds = (value) => (value === null || value === undefined ? "–" : `${value.toFixed(2)} s`);
 const milliseconds = (value) => (value === null ? "nothing came yet" : `${value.toFixed(1)} ms`);
 
-function setSigned(element, value, unit) {
+function setSigned(element, value, unit, tolerance) {
   setText(element, value === null || value === undefined ? "–" : `${number(value)} ${unit}`);
-  element.classList.toggle("negative", value < 0);
+  element.classList.toggle("negative", value < -tolerance);
 }
 
 // Makes a table body have these rows of text; cells are reused, so nothing flickers and selection stays.
@@ -84,7 +87,7 @@ function showFilter(filter) {
   const verdict = accepted ? "accepted" : "refused";
   set("certificate", solver ? `${solver} ${verdict}: primal ${number(primal)}, dual ${number(dual)}, gap ${number(gap)}` : "–");
   const rows = filter.rows.map((row) => [row.name, row.active ? "active" : "no", number(row.margin), number(row.dual)]);
-  fill("rows", rows, (row, r) => row.classList.toggle("bad", filter.rows[r].margin < 0));
+  fill("rows", rows, (row, r) => row.classList.toggle("bad", filter.rows[r].margin < -tolerances.certificate));
 }
 
 function showPlant(plant) {
@@ -102,17 +105,17 @@ function showBarriers(now) {
     now.filter?.barriers[index]?.psi.map((value) => number(value, 3)).join(", ") ?? "–",
   ]);
   fill("barriers", rows, (row, r) => {
-    row.cells[1].classList.toggle("negative", now.plant?.h[r]?.value < 0);
-    row.cells[2].classList.toggle("negative", now.worst.barriers[r].measured?.value < 0);
+    row.cells[1].classList.toggle("negative", now.plant?.h[r]?.value < -tolerances.h);
+    row.cells[2].classList.toggle("negative", now.worst.barriers[r].measured?.value < -tolerances.h);
   });
 }
 
 function showEnergy(now) {
-  setSigned(byId("power-margin"), now.filter?.power_margin_w, "W");
-  setSigned(byId("power-margin-worst"), now.worst.power_margin_w?.value, "W");
+  setSigned(byId("power-margin"), now.filter?.power_margin_w, "W", tolerances.power_margin_w);
+  setSigned(byId("power-margin-worst"), now.worst.power_margin_w?.value, "W", tolerances.power_margin_w);
   set("power-margin-worst-at", seconds(now.worst.power_margin_w?.at_s));
-  setSigned(byId("tank"), now.filter?.tank_j, "J");
-  setSigned(byId("tank-worst"), now.worst.tank_j?.value, "J");
+  setSigned(byId("tank"), now.filter?.tank_j, "J", tolerances.tank_j);
+  setSigned(byId("tank-worst"), now.worst.tank_j?.value, "J", tolerances.tank_j);
   set("tank-worst-at", seconds(now.worst.tank_j?.at_s));
   set("slack", now.filter ? `${number(now.filter.slack_w)} W` : "–");
 }
@@ -128,6 +131,8 @@ function showTraffic(now) {
     t.topic, t.source, t.rate_hz.toFixed(1), `${t.received}`, `${t.gaps}`, t.age_s.toFixed(2), t.late ? "late" : "ok",
   ]);
   fill("topics", topics, (row, r) => row.classList.toggle("bad", now.topics[r].late));
+  const missing = now.topics.filter((t) => t.topic === "tick" || t.topic === "state").reduce((n, t) => n + t.gaps, 0);
+  set("missing", missing ? `${missing} ticks and states did not reach this page; a log may have them.` : "");
   for (const cell of byId("status-counts").cells) setText(cell, `${now.status_counts[cell.dataset.count]}`);
   const effects = now.links.map((l) => `${l.link}: ${l.count} ${l.effect}`);
   const unfit = now.unfit_messages ? [`${now.unfit_messages} messages do not fit the scenario`] : [];

@@ -22,6 +22,10 @@ FONT: Final = "font-family:sans-serif;font-size:12px"
 LETTER: Final = 6.2
 """About the width of a letter of ``FONT``."""
 
+SAMPLE: Final = 42.0
+LEGEND_ROW: Final = 18.0
+"""Width of a legend's sample with the room around it, height of a row."""
+
 
 class Placed(NamedTuple):
     """A chart and its place in a picture."""
@@ -70,23 +74,26 @@ def picture(charts: Sequence[Placed], *, width: float, height: float, title: str
 
 def _chart(placed: Placed, clip: str) -> str:
     chart = placed.chart
-    width, height = placed.width - LEFT - RIGHT, placed.height - TOP - BOTTOM
+    width = placed.width - LEFT - RIGHT
+    rows = _legend_rows(chart, width)
+    top = TOP + LEGEND_ROW * max(0, len(rows) - 1)
+    height = placed.height - top - BOTTOM
     x, y = extent_of(chart, "x"), extent_of(chart, "y")
     if chart.match_aspect:
         x, y = same_scale(x, y, width, height)
     scale = Scale(
         x=lambda value: LEFT + (value - x.low) / x.span * width,
-        y=lambda value: TOP + (y.high - value) / y.span * height,
+        y=lambda value: top + (y.high - value) / y.span * height,
         per_unit=width / x.span,
     )
-    frame: dict[str, object] = {"x": LEFT, "y": TOP, "width": width, "height": height}
+    frame: dict[str, object] = {"x": LEFT, "y": top, "width": width, "height": height}
     return (
         element("clipPath", element("rect", **frame), id=clip)
         + _grid(ticks_of(chart, "x", x), ticks_of(chart, "y", y), scale, x, y)
         + element("g", _data(chart, scale), clip_path=f"url(#{clip})")
         + element("rect", **frame, fill="none", stroke=INK)
-        + _labels(chart, width, height)
-        + _legend(chart, LEFT + width)
+        + _labels(chart, width, top, height)
+        + _legend(rows, LEFT + width, top - 10)
     )
 
 
@@ -114,31 +121,52 @@ def _grid(x_ticks: Sequence[Tick], y_ticks: Sequence[Tick], scale: Scale, x: Ext
     return "".join(parts)
 
 
-def _labels(chart: figure, width: float, height: float) -> str:
+def _labels(chart: figure, width: float, top: float, height: float) -> str:
     x_label = escape(str(chart.xaxis[0].axis_label))
     y_label = escape(str(chart.yaxis[0].axis_label))
-    x, y = LEFT + width / 2, TOP + height / 2
-    return element("text", x_label, x=x, y=TOP + height + 36, text_anchor="middle", fill=INK) + element(
+    x, y = LEFT + width / 2, top + height / 2
+    return element("text", x_label, x=x, y=top + height + 36, text_anchor="middle", fill=INK) + element(
         "text", y_label, text_anchor="middle", fill=INK, transform=f"translate(14 {y:.1f}) rotate(-90)"
     )
 
 
-def _legend(chart: figure, right: float) -> str:
-    """Entries above the frame, the last one at its right end."""
-    parts = []
+def _legend_rows(chart: figure, width: float) -> list[list[LegendItem]]:
+    """Legend entries in as many rows as it takes."""
+    rows: list[list[LegendItem]] = []
+    left = 0.0
     legends = [part for part in chart.above if isinstance(part, Legend)]
-    entries = [item for legend in legends for item in legend.items if isinstance(item, LegendItem)]
-    for item in reversed(entries):
-        text = str(constant(item, "label"))
-        right -= LETTER * len(text)
-        parts.append(element("text", escape(text), x=right, y=TOP - 10, fill=INK))
-        glyph = item.renderers[0].glyph
-        if isinstance(glyph, Line):
-            y = TOP - 14
-            parts.append(element("line", x1=right - 26, x2=right - 6, y1=y, y2=y, **stroke(glyph)))
-        elif isinstance(glyph, Scatter):
-            parts.append(marker(glyph, right - 14, TOP - 14))
-        else:
-            raise UndrawableError(f"legend entry with {type(glyph).__name__}", ("Line", "Scatter"))
-        right -= 42
+    for item in (item for legend in legends for item in legend.items if isinstance(item, LegendItem)):
+        needed = _entry_width(item)
+        if needed > left:
+            rows.append([])
+            left = width
+        rows[-1].append(item)
+        left -= needed
+    return rows
+
+
+def _entry_width(item: LegendItem) -> float:
+    return LETTER * len(str(constant(item, "label"))) + SAMPLE
+
+
+def _legend(rows: Sequence[Sequence[LegendItem]], right: float, bottom: float) -> str:
+    """Entries above the frame; each row ends at its right end, the last one is the lowest."""
+    parts = []
+    for number, row in enumerate(rows):
+        y = bottom - LEGEND_ROW * (len(rows) - 1 - number)
+        x = right
+        for item in reversed(row):
+            x -= _entry_width(item)
+            parts.append(_sample(item, x + SAMPLE / 2, y - 4))
+            text = escape(str(constant(item, "label")))
+            parts.append(element("text", text, x=x + SAMPLE - 6, y=y, fill=INK))
     return "".join(parts)
+
+
+def _sample(item: LegendItem, x: float, y: float) -> str:
+    glyph = item.renderers[0].glyph
+    if isinstance(glyph, Line):
+        return element("line", x1=x - 10, x2=x + 10, y1=y, y2=y, **stroke(glyph))
+    if isinstance(glyph, Scatter):
+        return marker(glyph, x, y)
+    raise UndrawableError(f"legend entry with {type(glyph).__name__}", ("Line", "Scatter"))

@@ -61,7 +61,8 @@ def extent_of(chart: figure, axis: Axis) -> Extent:
         chosen = named if isinstance(named, list) and named else chart.renderers
         padding = shown.range_padding if isinstance(shown.range_padding, float) else DEFAULT_PADDING
         data = _extent_of_data([part for part in chosen if isinstance(part, GlyphRenderer)], axis)
-        return data.stretched(data.span * (1 + padding))
+        least = shown.min_interval if isinstance(shown.min_interval, float) else 0.0
+        return data.stretched(max(least, data.span * (1 + padding)))
     raise UndrawableError(type(shown).__name__, ("DataRange1d",))
 
 

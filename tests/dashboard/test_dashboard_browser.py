@@ -116,6 +116,9 @@ def test_a_dip_of_one_tick_is_seen_on_the_page(watched: Watched, served: ServedP
     watched.page.goto(served.url)
     watched.wait_for(f"globalThis.Bokeh && Bokeh.documents.length && {rows_of('ticks', 'psi_0_0')}.length > 5")
 
+    run.next_tick = {"power_margin": -0.01}
+    watched.wait_for("document.getElementById('power-margin-worst').textContent === '−0.0100 W'")
+    assert "negative" not in str(watched.page.get_attribute("#power-margin-worst", "class"))
     run.next_tick = {
         "power_margin": -3.5,
         "barriers": (BarrierChain("disk", (-0.25, -1.0, -2.0)),),

@@ -28,9 +28,11 @@ class FakeBus:
 
     def __init__(self) -> None:
         self.readers: dict[str, FakeReader] = {}
+        self.queues: set[int] = set()
 
     def reader(self, topic: Topic) -> FakeReader:
         """A reader of its own for each topic."""
+        self.queues.add(topic.queue)
         return self.readers.setdefault(topic.name, FakeReader())
 
 
@@ -83,6 +85,10 @@ def test_the_feed_is_as_if_every_message_had_been_decoded(rig: Rig) -> None:
     assert rig.feed.ticks.since(0) == whole.ticks.since(0)
     assert rig.feed.states.since(0) == whole.states.since(0)
     assert rig.feed.health == whole.health
+
+
+def test_four_seconds_of_ticks_may_wait(rig: Rig) -> None:
+    assert rig.bus.queues == {4096}
 
 
 def test_a_dip_between_two_frames_is_seen(rig: Rig) -> None:

@@ -74,6 +74,11 @@ def test_the_zero_line_is_drawn_and_named(name: str) -> None:
     assert any("= 0" in words for words in legend_words(chart))
 
 
+@pytest.mark.parametrize("name", ["h", "chain", "power_margin", "tank", "ages"])
+def test_rounding_does_not_fill_a_chart(name: str) -> None:
+    assert chart_named(name).y_range.min_interval > 1e-3
+
+
 def test_every_barrier_has_its_own_named_lines() -> None:
     h, chain, *_ = every_chart()
     assert legend_words(h)[1:] == [

@@ -1,6 +1,8 @@
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 from math import nan
 
+import numpy as np
 import pytest
 from bokeh.models import Annulus, ColumnDataSource, HBar, Line, Range1d, Scatter
 from closed_form_series import run_series
@@ -10,6 +12,7 @@ from hypothesis import strategies as st
 from dashboard.errors import UndrawableError
 from dashboard.figures.run import run_charts
 from dashboard.figures.style import plain_figure
+from dashboard.obstacles import Disk
 from dashboard.svg.chart import Placed, picture
 from dashboard.svg.extent import Extent, extent_of, round_ticks, same_scale, ticks_of
 from dashboard.svg.marks import Scale, draw, element
@@ -63,6 +66,12 @@ def test_an_axis_holds_the_data_and_the_padding() -> None:
 def test_an_axis_of_one_value_or_none_is_still_an_interval() -> None:
     assert extent_of(chart_of(Line(x="a", y="b"), a=[2.0], b=[nan]), "x").span > 0
     assert extent_of(chart_of(Line(x="a", y="b"), a=[2.0], b=[nan]), "y") == pytest.approx((-0.05, 1.05))
+
+
+def test_an_axis_is_never_shorter_than_its_least_span() -> None:
+    chart = chart_of(Line(x="a", y="b"), a=[0.0, 1.0], b=[0.0, 1e-9])
+    chart.y_range.min_interval = 0.5
+    assert extent_of(chart, "y").span == pytest.approx(0.5)
 
 
 def test_a_range_that_is_not_automatic_is_refused() -> None:
@@ -120,6 +129,21 @@ def test_the_disk_of_the_picture_is_round_and_of_its_size() -> None:
     }
     assert float(disk.get("r", "0")) == pytest.approx((ticks["1"] - ticks["−1"]) / 2, abs=0.02)
     assert float(disk.get("cx", "0")) == pytest.approx(ticks["0"], abs=0.02)
+
+
+def test_a_legend_with_many_entries_has_rows_inside_the_chart() -> None:
+    series = run_series(1_000)
+    disks = tuple(Disk(name=f"disk number {n}", centre=(0.0, 0.0), radius=1.0) for n in range(6))
+    many = replace(series, obstacles=disks, h=np.repeat(series.h, 6, axis=0))
+    chart = run_charts(many, bins=100)["h"]
+    text = picture([Placed(chart, 0, 0, 400, 300)], width=400, height=300, title="a", description="b")
+    words = [node for node in ET.fromstring(text).iter(f"{SVG}text") if "disk" in (node.text or "")]  # noqa: S314
+    assert len(words) == 6
+    places = {(node.get("x"), node.get("y")) for node in words}
+    assert len(places) == 6
+    assert len({y for _, y in places}) > 2
+    assert min(float(node.get("x", "-1")) for node in words) > 0
+    assert min(float(node.get("y", "-1")) for node in words) > 0
 
 
 def test_the_same_run_gives_the_same_bytes() -> None:

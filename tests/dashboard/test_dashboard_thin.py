@@ -19,7 +19,7 @@ def test_a_thin_tick_has_what_charts_need() -> None:
     assert isinstance(thin, FilterTick)
     assert isinstance(whole[1], FilterTick)
     assert LAYOUT.tick_values(thin) == LAYOUT.tick_values(whole[1]) is not None
-    assert (thin.tick, thin.effective_plant_ns, thin.mode, thin.law) == (500, 500_000_000, "both", "sampled")
+    assert (thin.status, thin.effective_plant_ns) == (tick(500).status, 500_000_000)
     assert (read[0].source, read[0].epoch, read[0].sequence) == ("filter", 3, 7)
 
 
