@@ -2,7 +2,6 @@
 
 import asyncio
 import gc
-import os
 import socket
 import sys
 import time
@@ -11,11 +10,12 @@ from typing import Final
 
 from fastapi import FastAPI
 
+from dashboard.address import listening_socket
 from dashboard.broadcast import FRAME_HZ, Broadcast
 from dashboard.bus_pump import BusPump
 from dashboard.feed import Feed
 from dashboard.live import create_app
-from dashboard.server import listening_socket, page_server, require_free_page_port
+from dashboard.server import page_server
 from services.runtime.bus import open_bus
 from services.runtime.endpoint import LOOPBACK, Endpoint
 from services.runtime.outlet import Outlet
@@ -23,12 +23,7 @@ from services.runtime.readiness import announce_ready
 from services.runtime.stop import Stop, StopReason, stop_requests
 from services.scenarios.schema import Scenario
 
-__all__ = ["require_free_page_port", "serve"]
-
 NAME: Final = "dashboard"
-NICENESS: Final = 10
-"""The page may wait; a control loop on the same processors may not."""
-
 CHECK_PERIOD_S: Final = 0.05
 FAREWELL_S: Final = 0.5
 """How long pages are given to receive their last frame."""
@@ -44,8 +39,6 @@ def serve(
     frame_hz: float = FRAME_HZ,
 ) -> StopReason | None:
     """Serve the live page of the system behind a router until somebody ends it; main thread only.
-
-    Lowers the priority of the whole process for good.
 
     Args:
         endpoint: Where the router listens.
@@ -63,7 +56,6 @@ def serve(
         PageAddressError: The address cannot be listened on for another reason.
         BusError: There is no router.
     """
-    os.nice(NICENESS)
     with stop_requests(lifeline=lifeline) as stop, listening_socket(host, port) as listener:
         feed = Feed(scenario)
         with open_bus(endpoint) as bus:

@@ -21,6 +21,9 @@ SILENT_S: Final = 0.5
 
 HEALTH_DEADLINE_S: Final = HEALTH.deadline_s or 3.0
 
+REPORTING: Final = tuple(name for name in PROCESSES if name != "router")
+"""Processes that report how they are doing; the router only forwards."""
+
 
 def status_json(feed: Feed, now_ns: int) -> Json:
     """Everything that is known at ``now_ns`` (this process's monotonic clock, ns), charts excepted."""
@@ -34,7 +37,7 @@ def status_json(feed: Feed, now_ns: int) -> Json:
         "status_counts": {status.name: count for status, count in feed.status_counts.items()},
         "unfit_messages": feed.unfit,
         "refused_messages": feed.refused,
-        "processes": [_process_json(feed, name, now_ns) for name in PROCESSES],
+        "processes": [_process_json(feed, name, now_ns) for name in REPORTING],
         "topics": [traffic.view(now_ns)._asdict() for _, traffic in sorted(feed.traffic.items(), key=_table_order)],
         "links": [
             {"link": link, "effect": effect, "count": count}

@@ -1,15 +1,18 @@
 // The live page: one WebSocket in, charts and numbers out.
 // Frames are applied in animation frames, so a hidden page does no work and catches up when it is shown.
+// A drawing that takes long is followed by a rest as long as it took: a control loop may share the processor.
 import { applyRows, chartsReady, moveRobot, startOver } from "./charts.js";
 import { connect } from "./connection.js";
 import { forgetEvents, showConnection, showLost, showState } from "./readouts.js";
 
 const setup = JSON.parse(document.getElementById("setup").textContent);
-const NUMBERS_EVERY_MS = 100;
+const NUMBERS_EVERY_MS = 200;
+const REST_FOR_EACH_MS = 1;
 
 let pending = { restart: false, ticks: [], states: [], lost: 0, now: null };
 let scheduled = false;
 let numbersShownAt = -Infinity;
+let drawn = null;
 
 function take(frame) {
   if (frame.layout !== setup.layout) {
@@ -30,9 +33,22 @@ function take(frame) {
   }
 }
 
+function restAfter(begin) {
+  // The next animation frame comes when what was drawn is on the screen.
+  requestAnimationFrame(() => {
+    const rest = (performance.now() - begin) * REST_FOR_EACH_MS;
+    setTimeout(() => requestAnimationFrame(draw), rest);
+  });
+}
+
 function draw(at) {
-  scheduled = false;
+  const begin = performance.now();
+  if (pending.now === drawn) {
+    scheduled = false;
+    return;
+  }
   const { now, lost } = pending;
+  drawn = now;
   if (chartsReady()) {
     if (pending.restart) {
       startOver();
@@ -49,6 +65,7 @@ function draw(at) {
     numbersShownAt = at;
     showState(now);
   }
+  restAfter(begin);
 }
 
 connect({ onFrame: take, onState: showConnection });

@@ -8,7 +8,7 @@ from typing import Annotated, Final
 import typer
 from rich.console import Console
 
-from dashboard.process import require_free_page_port
+from dashboard.address import require_free_page_port
 from services.cli.options import (
     DEFAULT_SCENARIO,
     DurationOption,

@@ -14,10 +14,11 @@ from closed_form import ClosedFormRun
 from msgspec import structs
 from websockets.sync.client import ClientConnection, connect
 
+from dashboard.address import listening_socket
 from dashboard.broadcast import Broadcast
 from dashboard.feed import Feed
 from dashboard.live import create_app
-from dashboard.server import listening_socket, page_server
+from dashboard.server import page_server
 from protocol.messages import FilterTick
 from services.runtime.pace import Pace
 

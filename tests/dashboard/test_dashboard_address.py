@@ -2,8 +2,8 @@ import socket
 
 import pytest
 
+from dashboard.address import listening_socket, require_free_page_port
 from dashboard.errors import DashboardError, PageAddressError, PagePortInUseError
-from dashboard.server import listening_socket, require_free_page_port
 
 
 def test_a_taken_port_is_named_with_what_to_do() -> None:

@@ -6,9 +6,8 @@ from closed_form import MS, ClosedFormRun, h, header, health, paper_scenario, st
 
 from dashboard.feed import Feed
 from dashboard.frames import json_text
-from dashboard.snapshot import liveness_json, status_json
+from dashboard.snapshot import REPORTING, liveness_json, status_json
 from protocol.messages import FilterStatus, PlantPhase
-from protocol.topics import PROCESSES
 
 
 def feed_after(run_ns: int) -> Feed:
@@ -40,9 +39,9 @@ def test_everything_the_page_shows_is_there() -> None:
 
 def test_every_process_and_the_topics_in_the_table_s_order_are_listed() -> None:
     shown = status_json(feed_after(2_000 * MS), 2_000 * MS)
-    assert [process["process"] for process in shown["processes"]] == list(PROCESSES)
+    assert [process["process"] for process in shown["processes"]] == list(REPORTING)
     states = {process["process"]: process["state"] for process in shown["processes"]}
-    assert states == dict.fromkeys(PROCESSES, "ok") | {"dashboard": "not heard from"}
+    assert states == dict.fromkeys(REPORTING, "ok") | {"dashboard": "not heard from"}
     topics = [(topic["topic"], topic["source"]) for topic in shown["topics"]]
     assert topics[:2] == [("state", "plant"), ("tick", "filter")]
     assert ("health", "router") in topics

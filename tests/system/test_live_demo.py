@@ -88,9 +88,9 @@ def test_ctrl_c_ends_cleanly_with_the_verdict_and_leaves_nothing_behind(tmp_path
     assert RunLog.read(only_log(tmp_path)).finished
 
 
-@pytest.mark.parametrize("victim", ["filter", "recorder", "router"])
+@pytest.mark.parametrize("victim", ["router", "recorder", "dashboard", "operator", "filter", "plant"])
 def test_a_killed_process_is_named_within_a_second_and_the_log_is_readable(victim: str, tmp_path: Path) -> None:
-    with running_demo(tmp_path, "--headless") as demo:
+    with running_demo(tmp_path) as demo:
         demo.wait_for("running; end with Ctrl-C")
         pids = demo.children()
         os.kill(pids[victim], signal.SIGKILL)
@@ -99,6 +99,7 @@ def test_a_killed_process_is_named_within_a_second_and_the_log_is_readable(victi
         noticed_s = time.monotonic() - killed
         code = demo.end()
 
+    assert len(pids) == 6
     assert noticed_s < 1.0
     assert code != 0
     assert all_gone(list(pids.values()), 5.0)
