@@ -1,7 +1,6 @@
 """The filter process as a node: predicts, decides, certifies, and tells what it did."""
 
 from collections.abc import Sequence
-from functools import partial
 from math import isfinite
 
 from passafe.decision import Decision
@@ -124,6 +123,7 @@ class FilterNode:
             self._unaccounted += inbox
             return outgoing
         record = TickRecord(
+            self._telemetry,
             self._tick,
             status,
             self._decision,
@@ -133,7 +133,7 @@ class FilterNode:
             state_age_ns,
             command_age_ns,
         )
-        outgoing.append((TICK, partial(self._telemetry.message, record)))
+        outgoing.append((TICK, record))
         return outgoing
 
     def _read(self, inbox: Sequence[Received]) -> None:

@@ -14,14 +14,14 @@ TANK_TOLERANCE_J = 1e-9
 """By how much a confirmed tank level may differ from the predicted one and still count as the same."""
 
 
-class Predicted(Struct, frozen=True, gc=False):
+class Predicted(Struct, gc=False):
     """The plant at one plant time, predicted.
 
     Attributes:
         plant_ns: Plant time.
         sample: The plant then.
         tank_j: Energy in the tank then.
-        u: Input in force from then on, as far as it is known.
+        u: Input in force from then on, as far as it is known: the one before until another is sent.
     """
 
     plant_ns: int
@@ -66,16 +66,16 @@ class Predictor:
             stored_change_j = state.energy_stored_j - before.energy_stored_j
             self._tank_j = self._tank.balance(self._tank_j, energy_in_j, stored_change_j)
         self._confirmed = state
-        path = self._path
-        while path and path[0].plant_ns < state.plant_ns:
+        path, plant_ns = self._path, state.plant_ns
+        while path and path[0].plant_ns < plant_ns:
             self._sent.pop(path.popleft().plant_ns, None)
         u = state.u
         if state.phase is _WAITING:
-            u = self._sent.get(state.plant_ns, u)
+            u = self._sent.get(plant_ns, u)
         foreseen = path[0] if path else None
         if (
             foreseen is None
-            or foreseen.plant_ns != state.plant_ns
+            or foreseen.plant_ns != plant_ns
             or foreseen.sample.x != state.x
             or foreseen.u != u
             or abs(foreseen.tank_j - self._tank_j) > TANK_TOLERANCE_J
@@ -86,10 +86,8 @@ class Predictor:
         """Note an input that was sent to take effect at a plant time not before the prediction's end."""
         self._sent[effective_plant_ns] = u
         path = self._path
-        if path:
-            last = path[-1]
-            if last.plant_ns == effective_plant_ns:
-                path[-1] = Predicted(last.plant_ns, last.sample, last.tank_j, u)
+        if path and path[-1].plant_ns == effective_plant_ns:
+            path[-1].u = u
 
     def at(self, plant_ns: int) -> Predicted:
         """Return the plant at a time not before the newest state, as inputs sent so far will have made it.
@@ -99,15 +97,15 @@ class Predictor:
         Args:
             plant_ns: Plant time, a whole number of periods after the newest state's.
         """
-        path = self._path
-        while path[-1].plant_ns < plant_ns:
-            last = path[-1]
-            sample = self._plant.advance(last.sample.x, last.u)
-            stored_change_j = sample.stored_j - last.sample.stored_j
-            tank_j = self._tank.balance(last.tank_j, sample.energy_in_j, stored_change_j)
+        last = self._path[-1]
+        while last.plant_ns < plant_ns:
+            before = last.sample
+            sample = self._plant.advance(before.x, last.u)
+            tank_j = self._tank.balance(last.tank_j, sample.energy_in_j, sample.stored_j - before.stored_j)
             time_ns = last.plant_ns + self._period_ns
-            path.append(Predicted(time_ns, sample, tank_j, self._sent.get(time_ns, last.u)))
-        return path[-1]
+            last = Predicted(time_ns, sample, tank_j, self._sent.get(time_ns, last.u))
+            self._path.append(last)
+        return last
 
     def _start_from(self, state: PlantState, u: Vector) -> None:
         self._path.clear()

@@ -27,9 +27,10 @@ STATUS: Final = (FilterStatus.UNCERTIFIED, *(FilterStatus[status.name] for statu
 
 
 class TickRecord(Struct, frozen=True, eq=False):
-    """What a tick message is made from.
+    """What a tick message is made from, when somebody calls for it.
 
     Attributes:
+        telemetry: Makes the message.
         tick: Number of the tick.
         status: Outcome, staleness included.
         decision: The filter's decision.
@@ -40,6 +41,7 @@ class TickRecord(Struct, frozen=True, eq=False):
         command_age_ns: Age of the newest command; −1 if none came yet.
     """
 
+    telemetry: "Telemetry"
     tick: int
     status: FilterStatus
     decision: Decision
@@ -48,6 +50,10 @@ class TickRecord(Struct, frozen=True, eq=False):
     inbox: Sequence[Received]
     state_age_ns: int
     command_age_ns: int
+
+    def __call__(self) -> FilterTick:
+        """Return the message."""
+        return self.telemetry.message(self)
 
 
 class Telemetry:
