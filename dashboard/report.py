@@ -44,7 +44,7 @@ def series_of(log: RunLog, mathematics: PlantMathematics) -> RunSeries:
         times_s=trajectory.t_s,
         x=trajectory.x,
         u=trajectory.u,
-        h=mathematics.h(trajectory.x),
+        h=mathematics.h(trajectory.x, trajectory.t_s),
         power_margin_w=mathematics.power_margin(trajectory.x, trajectory.u),
         obstacles=obstacles_of(scenario),
         statuses=status_spans(ticks, period_s=scenario.dt_s),

@@ -1,4 +1,4 @@
-"""Control barrier functions h(x) and the chain ψ₀ … ψ_r that carries them to the input.
+"""Control barrier functions h(x, t) and the chain ψ₀ … ψ_r that carries them to the input.
 
 Paper, section 3.1 and remark 2; high-order control barrier functions as in Xiao & Belta (2019).
 """
@@ -17,11 +17,11 @@ ROUNDING = 1e-12
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Barrier:
-    """A safe set {x : h(x) ≥ 0} and the class-K functions of its chain.
+    """A safe set {x : h(x, t) ≥ 0} and the class-K functions of its chain.
 
     Attributes:
         name: How rows, reports and events call it.
-        h: Scalar expression of the system's x.
+        h: Scalar expression of the system's x, and of its t where the set moves.
         class_k: γ₁ … γ_{r+1} for relative degree r; γ_{r+1} acts in the continuous law only.
     """
 
@@ -38,7 +38,7 @@ class BarrierChain:
 
     Attributes:
         barrier: Where it comes from.
-        psi: ψ₀(x) … ψ_r(x, u), scalar expressions.
+        psi: ψ₀(x, t) … ψ_r(x, u, t), scalar expressions.
     """
 
     barrier: Barrier
@@ -71,7 +71,7 @@ def derive_chain(system: System, barrier: Barrier) -> BarrierChain:
         DesignError: The number of class-K functions is not r + 1.
     """
     part = f"barrier {barrier.name!r}"
-    system.require_state_function(f"{part} h", barrier.h, 1)
+    system.require_state_function(f"{part} h", barrier.h, 1, may_move=True)
     psi = [barrier.h]
     unshaped = barrier.h
     gammas = iter(barrier.class_k)
@@ -79,8 +79,8 @@ def derive_chain(system: System, barrier: Barrier) -> BarrierChain:
         if len(psi) > system.n:
             raise RelativeDegreeError(barrier.name, system.n)
         gamma = next(gammas, None)
-        rate = system.lie_derivative(psi[-1])
-        unshaped = system.lie_derivative(unshaped)
+        rate = system.rate(psi[-1])
+        unshaped = system.rate(unshaped)
         psi.append(rate if gamma is None else rate + gamma(psi[-1]))
     wanted = len(psi)
     if len(barrier.class_k) != wanted:
@@ -101,11 +101,11 @@ def _depends_on_input(system: System, expression: ca.SX) -> bool:
     gradient = ca.jacobian(expression, system.u)
     if gradient.nnz() == 0:
         return False
-    evaluate = ca.Function("gradient", [system.x, system.u], [ca.densify(gradient)])
+    evaluate = ca.Function("gradient", [system.x, system.u, system.t], [ca.densify(gradient)])
     probes = [
         scale * ca.DM([(0.37 + 0.11 * k + 0.29 * i) * (-1) ** (i + k) for i in range(system.n)])
         for scale in (1, 10, 100)
         for k in range(8)
     ]
     inputs = ca.DM([0.53 + 0.17 * j for j in range(system.m)])
-    return any(float(ca.norm_inf(evaluate(x, inputs))) > ROUNDING for x in probes)
+    return any(float(ca.norm_inf(evaluate(x, inputs, time))) > ROUNDING for time in (0.0, 0.71) for x in probes)

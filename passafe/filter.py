@@ -32,7 +32,7 @@ class SafetyPassivityFilter:
     """Solves and certifies one quadratic program for every request.
 
     Parts of a decision, by name (n states, m inputs, N rows): ``x`` n, ``u`` m (the input before), ``u_h`` m,
-    ``u_h_rate`` m, ``tank`` 1, ``u_nominal`` m, ``phi`` m, ``u_ref`` m (the input if v = 0, within the bound),
+    ``u_h_rate`` m, ``tank`` 1, ``t`` 1, ``u_nominal`` m, ``phi`` m, ``u_ref`` m (the input if v = 0, within the bound),
     ``worst`` 1 (largest d), ``poison`` 1 (not a number or large where anything given or derived is),
     ``G`` N·k, ``d`` N, ``z`` k, ``lam`` N, ``margins`` N, ``u_plus`` m, ``v`` m, ``psi``, ``h_u`` 1,
     ``residuals`` 3, ``overreach`` 1, ``slack`` 1, ``conflict`` 1 (positive: the multipliers prove that the hard rows
@@ -58,7 +58,7 @@ class SafetyPassivityFilter:
         self.row_names = derivation.row_names
         N, k = derivation.G.shape
         n, m, psi = system.n, system.m, derivation.psi.numel()
-        given = {"x": n, "u": m, "u_h": m, "u_h_rate": m, "tank": 1}
+        given = {"x": n, "u": m, "u_h": m, "u_h_rate": m, "tank": 1, "t": 1}
         derived = {"u_nominal": m, "phi": m, "u_ref": m, "G": N * k, "d": N, "worst": 1, "poison": 1}
         solved = {"z": k, "lam": N}
         judged = {
@@ -84,7 +84,7 @@ class SafetyPassivityFilter:
         self._relaxed_above = design.passivity.relaxed_above
         self._solver = PiqpSolver(space.matrix("G", (N, k)), space.part("d")) if N else None
         self._lengths = n, m, m, m
-        self._take = struct.Struct(f"{n + 3 * m + 1}d").pack_into
+        self._take = struct.Struct(f"{n + 3 * m + 2}d").pack_into
         self._worst = struct.Struct("d").unpack_from, self.layout.parts["worst"].start * 8
         self._verdict = struct.Struct("6d").unpack_from, self.layout.parts["residuals"].start * 8
         self._u_plus = struct.Struct(f"{m}d").unpack_from, self.layout.parts["u_plus"].start * 8
@@ -96,6 +96,7 @@ class SafetyPassivityFilter:
         u_h: Sequence[float],
         u_h_rate: Sequence[float],
         tank_j: float = 0.0,
+        t_s: float = 0.0,
     ) -> Decision:
         """Return the input to hold over the next period.
 
@@ -105,6 +106,7 @@ class SafetyPassivityFilter:
             u_h: Operator's part of the input, m numbers.
             u_h_rate: Its time derivative, m numbers per second.
             tank_j: Energy E in the tank, J; without effect where the design has no tank.
+            t_s: Plant time at which the input takes effect, s; without effect where no barrier moves.
 
         Returns:
             A decision for every argument whatever, NaN and infinity included: its u is finite and within the
@@ -118,7 +120,7 @@ class SafetyPassivityFilter:
         if lengths != self._lengths:
             got, allowed = (", ".join(map(str, each)) for each in (lengths, self._lengths))
             raise ShapeError("x, u, u_h, u_h_rate", f"lengths {got}", f"lengths {allowed}")
-        self._take(memory, 0, *x, *u, *u_h, *u_h_rate, tank_j)
+        self._take(memory, 0, *x, *u, *u_h, *u_h_rate, tank_j, t_s)
         self._prepare()
         unpack, offset = self._worst
         outcome, solver = _SOLVED, "none"
@@ -170,7 +172,7 @@ class _Derivation:
         system, bound = design.system, design.input_bound
         m = system.m
         u_h, u_h_rate, tank = ca.SX.sym("u_h", m), ca.SX.sym("u_h_rate", m), ca.SX.sym("tank")
-        given = [system.x, system.u, u_h, u_h_rate, tank]
+        given = [system.x, system.u, u_h, u_h_rate, tank, system.t]
         phi = tracking_rate(system, design.u_fb, u_h, u_h_rate, design.k_i)
         u_ref = ca.fmin(ca.fmax(system.u + design.dt_s * phi, -bound), bound)
         self.h_u = power_margin(system, design.passivity.V)

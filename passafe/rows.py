@@ -129,5 +129,5 @@ def _at(system: System, function: ca.SX, u_ref: ca.SX) -> tuple[ca.SX, ca.SX]:
 def _rate_row(system: System, name: str, function: ca.SX, gamma: ClassK, phi: ca.SX, dt_s: float) -> Row:
     """Row of d/dt function + γ(function) ≥ 0 along ẋ = f, u̇ = φ + v, times dt."""
     gradient = ca.gradient(function, system.u)
-    drift = system.lie_derivative(function) + ca.dot(gradient, phi) + gamma(function)
+    drift = system.rate(function) + ca.dot(gradient, phi) + gamma(function)
     return Row(name=name, value=dt_s * drift, gradient=gradient)

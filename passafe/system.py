@@ -16,6 +16,7 @@ class System:
         u: Input symbol, shape (m, 1).
         f: ẋ as an expression of x and u, shape (n, 1), state units per second.
         y: Output g(x), shape (m, 1); yᵀu is the power that the input supplies.
+        t: Time symbol, s: safe sets may move, the plant itself does not change with time.
         n: Number of states.
         m: Number of inputs, and of outputs.
     """
@@ -24,6 +25,7 @@ class System:
     u: ca.SX
     f: ca.SX
     y: ca.SX
+    t: ca.SX = field(default_factory=lambda: ca.SX.sym("t"))
     n: int = field(init=False)
     m: int = field(init=False)
 
@@ -38,18 +40,22 @@ class System:
         self._require("f", self.f, self.n, symbols=ca.vertcat(self.x, self.u))
         self._require("y", self.y, self.m, symbols=self.x)
 
-    def require_state_function(self, part: str, expression: ca.SX, rows: int) -> None:
-        """Refuse an expression that is no column of ``rows`` functions of x alone.
+    def require_state_function(self, part: str, expression: ca.SX, rows: int, *, may_move: bool = False) -> None:
+        """Refuse an expression that is no column of ``rows`` functions of x alone, or of x and t if it ``may_move``.
 
         Raises:
             ShapeError: It has another shape.
-            DesignError: It contains symbols other than x.
+            DesignError: It contains other symbols.
         """
-        self._require(part, expression, rows, symbols=self.x)
+        self._require(part, expression, rows, symbols=ca.vertcat(self.x, self.t) if may_move else self.x)
 
     def lie_derivative(self, expression: ca.SX) -> ca.SX:
         """Return L_f of an expression of x: (∂expression/∂x) f(x, u), same shape."""
         return ca.jtimes(expression, self.x, self.f)
+
+    def rate(self, expression: ca.SX) -> ca.SX:
+        """Return the time derivative of an expression of x and t along the plant: L_f + ∂/∂t, same shape."""
+        return self.lie_derivative(expression) + ca.jacobian(expression, self.t)
 
     def _require(self, part: str, expression: ca.SX, rows: int, *, symbols: ca.SX) -> None:
         if expression.shape != (rows, 1):

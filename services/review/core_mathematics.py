@@ -29,14 +29,14 @@ class CoreMathematics:
         robot = robot_of(scenario)
         self._system = system = robot.system
         h = ca.vertcat(ca.SX(0, 1), *(barrier.h for barrier in barriers_of(scenario, robot)))
-        self._h = ca.Function("h", [system.x], [h])
+        self._h = ca.Function("h", [system.x, system.t], [h])
         margin = power_margin(system, storage_of(scenario, robot))
         self._margin = ca.Function("power_margin", [system.x, system.u], [margin])
         self._flow = cache(self._derive_flow)
 
-    def h(self, x: FloatArray) -> FloatArray:
-        """Barrier values, shape (barriers, N), for x of shape (n, N)."""
-        return np.asarray(self._h(x).full(), dtype=np.float64)
+    def h(self, x: FloatArray, t_s: FloatArray) -> FloatArray:
+        """Barrier values, shape (barriers, N), for x of shape (n, N) and plant time t_s, s, of shape (N,)."""
+        return np.asarray(self._h(x, t_s.reshape(1, -1)).full(), dtype=np.float64)
 
     def power_margin(self, x: FloatArray, u: FloatArray) -> FloatArray:
         """h_u(x, u), W, shape (N,), for x of shape (n, N) and u of shape (m, N)."""

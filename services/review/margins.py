@@ -60,7 +60,7 @@ class Margins:
         t_s, x, u = trajectory.t_s, trajectory.x, trajectory.u
         # A state of 1e200 overflows in x²; the extremum then says so, and a warning would say no more.
         with np.errstate(over="ignore", invalid="ignore"):
-            h = _lowest_barrier(mathematics.h(x), t_s)
+            h = _lowest_barrier(mathematics.h(x, t_s), t_s)
             power = Extremum.lowest(mathematics.power_margin(x, u), t_s)
             h_between, power_between = _between(trajectory, mathematics, points)
             mismatch, mismatch_t_s = trajectory.mismatch(mathematics)
@@ -101,7 +101,7 @@ def _between(
     h_min: Extremum | None = None
     power_min: Extremum | None = None
     for instants in trajectory.between(mathematics, points):
-        h_min = _smaller(h_min, _lowest_barrier(mathematics.h(instants.x), instants.t_s))
+        h_min = _smaller(h_min, _lowest_barrier(mathematics.h(instants.x, instants.t_s), instants.t_s))
         margin = mathematics.power_margin(instants.x, instants.u)
         power_min = _smaller(power_min, Extremum.lowest(margin, instants.t_s))
     return h_min, power_min

@@ -11,8 +11,8 @@ FloatArray: TypeAlias = NDArray[np.float64]
 class PlantMathematics(Protocol):
     """Functions of one scenario, each over many samples at once; one column a sample."""
 
-    def h(self, x: FloatArray) -> FloatArray:
-        """Barrier values in the scenario's order, shape (barriers, N), for x of shape (n, N)."""
+    def h(self, x: FloatArray, t_s: FloatArray) -> FloatArray:
+        """Barrier values in the scenario's order, shape (barriers, N), for x (n, N) and plant time t_s (N,)."""
         ...
 
     def power_margin(self, x: FloatArray, u: FloatArray) -> FloatArray:

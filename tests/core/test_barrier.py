@@ -122,3 +122,28 @@ def test_a_barrier_is_a_scalar_function_of_the_state() -> None:
         derive_chain(TRIPLE, barrier(x, 2))
     with pytest.raises(DesignError, match=r"barrier 'limit' h: got the symbols \['u'\]"):
         derive_chain(TRIPLE, barrier(x[0] + u, 2))
+
+
+def test_a_moving_set_s_chain_follows_the_clock_as_well_as_the_state() -> None:
+    centre = ca.vertcat(2 * ca.sin(3 * TRIPLE.t), 0.5 * TRIPLE.t**2, 0.0)
+    moving = Barrier(name="moving", h=ca.sumsqr(TRIPLE.x - centre) - 1, class_k=gains(1.0, 2.0))
+    chain = derive_chain(TRIPLE, moving)
+    clocked = ca.vertcat(TRIPLE.x, TRIPLE.t)
+    value = numeric([clocked, TRIPLE.u], chain.psi[0])
+    slope = numeric([clocked, TRIPLE.u], chain.psi[1] - moving.class_k[0](chain.psi[0]))
+    flow = numeric([clocked, TRIPLE.u], ca.vertcat(TRIPLE.f, 1))
+    rng = np.random.default_rng(5)
+    for _ in range(20):
+        state, held = random_state(rng, 4), random_state(rng, 1)
+
+        measured = rate_along(lambda s: value(s, held), lambda _, s: flow(s, held), state)  # noqa: B023 - used at once
+
+        assert chain.relative_degree == 1
+        assert slope(state, held) == pytest.approx(measured, rel=1e-6, abs=1e-6)
+
+
+def test_time_belongs_to_barriers_alone() -> None:
+    with pytest.raises(DesignError, match="system f: got the symbols"):
+        System(x=x, u=u, f=ca.vertcat(x[1], x[2], u + TRIPLE.t), y=x[1], t=TRIPLE.t)
+    with pytest.raises(DesignError, match="symbols"):
+        TRIPLE.require_state_function("V", TRIPLE.t * x[0], 1)

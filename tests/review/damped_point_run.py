@@ -52,7 +52,7 @@ def scenario(*, mode: str = "both", kind: str = "power", **filter_keys: object) 
 class DampedPoint:
     """``PlantMathematics`` in closed form."""
 
-    def h(self, x: Array) -> Array:
+    def h(self, x: Array, _t_s: Array) -> Array:
         """‖x₁‖² − 1."""
         return np.sum(x[:2] ** 2, axis=0, keepdims=True) - 1
 

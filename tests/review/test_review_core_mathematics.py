@@ -11,6 +11,7 @@ from services.review.core_mathematics import CoreMathematics
 from services.scenarios.schema import Scenario
 
 SAMPLES = 50
+T_S = np.linspace(0.0, 5.0, SAMPLES)
 
 
 @pytest.fixture
@@ -22,7 +23,7 @@ def samples() -> tuple[np.ndarray, np.ndarray]:
 def test_the_papers_robot_is_the_damped_point(samples: tuple[np.ndarray, np.ndarray]) -> None:
     core, closed = CoreMathematics(scenario()), DampedPoint()
     x, u = samples
-    assert core.h(x) == pytest.approx(closed.h(x), abs=1e-12)
+    assert core.h(x, T_S) == pytest.approx(closed.h(x, T_S), abs=1e-12)
     assert core.power_margin(x, u) == pytest.approx(closed.power_margin(x, u), abs=1e-10)
     for duration_s in (1e-4, 1e-3, 0.5):
         assert core.flow(x, u, duration_s) == pytest.approx(closed.flow(x, u, duration_s), abs=1e-12)
@@ -33,16 +34,16 @@ def test_barriers_come_in_the_scenarios_order(samples: tuple[np.ndarray, np.ndar
     wall = {"kind": "half-plane", "name": "wall", "normal": (0, 1), "offset": -3}
     content["filter"]["barriers"] += (wall | {"class_k": content["filter"]["barriers"][0]["class_k"]},)
     x, _ = samples
-    h = CoreMathematics(Scenario.model_validate(content)).h(x)
+    h = CoreMathematics(Scenario.model_validate(content)).h(x, T_S)
     assert h.shape == (2, SAMPLES)
-    assert h[0] == pytest.approx(DampedPoint().h(x)[0])
+    assert h[0] == pytest.approx(DampedPoint().h(x, T_S)[0])
     assert h[1] == pytest.approx(x[1] + 3)
 
 
 def test_without_barriers_there_is_nothing_to_keep(samples: tuple[np.ndarray, np.ndarray]) -> None:
     x, u = samples
     core = CoreMathematics(scenario(barriers=[]))
-    assert core.h(x).shape == (0, SAMPLES)
+    assert core.h(x, T_S).shape == (0, SAMPLES)
     assert core.power_margin(x, u).shape == (SAMPLES,)
 
 
