@@ -173,11 +173,10 @@ class FilterNode:
     def _decide(self, now_ns: int, state: PlantState, u_h: Vector, u_h_rate: Vector) -> Decision:
         effective_ns = self._schedule.effective_ns(now_ns, state, self._tick)
         predicted = self._predictor.at(effective_ns)
-        decision = self._core.decide(
-            predicted.sample.x, predicted.u, u_h, u_h_rate, predicted.tank_j, effective_ns * 1e-9
-        )
+        x, u, tank_j = predicted.sample.x, predicted.u, predicted.tank_j
+        decision = self._core.decide(x, u, u_h, u_h_rate, tank_j, effective_ns * 1e-9)
         self._predictor.sent(effective_ns, decision.u)
-        self._decision, self._effective_ns, self._tank_j = decision, effective_ns, predicted.tank_j
+        self._decision, self._effective_ns, self._tank_j = decision, effective_ns, tank_j
         return decision
 
     def _introduce(self) -> list[Outgoing]:
