@@ -7,19 +7,15 @@ point nearest to u_ref = u + dt·φ. What each does otherwise is said in its ``d
 import os
 from collections.abc import Callable, Sequence
 from importlib import import_module
-from math import sqrt
 from typing import Any, Final, NamedTuple, Protocol
 
-import casadi as ca
 import numpy as np
 
 from passafe.barrier import derive_chain
 from passafe.decision import Decision
-from passafe.filter import SafetyPassivityFilter
-from passafe.passivity import power_margin
-from passafe.rows import sampled_rows, stack
-from passafe.tracking import tracking_rate
-from passafe.workspace import Array, Layout, Workspace, dense_function
+from passafe.derivation import Derivation
+from passafe.filter import CUSHION, SafetyPassivityFilter
+from passafe.workspace import Array, Layout, Workspace
 from services.scenarios.design import design_of, robot_of
 from services.scenarios.schema import DiskBarrier, Scenario
 
@@ -171,23 +167,15 @@ class _OnOurRows:
 
     def __init__(self, scenario: Scenario) -> None:
         design = design_of(scenario, robot_of(scenario))
-        system, m = design.system, design.system.m
-        u_h, u_h_rate, tank = ca.SX.sym("u_h", m), ca.SX.sym("u_h_rate", m), ca.SX.sym("tank")
-        phi = tracking_rate(system, design.u_fb, u_h, u_h_rate, design.k_i)
-        bound = design.input_bound
-        u_ref = ca.fmin(ca.fmax(system.u + design.dt_s * phi, -bound), bound)
-        chains = [derive_chain(system, barrier) for barrier in design.barriers]
-        h_u = power_margin(system, design.passivity.V)
-        rows = sampled_rows(system, chains, h_u, design.passivity, u_ref, tank)
-        G, d, _ = stack(rows, m, reach=2 * bound * sqrt(m))
-        sizes = {"x": system.n, "u": m, "u_h": m, "u_h_rate": m, "tank": 1}
-        given, results = list(sizes), {"u_ref": m, "G": G.numel(), "d": d.numel()}
-        space = Workspace(Layout.of(sizes | results))
-        arguments = [system.x, system.u, u_h, u_h_rate, tank]
-        self._evaluate = space.bind(dense_function("rows", arguments, [u_ref, G, d]), given, list(results))
-        self._given = space.block[: sum(sizes.values())]
-        self._u_ref, self._G, self._d = space.part("u_ref"), space.matrix("G", G.shape), space.part("d")
-        self._space, self._m = space, m
+        derivation = Derivation(design, [derive_chain(design.system, barrier) for barrier in design.barriers])
+        given, derived = derivation.sizes_given, derivation.sizes_derived
+        self._space = space = Workspace(Layout.of(given | derived))
+        self._evaluate = space.bind(derivation.prepare, list(given), list(derived))
+        space.part("cushion")[:] = CUSHION * design.tolerance.residual
+        asked = sum(given[name] for name in ("x", "u", "u_h", "u_h_rate", "tank"))
+        self._given, self._m = space.block[:asked], design.system.m
+        self._G = space.matrix("G", (derivation.duties, derivation.k))
+        self._u_ref, self._d = space.part("u_ref"), space.part("d")
 
     def prepare(self, request: Request) -> tuple[Any, ...]:
         """Return one array of all numbers."""

@@ -22,14 +22,14 @@ class Status(IntEnum):
     """Every hard row kept, the passivity row relaxed by the slack."""
 
     UNCERTIFIED = 4
-    """No answer passed the certificate, or the nearest lies beyond the bound: u is the fail-safe law's."""
+    """No solver's answer passed the certificate: u is the fail-safe law's, within the limits."""
 
     INFEASIBLE = 5
-    """Proven: no input within the bound keeps the hard rows; u is the fail-safe law's."""
+    """Proven: no input within the limits keeps the hard rows. u violates them least, in the sense of least squares."""
 
     @property
     def is_fallback(self) -> bool:
-        """Whether u comes from the fail-safe law instead of the quadratic program."""
+        """Whether a hard row is given up, or may be."""
         return self >= Status.UNCERTIFIED
 
 

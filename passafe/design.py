@@ -8,6 +8,7 @@ import casadi as ca
 
 from passafe.barrier import Barrier
 from passafe.errors import DesignError
+from passafe.limits import Limits
 from passafe.passivity import Passivity
 from passafe.quadratic_program import Tolerance
 from passafe.system import System
@@ -55,10 +56,14 @@ class FilterDesign:
         passivity: Storage function and passivity row; the power margin is reported in every mode.
         k_i: α/2 of the tracking term, 1/s.
         dt_s: Period over which an input is held, s.
-        input_bound: Largest magnitude of each axis of u.
+        input_bound: Largest magnitude of u: one number for every axis, or one for each.
+        input_norm_bound: Largest ‖u‖, if that is limited too.
+        input_rate_bound_per_s: Largest rate of change of u: one number for every axis, or one for each.
         law: Which rows.
         mode: Which properties.
+        between_samples: Whether the sampled law's rows have the margin that keeps barriers between samples too.
         tolerance: Residuals up to which an answer is accepted.
+        limits: What the three bounds amount to.
     """
 
     system: System
@@ -68,19 +73,25 @@ class FilterDesign:
     passivity: Passivity
     k_i: float
     dt_s: float
-    input_bound: float
+    input_bound: float | tuple[float, ...]
+    input_norm_bound: float | None = None
+    input_rate_bound_per_s: float | tuple[float, ...] | None = None
     law: Law = Law.SAMPLED
     mode: Mode = Mode.BOTH
+    between_samples: bool = True
     tolerance: Tolerance = field(default_factory=Tolerance)
+    limits: Limits = field(init=False)
 
     def __post_init__(self) -> None:
         """Refuse parts that do not fit together."""
-        for part in ("k_i", "dt_s", "input_bound"):
+        for part in ("k_i", "dt_s"):
             value = getattr(self, part)
             if not 0.0 < value < inf:
                 raise DesignError(part, value, "a positive finite number")
         if self.k_i * self.dt_s >= 1.0:
             raise DesignError("k_i", self.k_i, f"less than 1/dt_s = {1 / self.dt_s:g}, or the tracking oscillates")
+        limits = Limits.of(self.system.m, self.input_bound, self.input_norm_bound, self.input_rate_bound_per_s)
+        object.__setattr__(self, "limits", limits)
         self.system.require_state_function("u_fb", self.u_fb, self.system.m)
         self.system.require_state_function("fail_safe", self.fail_safe, self.system.m)
         names = [barrier.name for barrier in self.barriers]

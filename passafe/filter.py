@@ -1,47 +1,59 @@
 """The safety and passivity filter: from a state and a request to a certified input.
 
-Paper, proposition 2, with the rows of the chosen law. ``decide`` is a function of its arguments alone.
+Paper, proposition 2, with the rows of the chosen law. ``decide`` is a function of its arguments alone, and has an
+answer for all of them. Duties, in their order: a finite input within the limits; safety; passivity; what the operator
+asks for.
 """
 
 import struct
-from collections.abc import Sequence
-from math import isfinite, sqrt
+from collections.abc import Iterator, Sequence
+from typing import Final
 
-import casadi as ca
+import numpy as np
 
-from passafe.barrier import BarrierChain, derive_chain
+from passafe.barrier import derive_chain
+from passafe.daqp_solver import DaqpSolver
 from passafe.decision import Decision, Status
-from passafe.design import FilterDesign, Law
+from passafe.derivation import TRUST, Derivation
+from passafe.design import FilterDesign
 from passafe.errors import ShapeError
-from passafe.passivity import power_margin
-from passafe.piqp_solver import PiqpSolver, SolverOutcome
-from passafe.quadratic_program import judging_function
-from passafe.rows import continuous_rows, sampled_rows, stack
-from passafe.tracking import nominal_input, tracking_rate
-from passafe.workspace import Layout, Workspace, dense_function
+from passafe.least_distance_solver import LeastDistanceSolver
+from passafe.least_violation import least_violation
+from passafe.piqp_solver import PiqpSolver
+from passafe.solver import SOLVED, Solver
+from passafe.workspace import Layout, Workspace
 
-BOUND_TOLERANCE = 1e-6
-"""By how much the unclipped input may pass its bound before the rows count as infeasible, relative."""
+CUSHION: Final = 2.0
+"""By how much more than asked the rows are kept, in units of the residual that an answer may have."""
+
+ATTEMPTS: Final = 10
+"""How often margins and tangents are put where the answer was; the last margin is good for every input whatever."""
+
+NORM_TOLERANCE: Final = 1e-7
+"""By how much an answer may be longer than the norm's limit before it is shortened, relative."""
+
+RELAXED_NORM: Final = 1e4
+"""How many times further beyond it may be where hard rows are given up anyway: shortening costs them little more."""
 
 # Reaching a member through its enumeration takes 0.7 µs on Python 3.11, and a step has 20.
 _PASSED, _MODIFIED, _RELAXED, _UNCERTIFIED, _INFEASIBLE = Status
-_SOLVED, _NO_SOLUTION, _FAILED = SolverOutcome
 
 
 class SafetyPassivityFilter:
     """Solves and certifies one quadratic program for every request.
 
-    Parts of a decision, by name (n states, m inputs, N rows): ``x`` n, ``u`` m (the input before), ``u_h`` m,
-    ``u_h_rate`` m, ``tank`` 1, ``t`` 1, ``u_nominal`` m, ``phi`` m, ``u_ref`` m (the input if v = 0, within the bound),
-    ``worst`` 1 (largest d), ``poison`` 1 (not a number or large where anything given or derived is),
-    ``G`` N·k, ``d`` N, ``z`` k, ``lam`` N, ``margins`` N, ``u_plus`` m, ``v`` m, ``psi``, ``h_u`` 1,
-    ``residuals`` 3, ``overreach`` 1, ``slack`` 1, ``conflict`` 1 (positive: the multipliers prove that the hard rows
-    cannot be kept within the bound).
+    Parts of a decision, by name (n states, m inputs, N rows, H hard rows): ``x`` n, ``u`` m (the input before),
+    ``u_h`` m, ``u_h_rate`` m, ``tank`` 1, ``t`` 1, ``u_nominal`` m, ``phi`` m, ``u_ref`` m (the input if v = 0,
+    within the limits), ``low`` m, ``high`` m, ``G`` and ``d`` (rows of the duties), ``eps`` (margin of every enforced
+    barrier between samples), ``z`` k, ``lam`` N, ``relax`` H (by how much hard rows that contradict one another are
+    not asked to be kept), ``margins`` N, ``u_plus`` m, ``v`` m, ``psi``, ``h_u`` 1, ``residuals`` 3, ``slack`` 1,
+    ``conflict`` 1 (positive: ``relax`` proves that the hard rows cannot be kept within the limits), ``shortfall`` 1.
 
     Attributes:
         design: What it was derived from.
         chains: Barrier chains, in the order of the design.
-        row_names: Names of the N rows, in the order of ``margins`` and ``lam``.
+        row_names: Names of the N rows, in the order of ``margins`` and ``lam``: duties first, then limits.
+        duties: Number of rows that are duties.
         layout: Places of the parts in a decision's block.
     """
 
@@ -54,40 +66,42 @@ class SafetyPassivityFilter:
         self.design = design
         system = design.system
         self.chains = tuple(derive_chain(system, barrier) for barrier in design.barriers)
-        derivation = _Derivation(design, self.chains)
-        self.row_names = derivation.row_names
-        N, k = derivation.G.shape
-        n, m, psi = system.n, system.m, derivation.psi.numel()
-        given = {"x": n, "u": m, "u_h": m, "u_h_rate": m, "tank": 1, "t": 1}
-        derived = {"u_nominal": m, "phi": m, "u_ref": m, "G": N * k, "d": N, "worst": 1, "poison": 1}
-        solved = {"z": k, "lam": N}
-        judged = {
-            "margins": N,
-            "u_plus": m,
-            "v": m,
-            "psi": psi,
-            "h_u": 1,
-            "residuals": 3,
-            "overreach": 1,
-            "slack": 1,
-            "conflict": 1,
-        }
-        self.layout = Layout.of(given | derived | solved | judged)
+        derivation = Derivation(design, self.chains)
+        self.row_names, self.duties, self._hard = derivation.row_names, derivation.duties, derivation.hard
+        N, k, n, m = len(self.row_names), derivation.k, system.n, system.m
+        given, derived = derivation.sizes_given, derivation.sizes_derived
+        judged = derivation.sizes_judged
+        self.layout = Layout.of(given | derived | derivation.sizes_solved | judged)
         self._workspace = space = Workspace(self.layout)
         self._prepare = space.bind(derivation.prepare, list(given), list(derived))
-        self._judge = space.bind(derivation.judge, [*given, "phi", "u_ref", "G", "d", "poison", *solved], list(judged))
+        self._judge = space.bind(derivation.judge, derivation.judge_reads, list(judged))
+        self._weigh = space.bind(derivation.conflict, ["G", "d", "relax", "u_ref", "low", "high"], ["conflict"])
         self._fail_safe = space.bind(derivation.fail_safe, ["x"], ["u_plus"])
-        self._z, self._lam = space.part("z"), space.part("lam")
-        self._z_memory, self._lam_memory = self._z.data, self._lam.data
-        self._residual, self._gap = design.tolerance.residual, design.tolerance.gap
-        self._overreach = BOUND_TOLERANCE * design.input_bound
-        self._relaxed_above = design.passivity.relaxed_above
-        self._solver = PiqpSolver(space.matrix("G", (N, k)), space.part("d")) if N else None
-        self._lengths = n, m, m, m
-        self._take = struct.Struct(f"{n + 3 * m + 2}d").pack_into
-        self._worst = struct.Struct("d").unpack_from, self.layout.parts["worst"].start * 8
-        self._verdict = struct.Struct("6d").unpack_from, self.layout.parts["residuals"].start * 8
+        self._m, self._lengths = m, (n, m, m, m)
+        self._take = struct.Struct(f"{n + 5 * m + 4}d").pack_into
+        self._worst = struct.Struct("2d").unpack_from, self.layout.parts["worst"].start * 8
+        self._verdict = struct.Struct("7d").unpack_from, self.layout.parts["residuals"].start * 8
         self._u_plus = struct.Struct(f"{m}d").unpack_from, self.layout.parts["u_plus"].start * 8
+        self._z, self._lam, self._relax = space.part("z"), space.part("lam"), space.part("relax")
+        self._solved = space.block[self.layout.parts["z"].start : self.layout.parts["relax"].stop]
+        self._z_memory, self._lam_memory = self._z.data, self._lam.data
+        self._duty_memory = self._lam[: self.duties].data
+        self._residual, self._gap = design.tolerance.residual, design.tolerance.gap
+        cushion = CUSHION * self._residual if design.between_samples else 0.0
+        self._first_guess = (*(0.0,) * m, cushion)
+        self._least_trust = TRUST * np.array(design.limits.magnitude)
+        self._has_margins = derivation.has_margins
+        self._relaxed_above = design.passivity.relaxed_above
+        self._duty_rows = space.matrix("G", (self.duties, k)), space.part("d")
+        self._first = PiqpSolver(*self._duty_rows) if self.duties else None
+        # The whole program, limits included, is needed only where the duties' answer is beyond the limits.
+        self._rows, self._bounds = np.zeros((N, k), order="F"), np.zeros(N)
+        self._rows[self.duties :, :m] = np.vstack((np.eye(m), -np.eye(m), np.zeros((N - self.duties - 2 * m, m))))
+        self._chain: tuple[Solver, ...] = tuple(
+            kind(self._rows, self._bounds) for kind in (PiqpSolver, DaqpSolver, LeastDistanceSolver)
+        )
+        self._cuts = space.matrix("cuts", (N - self.duties - 2 * m, m))
+        self._too_long = NORM_TOLERANCE * (design.limits.norm or 0.0)
 
     def decide(
         self,
@@ -97,6 +111,8 @@ class SafetyPassivityFilter:
         u_h_rate: Sequence[float],
         tank_j: float = 0.0,
         t_s: float = 0.0,
+        *,
+        start: bool = False,
     ) -> Decision:
         """Return the input to hold over the next period.
 
@@ -107,121 +123,150 @@ class SafetyPassivityFilter:
             u_h_rate: Its time derivative, m numbers per second.
             tank_j: Energy E in the tank, J; without effect where the design has no tank.
             t_s: Plant time at which the input takes effect, s; without effect where no barrier moves.
+            start: Whether there was no input before: then the answer is the one nearest to û that keeps every row,
+                limits of the rate left out, instead of the one nearest to u + dt·φ.
 
         Returns:
             A decision for every argument whatever, NaN and infinity included: its u is finite and within the
-            bound, its status says whether it is certified.
+            limits, its status says whether it is certified.
 
         Raises:
             ShapeError: An argument of the wrong length.
         """
-        memory = self._workspace.memory
         lengths = (len(x), len(u), len(u_h), len(u_h_rate))
         if lengths != self._lengths:
             got, allowed = (", ".join(map(str, each)) for each in (lengths, self._lengths))
             raise ShapeError("x, u, u_h, u_h_rate", f"lengths {got}", f"lengths {allowed}")
-        self._take(memory, 0, *x, *u, *u_h, *u_h_rate, tank_j, t_s)
-        self._prepare()
-        unpack, offset = self._worst
-        outcome, solver = _SOLVED, "none"
-        if self._solver is None or unpack(memory, offset)[0] <= 0.0:
-            self._z.fill(0.0)
-            self._lam.fill(0.0)
-        else:
-            outcome, solver = self._solver.solve(self._z_memory, self._lam_memory), self._solver.name
-        self._judge()
-        status = self._status(outcome, solver)
-        if status >= _UNCERTIFIED:
+        memory = self._workspace.memory
+        self._take(memory, 0, *x, *u, *u_h, *u_h_rate, tank_j, t_s, start, *u, *self._first_guess)
+        if self._too_long:
+            self._cuts[:] = np.eye(1, self._m)  # ‖u‖ ≤ B says u₁ ≤ B, too
+        status, solver, settled = self._solve()
+        if not settled and status is not _UNCERTIFIED:
+            status, solver = self._settle()
+        if status is _UNCERTIFIED:
             self._fall_back()
         unpack, offset = self._u_plus
-        block = self._workspace.block.copy()
-        return Decision(block, self.layout.parts, status, solver, unpack(memory, offset))
+        return Decision(self._workspace.block.copy(), self.layout.parts, status, solver, unpack(memory, offset))
 
-    def _status(self, outcome: SolverOutcome, solver: str) -> Status:
+    def _settle(self) -> tuple[Status, str]:
+        """Solve again with margins and tangents that suit the answer, for as long as that asks for others."""
+        space, least = self._workspace, self._least_trust
+        u_plus, u_lin, trust, cushion = (space.part(name) for name in ("u_plus", "u_lin", "trust_asked", "cushion"))
+        shortfall, strayed = space.part("shortfall"), space.part("strayed")
+        for attempt in range(ATTEMPTS):
+            if strayed[0] <= 0.0:
+                cushion += 2 * shortfall
+            change = np.abs(u_plus - u_lin).max() if attempt < ATTEMPTS - 1 else self.design.limits.reach
+            trust[:] = change + least
+            u_lin[:] = u_plus
+            status, solver, settled = self._solve()
+            if settled or status is _UNCERTIFIED or (status is _INFEASIBLE and strayed[0] <= 0.0):
+                return status, solver
+        return _UNCERTIFIED, solver
+
+    def _solve(self) -> tuple[Status, str, bool]:
+        """Return the status of the present program's answer, whose it is, and whether margins and tangents suit it."""
+        memory = self._workspace.memory
+        self._prepare()
+        unpack, offset = self._worst
+        worst, poison = unpack(memory, offset)
+        self._solved.fill(0.0)
+        solver, outcome = "none", SOLVED
+        if worst > 0.0 and self._first is not None:
+            solver, outcome = self._first.name, self._first.solve(self._z_memory, self._duty_memory)
+        self._judge()
         unpack, offset = self._verdict
-        primal, dual, gap, overreach, slack, conflict = unpack(self._workspace.memory, offset)
-        if outcome is _NO_SOLUTION:
-            return _INFEASIBLE if conflict > 0 else _UNCERTIFIED
+        primal, dual, gap, too_long, slack, shortfall, strayed = unpack(memory, offset)
         accepted = primal <= self._residual and dual <= self._residual and gap <= self._gap
-        if outcome is not _SOLVED or not accepted:
-            return _UNCERTIFIED
-        if not overreach <= self._overreach:
-            return _INFEASIBLE if conflict > 0 else _UNCERTIFIED
-        if solver == "none":
-            return _PASSED
-        return _RELAXED if slack > self._relaxed_above else _MODIFIED
+        if outcome is SOLVED and accepted and too_long <= self._too_long:
+            settled = shortfall <= 0.0 and strayed <= 0.0
+            if solver == "none":
+                return _PASSED, solver, settled
+            return (_RELAXED if slack > self._relaxed_above else _MODIFIED), solver, settled
+        return self._solve_whole() if poison <= 1.0 else (_UNCERTIFIED, solver, False)
+
+    def _solve_whole(self) -> tuple[Status, str, bool]:
+        """Solve with the limits among the rows; if the hard ones contradict one another, with as few less as can be."""
+        solver: str | None = None
+        for _ in self._tangents():
+            solver = self._certified() or self._certified_with_less()
+            if solver is None:
+                break
+        if solver is None:
+            return _UNCERTIFIED, "none", False
+        unpack, offset = self._verdict
+        *_, slack, shortfall, strayed = unpack(self._workspace.memory, offset)
+        if not self._is_short_enough():
+            return _UNCERTIFIED, solver, False
+        if self._relax.any():
+            self._weigh()
+            proven = self._workspace.part("conflict")[0] > 0.0
+            return (_INFEASIBLE if proven else _UNCERTIFIED), solver, not self._has_margins
+        settled = shortfall <= 0.0 and strayed <= 0.0
+        return (_RELAXED if slack > self._relaxed_above else _MODIFIED), solver, settled
+
+    def _tangents(self) -> Iterator[None]:
+        """Give one tangent of the norm's limit after the other, each where the answer before was beyond it."""
+        m, space = self._m, self._workspace
+        self._rows[: self.duties], self._bounds[: self.duties] = self._duty_rows
+        self._write_limits()
+        yield
+        for cut in self._cuts:
+            if self._is_short_enough():
+                return
+            answer = space.part("u_ref") + self._z[:m]
+            cut[:] = answer / np.linalg.norm(answer)
+            self._write_limits()
+            yield
+
+    def _is_short_enough(self) -> bool:
+        too_long = self._workspace.part("norm_overreach")[0]
+        return bool(too_long <= self._too_long * (RELAXED_NORM if self._relax.any() else 1.0))
+
+    def _write_limits(self) -> None:
+        space, first, m = self._workspace, self.duties, self._m
+        u_ref = space.part("u_ref")
+        self._bounds[first : first + m] = space.part("low") - u_ref
+        self._bounds[first + m : first + 2 * m] = u_ref - space.part("high")
+        if len(self._cuts):
+            self._rows[first + 2 * m :, :m] = -self._cuts
+            self._bounds[first + 2 * m :] = self._cuts @ u_ref - (self.design.limits.norm or 0.0)
+
+    def _certified(self) -> str | None:
+        """Return the first solver whose answer to the whole, relaxed program passes the certificate."""
+        self._bounds[: self._hard] = self._duty_rows[1][: self._hard] - self._relax
+        unpack, offset = self._verdict
+        for solver in self._chain:
+            outcome = solver.solve(self._z_memory, self._lam_memory)
+            self._judge()
+            primal, dual, gap, *_ = unpack(self._workspace.memory, offset)
+            if outcome is SOLVED and primal <= self._residual and dual <= self._residual and gap <= self._gap:
+                return solver.name
+        return None
+
+    def _certified_with_less(self) -> str | None:
+        """Ask as little less of the hard rows as possible; return whose answer to that passes the certificate."""
+        hard, m = self._hard, self._m
+        least = least_violation(
+            self._rows[:hard, :m],
+            self._duty_rows[1][:hard],
+            self._rows[self.duties :, :m],
+            self._bounds[self.duties :],
+        )
+        if least is None:
+            return None
+        self._relax[:] = least
+        return self._certified()
 
     def _fall_back(self) -> None:
         """Put the fail-safe law's input where the answer was, and what follows from it; keep the residuals."""
-        space, bound = self._workspace, self.design.input_bound
+        space = self._workspace
         evidence = space.part("residuals").copy()
         self._fail_safe()
-        u_plus = [min(max(value, -bound), bound) if isfinite(value) else 0.0 for value in space.part("u_plus")]
-        self._z.fill(0.0)
-        self._z[: len(u_plus)] = u_plus - space.part("u_ref")
-        self._lam.fill(0.0)
+        u_plus = self.design.limits.nearest(space.part("u_plus"), space.part("low"), space.part("high"))
+        self._solved.fill(0.0)
+        self._z[: self._m] = u_plus - space.part("u_ref")
         self._judge()
         space.part("u_plus")[:] = u_plus
         space.part("residuals")[:] = evidence
-
-
-class _Derivation:
-    """The symbolic functions of one design."""
-
-    def __init__(self, design: FilterDesign, chains: Sequence[BarrierChain]) -> None:
-        system, bound = design.system, design.input_bound
-        m = system.m
-        u_h, u_h_rate, tank = ca.SX.sym("u_h", m), ca.SX.sym("u_h_rate", m), ca.SX.sym("tank")
-        given = [system.x, system.u, u_h, u_h_rate, tank, system.t]
-        phi = tracking_rate(system, design.u_fb, u_h, u_h_rate, design.k_i)
-        u_ref = ca.fmin(ca.fmax(system.u + design.dt_s * phi, -bound), bound)
-        self.h_u = power_margin(system, design.passivity.V)
-        enforced = chains if design.mode.enforces_safety else ()
-        h_u = self.h_u if design.mode.enforces_passivity else None
-        if design.law is Law.SAMPLED:
-            rows = sampled_rows(system, enforced, h_u, design.passivity, u_ref, tank)
-        else:
-            rows = continuous_rows(
-                system, enforced, h_u, design.passivity, (u_ref - system.u) / design.dt_s, design.dt_s
-            )
-        self.row_names = tuple(row.name for row in rows)
-        self.G, d, self.root = stack(rows, m, reach=2 * bound * sqrt(m))
-        worst = ca.mmax(d) if rows else ca.SX(0)
-        # fmin, fmax and mmax swallow a NaN; this is nothing for ordinary numbers and spoils the residual otherwise.
-        poison = 1e-300 * ca.sumsqr(ca.vertcat(*given, phi, *(row.value for row in rows)))
-        self.hard = [i for i, row in enumerate(rows) if row.slack_price is None]
-        self.prepare = dense_function(
-            "prepare", given, [nominal_input(design.u_fb, u_h), phi, u_ref, self.G, d, worst, poison]
-        )
-        self.psi = ca.vertcat(ca.SX(0, 1), *(psi for chain in chains for psi in chain.psi))
-        self.judge = self._judging(design, given)
-        self.fail_safe = dense_function("fail_safe", [system.x], [design.fail_safe])
-
-    def _judging(self, design: FilterDesign, given: list[ca.SX]) -> ca.Function:
-        """Return the function (given, φ, u_ref, G, d, z, λ) → (margins, u⁺, v, ψ, h_u, residuals, overreach, δ)."""
-        system, bound = design.system, design.input_bound
-        m = system.m
-        rows, size = self.G.shape
-        phi, u_ref = ca.SX.sym("phi", m), ca.SX.sym("u_ref", m)
-        G, d = ca.SX.sym("G", rows, size), ca.SX.sym("d", rows)
-        z, lam = ca.SX.sym("z", size), ca.SX.sym("lam", rows)
-        margins, residuals = judging_function(rows, size)(G, d, z, lam)
-        unclipped = u_ref + z[:m]
-        u_plus = ca.fmin(ca.fmax(unclipped, -bound), bound)
-        v = (u_plus - system.u) / design.dt_s - phi
-        psi, h_u = ca.substitute([self.psi, self.h_u], [system.u], [u_plus])
-        poison = ca.SX.sym("poison")
-        residuals[0] += poison
-        # Farkas: weighted with any weights ≥ 0, the hard rows ask for more than any admissible input gives.
-        weights = ca.fmax(lam[self.hard], 0)
-        pull = (G[self.hard, :m].T @ weights) if self.hard else ca.SX.zeros(m)
-        conflict = (
-            ca.dot(weights, d[self.hard]) - bound * ca.norm_1(pull) + ca.dot(pull, u_ref) if self.hard else ca.SX(-1)
-        )
-        overreach = ca.mmax(ca.fabs(unclipped)) - bound
-        slack = z[m] / self.root if self.root else ca.SX(0)
-        return dense_function(
-            "judge",
-            [*given, phi, u_ref, G, d, poison, z, lam],
-            [margins, u_plus, v, psi, h_u, residuals, overreach, slack, conflict],
-        )

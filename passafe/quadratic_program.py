@@ -52,8 +52,8 @@ def certificate_residuals(z: ca.SX, lam: ca.SX, G: ca.SX, d: ca.SX) -> ca.SX:
         return ca.vertcat(0, ca.norm_2(z), ca.sumsqr(z))
     scale = 1 + ca.norm_2(z)
     pull = G.T @ lam
-    primal = ca.mmax(ca.fmax(d - G @ z, 0)) / scale
-    dual = ca.fmax(ca.mmax(ca.fabs(z - pull)), ca.mmax(ca.fmax(-lam, 0))) / scale
+    primal = ca.fmax(ca.mmax(d - G @ z), 0) / scale
+    dual = ca.fmax(ca.mmax(ca.fabs(z - pull)), -ca.mmin(lam)) / scale
     gap = ca.fabs(ca.sumsqr(z) / 2 - ca.dot(lam, d) + ca.sumsqr(pull) / 2) / (1 + ca.sumsqr(z))
     return ca.vertcat(primal, dual, gap)
 

@@ -38,37 +38,39 @@ class Row:
     slack_price: float | None = None
 
 
-def sampled_rows(
-    system: System,
-    chains: Sequence[BarrierChain],
-    h_u: ca.SX | None,
-    passivity: Passivity | None,
-    u_ref: ca.SX,
-    tank_j: ca.SX,
-) -> list[Row]:
-    """Return the rows of the sampled law: ψ_r(x, u⁺) ≥ 0, and h_u(x, u⁺) ≥ −κ(E − E_r) − δ, in w.
-
-    For dynamics affine in u both are affine in w; otherwise they are linearised at u_ref.
+def row_at(system: System, name: str, function: ca.SX, u_ref: ca.SX, u_lin: ca.SX) -> Row:
+    """Return the row function(x, u⁺) ≥ 0 of the sampled law, in w: exact if it is affine in u, else its tangent.
 
     Args:
         system: The plant.
-        chains: One for each barrier.
-        h_u: Power margin, or ``None`` where passivity is not asked for.
-        passivity: Goes with ``h_u``.
+        name: The row's name.
+        function: Scalar expression of the system's x, u and t.
         u_ref: Where w is zero, expression, shape (m, 1).
+        u_lin: Where the tangent touches, expression, shape (m, 1).
+    """
+    gradient = ca.gradient(function, system.u)
+    if not ca.depends_on(gradient, system.u):
+        return Row(name=name, value=ca.substitute(function, system.u, u_ref), gradient=gradient)
+    value, slope = ca.substitute([function, gradient], [system.u], [u_lin])
+    return Row(name=name, value=value + ca.dot(slope, u_ref - u_lin), gradient=slope)
+
+
+def passivity_row(system: System, h_u: ca.SX, passivity: Passivity, u_ref: ca.SX, u_lin: ca.SX, tank_j: ca.SX) -> Row:
+    """Return the soft row h_u(x, u⁺) ≥ −κ(E − E_r) − δ of the sampled law, in w; without a tank h_u ≥ −δ.
+
+    Args:
+        system: The plant.
+        h_u: Power margin.
+        passivity: What is demanded of it.
+        u_ref: Where w is zero, expression, shape (m, 1).
+        u_lin: Where the tangent touches, expression, shape (m, 1).
         tank_j: E, symbol, J.
     """
-    rows = [
-        Row(name=chain.barrier.name, value=value, gradient=gradient)
-        for chain in chains
-        for value, gradient in [_at(system, chain.psi[-1], u_ref)]
-    ]
-    if h_u is not None and passivity is not None:
-        value, gradient = _at(system, h_u, u_ref)
-        if passivity.tank is not None:
-            value += passivity.tank.rate_per_s * (tank_j - passivity.tank.reserve_j)
-        rows.append(Row(name=PASSIVITY_ROW, value=value, gradient=gradient, slack_price=passivity.slack_weight))
-    return rows
+    row = row_at(system, PASSIVITY_ROW, h_u, u_ref, u_lin)
+    spendable = ca.SX(0)
+    if passivity.tank is not None:
+        spendable = passivity.tank.rate_per_s * (tank_j - passivity.tank.reserve_j)
+    return Row(name=row.name, value=row.value + spendable, gradient=row.gradient, slack_price=passivity.slack_weight)
 
 
 def continuous_rows(
@@ -117,13 +119,6 @@ def stack(rows: Sequence[Row], m: int, reach: float) -> tuple[ca.SX, ca.SX, floa
         G.append((full / length).T)
         d.append(bound if row.slack_price is not None else ca.fmin(bound, 2 * reach))
     return ca.vertcat(ca.SX(0, size), *G), ca.vertcat(ca.SX(0, 1), *d), root
-
-
-def _at(system: System, function: ca.SX, u_ref: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Value and input gradient of a function of (x, u) at u = u_ref."""
-    gradient = ca.gradient(function, system.u)
-    value_there, gradient_there = ca.substitute([function, gradient], [system.u], [u_ref])
-    return value_there, gradient_there
 
 
 def _rate_row(system: System, name: str, function: ca.SX, gamma: ClassK, phi: ca.SX, dt_s: float) -> Row:

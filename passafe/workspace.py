@@ -97,4 +97,4 @@ class Workspace:
 
 def dense_function(name: str, arguments: Sequence[ca.SX], results: Sequence[ca.SX]) -> ca.Function:
     """Return a CasADi function whose results are dense, as buffers need them."""
-    return ca.Function(name, list(arguments), [ca.densify(result) for result in results])
+    return ca.Function(name, list(arguments), [ca.densify(result) for result in results], {"cse": True})

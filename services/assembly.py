@@ -7,7 +7,7 @@ from services.operator.node import OperatorNode
 from services.operator.sources import build_source
 from services.plant.node import PlantNode
 from services.runtime.lockstep import Lockstep, Observer
-from services.scenarios.design import design_of, robot_of, sampled_plant_of, tank_of
+from services.scenarios.design import design_of, limits_of, robot_of, sampled_plant_of, tank_of
 from services.scenarios.info import scenario_info
 from services.scenarios.schema import Scenario
 
@@ -35,7 +35,7 @@ def plant_node(scenario: Scenario) -> PlantNode:
         period_ns=period_ns(scenario),
         playout_ns=_whole_periods(scenario.plant.playout_s, scenario),
         hold_ns=round(scenario.plant.hold_s * 1e9),
-        input_bound=scenario.filter.input_bound,
+        limits=limits_of(scenario, robot),
     )
 
 
@@ -56,6 +56,7 @@ def filter_node(scenario: Scenario, driver: str) -> FilterNode:
         hold_ns=round(scenario.plant.hold_s * 1e9),
         command_stale_ns=round(scenario.operator.stale_s * 1e9),
         state_stale_ns=round(scenario.filter.stale_s * 1e9),
+        starts_nearest=scenario.filter.start == "nearest",
         info=scenario_info(scenario, driver),
     )
 

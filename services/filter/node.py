@@ -52,6 +52,7 @@ class FilterNode:
         hold_ns: int,
         command_stale_ns: int,
         state_stale_ns: int,
+        starts_nearest: bool,
         info: ScenarioInfo,
     ) -> None:
         """Start with nothing heard.
@@ -65,6 +66,7 @@ class FilterNode:
             hold_ns: How long the plant may hold an input, ns.
             command_stale_ns: Age from which a command counts as zero, ns.
             state_stale_ns: Age of the newest state from which nothing is sent, ns.
+            starts_nearest: Whether the first input of all is the nearest to û, rather than one step from u = 0.
             info: Published by the first step.
         """
         system = core.design.system
@@ -77,6 +79,7 @@ class FilterNode:
         self._hold_ns = hold_ns
         self._command_stale_ns = command_stale_ns
         self._state_stale_ns = state_stale_ns
+        self._starts = starts_nearest
         self._info: ScenarioInfo | None = info
         self._tick = 0
         self._state: PlantState | None = None
@@ -174,7 +177,8 @@ class FilterNode:
         effective_ns = self._schedule.effective_ns(now_ns, state, self._tick)
         predicted = self._predictor.at(effective_ns)
         x, u, tank_j = predicted.sample.x, predicted.u, predicted.tank_j
-        decision = self._core.decide(x, u, u_h, u_h_rate, tank_j, effective_ns * 1e-9)
+        decision = self._core.decide(x, u, u_h, u_h_rate, tank_j, effective_ns * 1e-9, start=self._starts)
+        self._starts = False
         self._predictor.sent(effective_ns, decision.u)
         self._decision, self._effective_ns, self._tank_j = decision, effective_ns, tank_j
         return decision

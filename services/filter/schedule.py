@@ -35,13 +35,11 @@ class EffectSchedule:
             first_ns = state.plant_ns if waiting else self._ahead_of(state)
             self._offset_ns = first_ns - now_ns
         effective_ns = now_ns + self._offset_ns
-        report_is_current = state.received_tick >= self._first_tick_since_move
-        missing_ns = 0
-        if state.phase is not _WAITING:
-            if state.input_slack_ns < 0 and report_is_current:
-                missing_ns = self._playout_ns - state.input_slack_ns
-            behind_ns = state.plant_ns + self._period_ns - effective_ns
-            missing_ns = max(missing_ns, behind_ns)
+        if state.phase is _WAITING:
+            return effective_ns
+        missing_ns = state.plant_ns + self._period_ns - effective_ns
+        if state.input_slack_ns < 0 and state.received_tick >= self._first_tick_since_move:
+            missing_ns = max(missing_ns, self._playout_ns - state.input_slack_ns)
         if missing_ns > 0:
             forward_ns = -(-missing_ns // self._period_ns) * self._period_ns
             self._offset_ns += forward_ns

@@ -62,6 +62,7 @@ class Telemetry:
     def __init__(self, core: SafetyPassivityFilter) -> None:
         self._design: FilterDesign = core.design
         self._row_names = core.row_names
+        self._duties = core.duties
         self._chains: list[tuple[str, slice]] = []
         start = 0
         for chain in core.chains:
@@ -95,11 +96,14 @@ class Telemetry:
             slack=decision.slack,
             rows=tuple(
                 Row(name, margin, dual, dual > ACTIVE_DUAL)
-                for name, margin, dual in zip(self._row_names, vector("margins"), vector("lam"), strict=True)
+                for i, (name, margin, dual) in enumerate(
+                    zip(self._row_names, vector("margins"), vector("lam"), strict=True)
+                )
+                if i < self._duties or dual > ACTIVE_DUAL  # of the limits, those that bind
             ),
             certificate=Certificate(
                 decision.solver,
-                not decision.status.is_fallback,
+                decision.status is not Status.UNCERTIFIED,
                 decision.primal_residual,
                 decision.dual_residual,
                 decision.gap,

@@ -1,10 +1,13 @@
 """The plant process as a node: the simulated robot, its play-out buffer and its own fail-safe."""
 
 from collections.abc import Sequence
+from math import hypot, inf
 from struct import Struct
+from typing import Final
 
 import casadi as ca
 
+from passafe.limits import Limits
 from passafe.models.robot import Robot
 from passafe.sampled_plant import SampledPlant
 from passafe.workspace import Layout, Workspace, dense_function
@@ -12,6 +15,9 @@ from protocol.messages import Event, PlantInput, PlantPhase, PlantState, Receive
 from protocol.topics import EVENT, INPUT, STATE, Topic
 from services.plant.playout import PlayoutBuffer
 from services.runtime.node import Outgoing
+
+ROUNDING: Final = 1e-12
+"""By how much an input shortened to its norm's limit may still be longer, relative."""
 
 # Members by name: reaching one through its enumeration takes 0.7 µs on Python 3.11.
 WAITING, RUNNING, HOLDING, FAIL_SAFE = PlantPhase
@@ -45,7 +51,7 @@ class PlantNode:
         period_ns: int,
         playout_ns: int,
         hold_ns: int,
-        input_bound: float,
+        limits: Limits,
     ) -> None:
         """Put the robot at rest at x0.
 
@@ -56,16 +62,17 @@ class PlantNode:
             period_ns: Period of a step, ns.
             playout_ns: How long before its effect the first input should have arrived, ns.
             hold_ns: Longest time for which any input may be held, ns.
-            input_bound: Largest magnitude of each axis of u that is applied.
+            limits: Inputs beyond their magnitudes or their norm are refused; how fast u changes is not looked at.
         """
         m = robot.system.m
         self._plant = plant
-        self._fail_safe = _BoundedLaw(robot, input_bound)
+        self._fail_safe = _BoundedLaw(robot, limits)
         self._sample = plant.at(x0)
         self._period_ns = period_ns
         self._playout_ns = playout_ns
         self._hold_ns = hold_ns
-        self._bound = input_bound
+        self._bounds = limits.magnitude
+        self._norm = inf if limits.norm is None else limits.norm * (1 + ROUNDING)
         self._buffer = PlayoutBuffer(period_ns)
         self._origin_ns: int | None = None
         self.plant_ns = 0
@@ -115,12 +122,13 @@ class PlantNode:
         self._slack_ns = due_ns - (received_ns - self._origin_ns)
 
     def _is_applicable(self, u: Vector) -> bool:
-        """Tell whether an input has the plant's shape and lies within the bound; a NaN does not."""
-        bound = self._bound
-        for value in u:
+        """Tell whether an input has the plant's shape and lies within the limits; a NaN does not."""
+        if len(u) != len(self._bounds):
+            return False
+        for value, bound in zip(u, self._bounds, strict=True):
             if not -bound <= value <= bound:
                 return False
-        return len(u) == len(self._u)
+        return self._norm == inf or hypot(*u) <= self._norm
 
     def _choose_input(self) -> list[Outgoing]:
         """Decide what is in force from the present plant time on; return an event when that changes in kind."""
@@ -136,11 +144,10 @@ class PlantNode:
                 self._phase = HOLDING
         if self._phase is FAIL_SAFE:
             self._u = self._fail_safe(self._sample.x)
-        return self._announce(before)
+        return [] if self._phase is before else self._announce(before)
 
     def _announce(self, before: PlantPhase) -> list[Outgoing]:
-        changed_kind = self._phase is not before and (before is FAIL_SAFE or self._phase is FAIL_SAFE)
-        if not changed_kind:
+        if before is not FAIL_SAFE and self._phase is not FAIL_SAFE:
             return []
         at = f"plant time {self.plant_ns / 1e9:.3f} s"
         if self._phase is FAIL_SAFE:
@@ -167,12 +174,13 @@ class PlantNode:
 
 
 class _BoundedLaw:
-    """The robot's fail-safe law, clipped to the input bound."""
+    """The robot's fail-safe law, clipped to the limits of the input."""
 
-    def __init__(self, robot: Robot, bound: float) -> None:
+    def __init__(self, robot: Robot, limits: Limits) -> None:
         system = robot.system
         self._space = Workspace(Layout.of({"x": system.n, "u": system.m}))
-        clipped = ca.fmin(ca.fmax(robot.fail_safe, -bound), bound)
+        bound = ca.DM(list(limits.magnitude))
+        clipped = limits.clip(robot.fail_safe, -bound, bound)
         self._evaluate = self._space.bind(dense_function("fail_safe", [system.x], [clipped]), ["x"], ["u"])
         self._give = Struct(f"{system.m}d").unpack_from
         self._offset = system.n * 8

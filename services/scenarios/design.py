@@ -8,6 +8,7 @@ import casadi as ca
 from passafe.barrier import Barrier
 from passafe.class_k import ClassK, Cubic, Linear, Piecewise
 from passafe.design import FilterDesign, Law, Mode
+from passafe.limits import Limits
 from passafe.models.damped_point import damped_point
 from passafe.models.drag_point import drag_point
 from passafe.models.robot import Robot
@@ -96,9 +97,19 @@ def design_of(scenario: Scenario, robot: Robot) -> FilterDesign:
         k_i=config.k_i,
         dt_s=scenario.dt_s,
         input_bound=config.input_bound,
+        input_norm_bound=config.input_norm_bound,
+        input_rate_bound_per_s=config.input_rate_bound_per_s,
+        between_samples=config.between_samples,
         law=Law(config.law),
         mode=Mode(config.mode),
     )
+
+
+def limits_of(scenario: Scenario, robot: Robot) -> Limits:
+    """Return what the scenario's actuators can do."""
+    config = scenario.filter
+    m = robot.system.m
+    return Limits.of(m, config.input_bound, config.input_norm_bound, config.input_rate_bound_per_s)
 
 
 def sampled_plant_of(scenario: Scenario, robot: Robot) -> SampledPlant:

@@ -169,15 +169,22 @@ class PassivityConfig(Config):
 
 
 class FilterConfig(Config):
-    """The filter: law, mode, gains, bound of the input, passivity and barriers.
+    """The filter: law, mode, gains, limits of the input, passivity and barriers.
 
-    ``k_i`` is α/2 of the tracking term. ``input_bound`` bounds every axis of u; beyond it the filter falls back.
+    ``k_i`` is α/2 of the tracking term. ``input_bound`` limits every axis of u, ``input_norm_bound`` its length and
+    ``input_rate_bound_per_s`` how fast every axis may change. ``start`` is the input before the first one:
+    ``nearest`` lets the first one be the nearest to û that keeps every row, ``zero`` begins at u = 0 as the paper
+    does. ``between_samples`` keeps barriers between samples too.
     """
 
     law: Literal["sampled", "continuous"] = "sampled"
     mode: Literal["off", "safe", "passive", "both"] = "both"
     k_i: Positive
     input_bound: Positive = 100.0
+    input_norm_bound: Positive | None = None
+    input_rate_bound_per_s: Positive | None = None
+    start: Literal["nearest", "zero"] = "nearest"
+    between_samples: bool = True
     feedback: FeedbackConfig = FeedbackConfig()
     passivity: PassivityConfig = PassivityConfig()
     barriers: tuple[BarrierConfig, ...] = ()

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from passafe.barrier import Barrier
 from passafe.class_k import ClassK, Cubic, Linear, Piecewise
-from passafe.decision import Decision
+from passafe.decision import Decision, Status
 from passafe.design import FilterDesign, Law, Mode
 from passafe.filter import SafetyPassivityFilter
 from passafe.models.damped_point import damped_point
@@ -147,6 +147,7 @@ def row_filter(
         input_bound=input_bound,
         law=Law.SAMPLED,
         mode=Mode.BOTH if soft else Mode.SAFE,
+        between_samples=False,
     )
     return SafetyPassivityFilter(design)
 
@@ -165,24 +166,28 @@ def random_state(rng: np.random.Generator, size: int, scale: float = 1.5) -> NDA
 def assert_consistent(made: SafetyPassivityFilter, decision: Decision) -> None:
     """Assert that every part of a decision is what its name says, whatever its status."""
     design = made.design
-    N = len(made.row_names)
+    N, m = len(made.row_names), design.system.m
     z = decision.part("z")
-    G = decision.part("G").reshape((N, z.size), order="F")
+    duties = decision.part("G").reshape((made.duties, z.size), order="F")
+    axes = np.eye(m, z.size)
+    G = np.vstack((duties, axes, -axes))
+    low, high, u_ref = (decision.part(name) for name in ("low", "high", "u_ref"))
+    d = np.concatenate((decision.part("d"), low - u_ref, u_ref - high))
     held = np.asarray(decision.u)
 
-    assert held == pytest.approx(
-        np.clip(decision.part("u_ref") + z[: held.size], -design.input_bound, design.input_bound)
-    )
-    assert decision.margins == pytest.approx(G @ z - decision.part("d"))
+    assert held == pytest.approx(np.clip(u_ref + z[:m], low, high))
+    assert decision.margins == pytest.approx(G @ z - d)
     assert decision.v == pytest.approx((held - decision.part("u")) / design.dt_s - decision.phi)
-    assert np.linalg.norm(G, axis=1) == pytest.approx(np.ones(N))
-    if decision.status.is_fallback:
+    assert np.linalg.norm(duties, axis=1) == pytest.approx(np.ones(made.duties))
+    if decision.status is Status.UNCERTIFIED:
         assert (decision.slack, decision.duals.tolist()) == (0.0, [0.0] * N)
         return
+    asked = d.copy()
+    asked[: decision.part("relax").size] -= decision.part("relax")
     scale = 1 + np.linalg.norm(z)
     pull = G.T @ decision.duals
-    violation = max(-decision.margins.min(initial=0.0), 0.0)
-    gap = abs(z @ z / 2 - decision.duals @ decision.part("d") + pull @ pull / 2)
+    violation = max((asked - G @ z).max(initial=0.0), 0.0)
+    gap = abs(z @ z / 2 - decision.duals @ asked + pull @ pull / 2)
     assert violation / scale == pytest.approx(decision.primal_residual, abs=1e-12)
     assert np.abs(z - pull).max() / scale <= decision.dual_residual + 1e-12
     assert decision.duals.min(initial=0.0) >= -decision.dual_residual * scale - 1e-12

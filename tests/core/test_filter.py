@@ -54,8 +54,10 @@ def test_each_mode_has_its_rows(law: Law, mode: Mode, names: tuple[str, ...]) ->
     made = SafetyPassivityFilter(paper_design(law=law, mode=mode))
     decision = made.decide(PAPER_START, ZERO, (-3.0, 0.0), ZERO)
 
-    assert made.row_names == names
-    assert decision.margins.size == decision.duals.size == len(names)
+    limits = ("input 0 low", "input 1 low", "input 0 high", "input 1 high")
+    assert made.row_names == (*names, *limits)
+    assert made.duties == len(names)
+    assert decision.margins.size == decision.duals.size == len(names) + 4
     assert decision.psi.size == 3  # reported in every mode
 
 
@@ -71,7 +73,7 @@ def test_without_rows_the_nominal_input_passes() -> None:
 
 def test_a_row_in_the_way_is_met_exactly_and_the_input_is_the_nearest_one() -> None:
     """One row in closed form: u⁺ = u_ref − ψ₂(x, u_ref) g/‖g‖² with g = 2x₁."""
-    made = SafetyPassivityFilter(paper_design(mode=Mode.SAFE))
+    made = SafetyPassivityFilter(paper_design(mode=Mode.SAFE, between_samples=False))
     decision = made.decide((1.2, 0.0, -1.0, 0.3), ZERO, ZERO, ZERO)
     g = np.array([2.4, 0.0])
     u_ref = decision.part("u_ref")
@@ -81,7 +83,7 @@ def test_a_row_in_the_way_is_met_exactly_and_the_input_is_the_nearest_one() -> N
     assert psi_ref < 0
     assert decision.u == pytest.approx(u_ref - psi_ref * g / (g @ g), abs=1e-5)
     assert decision.psi[2] == pytest.approx(0.0, abs=1e-5)
-    assert decision.margins == pytest.approx([0.0], abs=1e-5)
+    assert decision.margins[0] == pytest.approx(0.0, abs=1e-5)
 
 
 def test_the_nominal_input_is_held_to_the_bound() -> None:

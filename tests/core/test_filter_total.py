@@ -1,7 +1,7 @@
 """``decide`` answers whatever it is asked, the same each time."""
 
 from itertools import product
-from math import inf, isfinite, nan
+from math import inf, isfinite, isnan, nan
 
 import numpy as np
 import pytest
@@ -149,7 +149,7 @@ def test_the_fallback_is_the_fail_safe_within_the_bound(speed: float, spread: fl
     assert decision.status.is_fallback
     for value, held in zip((speed, spread), decision.u, strict=True):
         expected = -9.0 * value
-        assert held == (min(max(expected, -100.0), 100.0) if isfinite(expected) else 0.0)
+        assert held == (0.0 if isnan(expected) else min(max(expected, -100.0), 100.0))
 
 
 def test_an_argument_without_a_number_in_it_makes_no_claim_to_a_solver() -> None:

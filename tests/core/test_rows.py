@@ -11,7 +11,7 @@ from finite_differences import Array, numeric, rate_along, slope
 from passafe.barrier import derive_chain
 from passafe.design import FilterDesign
 from passafe.passivity import power_margin
-from passafe.rows import PASSIVITY_ROW, TINY, Row, continuous_rows, sampled_rows, stack
+from passafe.rows import PASSIVITY_ROW, TINY, Row, continuous_rows, passivity_row, row_at, stack
 from passafe.tank import Tank
 from passafe.tracking import tracking_rate
 
@@ -28,7 +28,8 @@ class Derived:
         h_u = power_margin(system, design.passivity.V)
         phi = tracking_rate(system, design.u_fb, u_h, u_h_rate, design.k_i)
         if law == "sampled":
-            rows = sampled_rows(system, chains, h_u, design.passivity, u_ref, tank)
+            rows = [row_at(system, chain.barrier.name, chain.psi[-1], u_ref, u_ref) for chain in chains]
+            rows.append(passivity_row(system, h_u, design.passivity, u_ref, u_ref, tank))
         else:
             rows = continuous_rows(system, chains, h_u, design.passivity, phi, design.dt_s)
         given = [system.x, system.u, u_h, u_h_rate]
@@ -116,11 +117,24 @@ def test_without_a_power_margin_there_is_no_passivity_row() -> None:
     design = paper_design()
     system = design.system
     chains = [derive_chain(system, barrier) for barrier in design.barriers]
-    scalar = ca.SX.sym("tank")
 
-    assert [row.name for row in sampled_rows(system, chains, None, None, system.u, scalar)] == ["disk"]
     assert [row.name for row in continuous_rows(system, chains, None, None, system.u, 1e-3)] == ["disk"]
-    assert sampled_rows(system, [], None, None, system.u, scalar) == []
+
+
+def test_a_tangent_touches_where_it_is_told_to() -> None:
+    design = pump_design()
+    system = design.system
+    function = design.system.f[0] + ca.exp(system.u[0])
+    u_ref, u_lin = ca.SX.sym("u_ref", system.m), ca.SX.sym("u_lin", system.m)
+    row = row_at(system, "curved", function, u_ref, u_lin)
+    value = numeric([system.x, u_ref, u_lin], row.value)
+    gradient = numeric([system.x, u_ref, u_lin], row.gradient)
+    curve = numeric([system.x, system.u], function)
+    x, near = np.full(system.n, 0.3), np.full(system.m, 0.2)
+    for far in (0.2, 0.9, -0.4):
+        given = (x, np.full(system.m, far), near)
+
+        assert value(*given) + gradient(*given) @ (near - far) == pytest.approx(curve(x, near)[0])
 
 
 def test_a_tank_above_its_reserve_lends_power_and_below_it_asks_for_it_back() -> None:

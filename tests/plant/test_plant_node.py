@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from passafe import SampledPlant, damped_point
+from passafe.limits import Limits
 from protocol.messages import Event, Header, PlantInput, PlantPhase, PlantState, Received
 from services.plant.node import PlantNode
 
@@ -20,7 +21,7 @@ def make_node(*, playout_ns: int = 0, hold_ns: int = 3 * MS) -> PlantNode:
         period_ns=MS,
         playout_ns=playout_ns,
         hold_ns=hold_ns,
-        input_bound=100.0,
+        limits=Limits(magnitude=(100.0, 100.0)),
     )
 
 

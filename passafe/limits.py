@@ -1,0 +1,99 @@
+"""What the actuators can do: magnitude of every axis, length of the whole input, and how fast it may change."""
+
+from dataclasses import dataclass
+from math import inf, sqrt
+
+import casadi as ca
+import numpy as np
+
+from passafe.errors import DesignError, ShapeError
+from passafe.workspace import Array
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Limits:
+    """The set of inputs that may be sent: {u⁺ : |u⁺ᵢ| ≤ bᵢ, ‖u⁺‖ ≤ B, |u⁺ᵢ − uᵢ| ≤ dt·rᵢ}, u the input before.
+
+    It is never empty while u itself is in it. Should u lie outside the magnitudes, they come before the rates.
+
+    Attributes:
+        magnitude: b, one for each axis, units of u.
+        norm: B, units of u; ``None`` for no limit of its own.
+        rate_per_s: r, one for each axis, units of u per second; ``None`` for no limit.
+    """
+
+    magnitude: tuple[float, ...]
+    norm: float | None = None
+    rate_per_s: tuple[float, ...] | None = None
+
+    @classmethod
+    def of(
+        cls,
+        m: int,
+        magnitude: float | tuple[float, ...],
+        norm: float | None,
+        rate_per_s: float | tuple[float, ...] | None,
+    ) -> "Limits":
+        """Return the limits for m axes; one number counts for each of them.
+
+        Raises:
+            ShapeError: Another number of axes.
+            DesignError: A limit that is no positive finite number.
+        """
+        if norm is not None:
+            _require_positive("input_norm_bound", norm)
+        rates = None if rate_per_s is None else _each_axis("input_rate_bound_per_s", rate_per_s, m)
+        return cls(magnitude=_each_axis("input_bound", magnitude, m), norm=norm, rate_per_s=rates)
+
+    @property
+    def reach(self) -> float:
+        """Longest way between two inputs whose magnitudes are admissible, whatever their norm, units of u."""
+        return 2 * sqrt(sum(b * b for b in self.magnitude))
+
+    def interval(self, u: ca.SX, dt_s: float) -> tuple[ca.SX, ca.SX]:
+        """Return the least and the largest u⁺ that magnitude and rate allow after u, each of shape (m, 1)."""
+        b = ca.DM(list(self.magnitude))
+        if self.rate_per_s is None:
+            return ca.SX(-b), ca.SX(b)
+        step = dt_s * ca.DM(list(self.rate_per_s))
+        return ca.fmin(ca.fmax(u - step, -b), b), ca.fmax(ca.fmin(u + step, b), -b)
+
+    def clip(self, u_plus: ca.SX, low: ca.SX | ca.DM, high: ca.SX | ca.DM) -> ca.SX:
+        """Return u⁺ put into an interval axis by axis, then shortened to the norm, shape (m, 1).
+
+        Args:
+            u_plus: Shape (m, 1).
+            low: Least u⁺, shape (m, 1).
+            high: Largest u⁺, shape (m, 1).
+        """
+        clipped = ca.fmin(ca.fmax(u_plus, low), high)
+        if self.norm is None:
+            return clipped
+        length = ca.norm_2(clipped)
+        return ca.if_else(length > self.norm, clipped * (self.norm / length), clipped)
+
+    def nearest(self, u: Array, low: Array, high: Array) -> Array:
+        """Return ``clip`` of plain numbers; 0 or what is nearest to it stands for what is no number.
+
+        Args:
+            u: Any numbers, shape (m,).
+            low: Least u⁺, shape (m,).
+            high: Largest u⁺, shape (m,).
+        """
+        clipped = np.clip(np.where(np.isnan(u), 0.0, u), low, high)
+        length = float(np.linalg.norm(clipped))
+        return clipped if self.norm is None or length <= self.norm else clipped * (self.norm / length)
+
+
+def _each_axis(field: str, value: float | tuple[float, ...], m: int) -> tuple[float, ...]:
+    each = (value,) * m if isinstance(value, (int, float)) else tuple(value)
+    if len(each) != m:
+        raise ShapeError(field, f"{len(each)} numbers", f"one number, or {m}: one for each axis")
+    for one in each:
+        _require_positive(field, one)
+    return tuple(map(float, each))
+
+
+def _require_positive(field: str, value: float) -> None:
+    if not 0.0 < value < inf:
+        raise DesignError(field, value, "a positive finite number")

@@ -1,0 +1,39 @@
+"""What a solver of the filter's quadratic program is: min ½‖z‖² subject to G z ≥ d, for arrays that change in place."""
+
+from enum import Enum
+from typing import Protocol
+
+
+class SolverOutcome(Enum):
+    """What a solver says of its own answer; the certificate decides whether it is used."""
+
+    SOLVED = "solved"
+    INFEASIBLE = "infeasible"
+    FAILED = "failed"
+
+
+SOLVED, INFEASIBLE, FAILED = SolverOutcome
+
+
+class Solver(Protocol):
+    """Holds G and d from its making on and reads them again at every solve.
+
+    An answer is a function of the present G and d alone: no solver starts from what it found before.
+
+    Attributes:
+        name: How the certificate names it.
+    """
+
+    name: str
+
+    def solve(self, z: memoryview, lam: memoryview) -> SolverOutcome:
+        """Solve for the present G and d.
+
+        Args:
+            z: Receives the decision, k numbers. Whatever the outcome, it may hold anything.
+            lam: Receives the multipliers, N numbers.
+
+        Returns:
+            What the solver says.
+        """
+        ...

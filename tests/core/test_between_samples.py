@@ -1,0 +1,138 @@
+"""The margin between samples: the bound it rests on, and what it gives on trajectories that the model really takes."""
+
+from dataclasses import replace
+
+import casadi as ca
+import numpy as np
+import pytest
+from core_designs import DESIGNS, Builder, gains, paper_design, pump_design, random_state
+from finite_differences import numeric, runge_kutta
+
+from passafe.barrier import Barrier, derive_chain
+from passafe.between_samples import curvature_bound, held_function
+from passafe.class_k import Cubic, Piecewise
+from passafe.decision import Status
+from passafe.design import Mode
+from passafe.filter import SafetyPassivityFilter
+
+PARTS = 8
+
+
+@pytest.mark.parametrize("build", DESIGNS)
+def test_no_trajectory_bends_down_more_than_the_bound(build: Builder) -> None:
+    """p(τ) ≥ p(0) + τ ṗ(0) − ½τ²M all over a period, for every input in the box around u."""
+    design = build()
+    system, dt_s = design.system, design.dt_s
+    flow = numeric([system.x, system.u], system.f)
+    rng = np.random.default_rng(80)
+    radius = np.full(system.m, 0.3)
+    for barrier in design.barriers:
+        chain = derive_chain(system, barrier)
+        r = chain.relative_degree
+        p = chain.psi[r - 1]
+        bound = numeric([system.x, system.u], curvature_bound(system, p, dt_s, ca.SX(radius), steps=max(r, 2)))
+        value = numeric([system.x], p)
+        rate = numeric([system.x, system.u], system.rate(p))
+        for _ in range(25):
+            x, u = random_state(rng, system.n), random_state(rng, system.m)
+            M = float(bound(x, u)[0])
+            held = u + rng.uniform(-1, 1, system.m) * radius
+            s = x
+            assert M < 1e6  # the tube was found
+            for k in range(1, PARTS + 1):
+                s = runge_kutta(lambda _, s, held=held: flow(s, held), 0.0, s, dt_s / PARTS)  # type: ignore[misc]  # bound
+                tau = k * dt_s / PARTS
+                straight = value(x)[0] + tau * rate(x, held)[0]
+
+                assert value(s)[0] >= straight - tau**2 / 2 * M - 1e-10 * (1 + abs(straight))
+
+
+def test_a_moving_set_s_bend_is_in_the_bound() -> None:
+    """An obstacle that turns around at full stop bends p although the robot rests: p̈ = −2·a·‖x₁ − c‖ there."""
+    design = paper_design()
+    system = design.system
+    centre = ca.vertcat(ca.sin(20 * system.t), 0)
+    p = ca.sumsqr(system.x[:2] - centre) - 0.25
+    bound = numeric([system.x, system.u, system.t], curvature_bound(system, p, 1e-3, ca.SX.zeros(2), steps=2))
+    at = np.pi / 40  # c = (1, 0), at rest
+
+    assert bound([3, 0, 0, 0], [0, 0], at)[0] == pytest.approx(-(2 * (3 - 1) * 400), rel=0.1)
+    assert bound([-1, 0, 0, 0], [0, 0], at)[0] == pytest.approx(2 * 2 * 400, rel=0.1)
+
+
+@pytest.mark.parametrize(("gamma", "steep"), [(Cubic(gain=100.0), True), (Piecewise(gain=1.0, gain_below=9.0), False)])
+def test_a_sampled_input_is_not_allowed_to_use_more_than_a_period_s_worth(gamma: Cubic, steep: bool) -> None:
+    design = paper_design()
+    system = design.system
+    disk = replace(design.barriers[0], class_k=gains(10.0, gamma, 1.0))
+    chain = derive_chain(system, disk)
+    held = numeric([system.x, system.u], held_function(system, chain, 1e-3))
+    plain = numeric([system.x, system.u], chain.psi[2])
+    rest = numeric([system.x, system.u], system.rate(chain.psi[1]))
+    far, near, u = [3, 0, 1, 0], [1.01, 0, 0, 0], [1, 2]
+    p = numeric([system.x], chain.psi[1])(far)[0]
+
+    assert held(near, u) == pytest.approx(plain(near, u))
+    assert held(far, u) == pytest.approx(rest(far, u) + p / 1e-3 if steep else plain(far, u))
+
+
+def test_a_linear_gain_that_a_period_can_use_is_left_alone() -> None:
+    design = paper_design()
+    chain = derive_chain(design.system, design.barriers[0])
+
+    assert held_function(design.system, chain, 1e-3) is chain.psi[2]
+    assert held_function(design.system, chain, 0.2) is not chain.psi[2]
+
+
+def speed_limit(margin: bool, dt_s: float = 0.02) -> SafetyPassivityFilter:
+    """Return a filter that keeps the paper's robot below 2 m/s: relative degree 1, p bends with ‖u‖²."""
+    design = paper_design(mode=Mode.SAFE, dt_s=dt_s, k_i=20.0, input_bound=30.0, between_samples=margin)
+    limit = Barrier(name="speed", h=4 - ca.sumsqr(design.system.x[2:]), class_k=gains(10.0, 10.0))
+    return SafetyPassivityFilter(replace(design, barriers=(limit,)))
+
+
+@pytest.mark.parametrize("margin", [True, False])
+def test_with_the_margin_a_speed_limit_holds_between_slow_samples_and_without_it_does_not(margin: bool) -> None:
+    """50 Hz, an operator who turns the push around again and again."""
+    made = speed_limit(margin)
+    system = made.design.system
+    flow = numeric([system.x, system.u], system.f)
+    x, u, lowest = np.array([3.0, 0.0, 0.0, 0.0]), (0.0, 0.0), np.inf
+    for k in range(150):
+        push = (40.0 * (-1) ** (k // 15), 25.0 * (-1) ** (k // 23))
+        decision = made.decide(x.tolist(), u, push, (0.0, 0.0))
+        u = decision.u
+        assert decision.status in {Status.PASSED, Status.MODIFIED}
+        for _ in range(PARTS):
+            x = runge_kutta(lambda _, s, u=u: flow(s, np.array(u)), 0.0, x, made.design.dt_s / PARTS)  # type: ignore[misc]
+            lowest = min(lowest, 4 - float(x[2:] @ x[2:]))
+    assert (lowest >= 0.0) == margin
+    assert lowest > -1.0
+
+
+def test_an_answer_that_is_used_has_the_margin_of_its_own_neighbourhood() -> None:
+    """Not affine in u, bent hard, large steps: nearly all find theirs, the others are not used."""
+    made = SafetyPassivityFilter(pump_design())
+    value = numeric([made.design.system.x], made.chains[0].psi[0])
+    rng = np.random.default_rng(81)
+    refused = used = 0
+    while used < 600:
+        x, u, u_h = random_state(rng, 2), random_state(rng, 2), 6 * random_state(rng, 2)
+        if value(x)[0] < 0:
+            continue
+        decision = made.decide(list(x), list(u), list(u_h), [0.0, 0.0], 1.0)
+        refused += decision.status.is_fallback
+        if not decision.status.is_fallback:
+            used += 1
+            assert decision.part("shortfall")[0] <= 0
+            assert decision.part("strayed")[0] <= 0
+            assert np.abs(decision.u - decision.part("u_lin")).max() <= decision.part("trust").max() + 1e-12
+    assert 0 < refused < 30
+
+
+def test_outside_the_set_the_margin_is_given_up() -> None:
+    made = SafetyPassivityFilter(paper_design(mode=Mode.SAFE))
+    inside, outside = (made.decide((x, 0.0, 0.0, 0.0), (0.0, 0.0), (-50.0, 0.0), (0.0, 0.0)) for x in (1.001, 0.9))
+
+    assert inside.part("eps")[0] > 0
+    assert outside.part("eps")[0] == 0

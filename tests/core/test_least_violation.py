@@ -1,0 +1,67 @@
+import numpy as np
+import pytest
+
+from passafe.certificate import is_certified
+from passafe.least_violation import least_violation
+from passafe.quadratic_program import Tolerance
+
+BOX_G = np.vstack((np.eye(2), -np.eye(2)))
+BOX_D = np.full(4, -1.0)
+
+
+def test_rows_that_can_be_kept_need_nothing() -> None:
+    assert least_violation(np.eye(2), np.array([0.5, -3.0]), BOX_G, BOX_D) == pytest.approx([0, 0], abs=1e-6)
+
+
+def test_a_row_beyond_the_limits_is_missed_by_what_is_missing() -> None:
+    """u₀ ≥ 4 within |u₀| ≤ 1."""
+    assert least_violation(np.eye(2)[:1], np.array([4.0]), BOX_G, BOX_D) == pytest.approx([3.0], abs=1e-6)
+
+
+def test_rows_that_contradict_one_another_share_in_least_squares() -> None:
+    """u₀ ≥ 0.5, u₀ ≤ −0.3 twice: minimise (0.5 − u)² + 2(u + 0.3)² at u = −1/30."""
+    G = np.array([[1.0, 0.0], [-1.0, 0.0], [-1.0, 0.0]])
+    s = least_violation(G, np.array([0.5, 0.3, 0.3]), BOX_G, BOX_D)
+
+    assert s == pytest.approx([0.5 + 0.1 / 3, 0.3 - 0.1 / 3, 0.3 - 0.1 / 3], abs=1e-6)
+
+
+def test_a_row_that_nothing_contradicts_is_kept() -> None:
+    G = np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0]])
+    s = least_violation(G, np.array([0.5, 0.5, 0.9]), BOX_G, BOX_D)
+
+    assert s is not None
+    assert s[2] == pytest.approx(0.0, abs=1e-5)
+
+
+def test_a_row_without_gradient_is_missed_whatever_the_input() -> None:
+    assert least_violation(np.zeros((1, 2)), np.array([2.0]), BOX_G, BOX_D) == pytest.approx([2.0], abs=1e-6)
+
+
+def test_many_random_rows_are_missed_by_no_more_than_any_input_misses_them() -> None:
+    rng = np.random.default_rng(82)
+    for _ in range(100):
+        rows = rng.integers(1, 9)
+        G = rng.normal(size=(rows, 2))
+        G /= np.linalg.norm(G, axis=1)[:, None]
+        d = rng.normal(size=rows)
+        s = least_violation(G, d, BOX_G, BOX_D)
+        tried = np.maximum(d[:, None] - G @ rng.uniform(-1, 1, (2, 2000)), 0)
+
+        assert s is not None
+        assert (s**2).sum() <= (tried**2).sum(axis=0).min() + 1e-6
+
+
+def test_what_is_no_number_has_no_answer() -> None:
+    assert least_violation(np.eye(2), np.array([np.nan, 0.0]), BOX_G, BOX_D) is None
+
+
+def test_a_certificate_wants_all_of_it() -> None:
+    G, d = np.eye(2), np.array([1.0, -1.0])
+    z, lam, tolerance = np.array([1.0, 0.0]), np.array([1.0, 0.0]), Tolerance()
+
+    assert is_certified(G, d, z, lam, tolerance)
+    assert not is_certified(G, d, z * 0.9, lam, tolerance)
+    assert not is_certified(G, d, z, lam + np.array([0, 1e-3]), tolerance)
+    assert not is_certified(G, d, z, -lam, tolerance)
+    assert not is_certified(G, d, z * np.nan, lam, tolerance)
