@@ -6,8 +6,9 @@ STAMP := $(VENV)/.installed
 PROTO := protocol/passafe.proto
 GENERATE := $(BIN)/python -m grpc_tools.protoc -I .
 DEMO ?=
+CAMPAIGN ?= $(basename $(notdir $(wildcard services/scenarios/*.toml)))
 
-.PHONY: help demo test check fast proto lock docs pictures bench clean
+.PHONY: help demo test check fast proto lock docs pictures bench campaign clean
 
 help:  ## list the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 12
@@ -50,6 +51,9 @@ bench: $(STAMP)  ## benchmarks; the peers are installed first
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[peers]'
 	$(BIN)/python benchmarks/filter_step.py
 	$(BIN)/python benchmarks/lockstep_speed.py
+
+campaign: $(STAMP)  ## 10,000 adversarial rollouts of every shipped scenario; hours, and it goes on where it was interrupted
+	$(BIN)/passafe campaign $(CAMPAIGN) --rollouts 10000 --out runs/campaign
 
 lock: $(STAMP)  ## pin what is installed now
 	$(BIN)/python -m pip freeze --exclude-editable | grep -v ' @ ' > constraints.txt

@@ -2,7 +2,7 @@
 
 import typer
 
-from services.cli import demo, recover, replay, review, run, scenarios, simulate
+from services.cli import campaign, demo, recover, replay, review, run, scenarios, simulate
 from services.cli.failure import with_one_line
 
 app = typer.Typer(
@@ -16,6 +16,7 @@ app = typer.Typer(
 app.command("demo")(demo.demo)
 app.command("run")(run.run)
 app.command("simulate")(simulate.simulate)
+app.command("campaign")(campaign.campaign)
 app.command("review")(review.review)
 app.command("replay")(replay.replay)
 app.command("recover")(recover.recover_log)

@@ -23,6 +23,7 @@ class PlantConfig(Config):
 
     ``playout_s`` is how long before it takes effect an input should arrive: the buffer that absorbs jitter.
     ``hold_s`` is how long an input is held when no other follows, before the fail-safe law takes over.
+    ``start_low`` and ``start_high`` span the box from which campaigns draw their starts; ±3 where they are not given.
     """
 
     model: Literal["damped-point", "drag-point"]
@@ -30,6 +31,8 @@ class PlantConfig(Config):
     x0: Vector
     playout_s: Annotated[float, Field(ge=0, le=2)] = 0.005
     hold_s: Annotated[float, Field(ge=0, le=2)] = 0.1
+    start_low: Vector | None = None
+    start_high: Vector | None = None
 
 
 class LagSource(Config):

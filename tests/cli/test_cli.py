@@ -30,9 +30,9 @@ def simulated(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return log
 
 
-@pytest.mark.parametrize("command", [(), ("demo",), ("run",), ("simulate",), ("review",), ("replay",), ("recover",)])
-def test_every_command_explains_itself(command: tuple[str, ...]) -> None:
-    done = passafe(*command, "--help")
+@pytest.mark.parametrize("command", ["", "demo", "run", "simulate", "campaign", "review", "replay", "recover"])
+def test_every_command_explains_itself(command: str) -> None:
+    done = passafe(*command.split(), "--help")
 
     assert done.returncode == 0
     assert "Usage" in done.stdout
@@ -49,6 +49,8 @@ def test_every_command_explains_itself(command: tuple[str, ...]) -> None:
         (("simulate", "--link", "plant-to-filter:delay=soon", "--out", "x.mcap"), "delay_s"),
         (("simulate", "--out", "/proc/no/run.mcap"), "/proc/no"),
         (("demo", "--out", "/proc/no", "--headless"), "/proc/no"),
+        (("campaign", "nonsense", "--out", "x"), "notomista-cai-2020"),
+        (("campaign", "notomista-cai-2020", "--out", "/proc/no"), "/proc/no"),
         (("review", "missing.mcap"), "missing.mcap"),
         (("replay", "missing.mcap"), "missing.mcap"),
         (("recover", "missing.mcap", "--out", "whole.mcap"), "missing.mcap"),
@@ -129,3 +131,16 @@ def test_recover_makes_a_whole_log_of_a_torn_one(simulated: Path, tmp_path: Path
     assert done.returncode == 0, done.stderr
     assert "kept" in done.stdout
     assert passafe("review", str(whole), "--json").stdout.startswith("{")
+
+
+def test_a_campaign_goes_on_where_it_was_and_says_what_it_saw(tmp_path: Path) -> None:
+    short = ("campaign", "notomista-cai-2020", "--duration", "0.2", "--workers", "1", "--out", str(tmp_path))
+    first = passafe(*short, "--rollouts", "3")
+    again = passafe(*short, "--rollouts", "5")
+
+    assert first.returncode == again.returncode == 0, first.stderr + again.stderr
+    assert "lowest h" in again.stdout
+    assert len((tmp_path / "notomista-cai-2020.jsonl").read_text().splitlines()) == 1 + 5
+    summary = json.loads((tmp_path / "notomista-cai-2020.summary.json").read_text())
+    assert summary["rollouts"] == 5
+    assert summary["h_min"]["value"] > 0

@@ -1,0 +1,65 @@
+"""Outcomes on disk, a line each: an interrupted campaign goes on where it was."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from services.campaign.errors import RecordsError
+from services.campaign.rollout import Outcome
+from services.scenarios.schema import Scenario
+
+
+class Heading(BaseModel):
+    """First line of a file: what the outcomes in it are of."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    scenario: Scenario
+    duration_s: float
+
+
+class Records:
+    """The outcomes of one campaign in a file.
+
+    Attributes:
+        path: The file.
+        outcomes: By seed.
+    """
+
+    def __init__(self, path: Path, heading: Heading) -> None:
+        """Open a file, or begin it.
+
+        Raises:
+            RecordsError: It holds another campaign's outcomes, or no outcomes.
+        """
+        self.path = path
+        self.outcomes: dict[int, Outcome] = {}
+        if path.exists():
+            self._read(heading)
+        else:
+            path.write_text(heading.model_dump_json() + "\n", encoding="utf-8")
+
+    def add(self, outcomes: Iterator[Outcome]) -> Iterator[Outcome]:
+        """Write outcomes down as they come, and pass them on."""
+        with self.path.open("a", encoding="utf-8") as file:
+            for outcome in outcomes:
+                file.write(outcome.model_dump_json() + "\n")
+                file.flush()
+                self.outcomes[outcome.seed] = outcome
+                yield outcome
+
+    def _read(self, heading: Heading) -> None:
+        text = self.path.read_text(encoding="utf-8")
+        whole = text[: text.rfind("\n") + 1]
+        try:
+            first, *lines = whole.splitlines()
+            known = Heading.model_validate_json(first)
+            read = [Outcome.model_validate_json(line) for line in lines]
+        except (ValueError, ValidationError) as error:
+            raise RecordsError(self.path, "a file that holds no campaign") from error
+        if known != heading:
+            raise RecordsError(self.path, "the outcomes of another scenario, duration or version")
+        if whole != text:  # the last line was cut off
+            self.path.write_text(whole, encoding="utf-8")
+        self.outcomes = {outcome.seed: outcome for outcome in read}
