@@ -74,8 +74,8 @@ class Derivation:
         self._low, self._high = self._interval()
         wanted = ca.if_else(self._start, self._u_nominal, system.u + design.dt_s * self._phi)
         self._u_ref = ca.fmin(ca.fmax(wanted, self._low), self._high)
-        least = TRUST * ca.DM(list(design.limits.magnitude))
-        self._trust = ca.if_else(self._trust_asked > 0, self._trust_asked, ca.fabs(self._u_ref - self._u_lin) + least)
+        nearby = ca.mmax(ca.fabs(self._u_ref - self._u_lin)) + TRUST * ca.DM(list(design.limits.magnitude))
+        self._trust = ca.if_else(self._trust_asked > 0, self._trust_asked, nearby)
         self._chains = chains
         self._enforced = tuple(chains) if design.mode.enforces_safety else ()
         self._h_u = power_margin(system, design.passivity.V)

@@ -26,8 +26,16 @@ from passafe.workspace import Layout, Workspace
 CUSHION: Final = 2.0
 """By how much more than asked the rows are kept, in units of the residual that an answer may have."""
 
-ATTEMPTS: Final = 10
+ATTEMPTS: Final = 14
 """How often margins and tangents are put where the answer was; the last margin is good for every input whatever."""
+
+FULL_STEPS: Final = 3
+SHORT_STEP: Final = 0.6
+"""After so many attempts the margin is put only so far towards the answer: answers may go to and fro."""
+
+CLOSER: Final = 0.5
+NARROWER: Final = 0.1
+"""What the margin is good for next: of the way to the answer, or of what it was good for before."""
 
 NORM_TOLERANCE: Final = 1e-7
 """By how much an answer may be longer than the norm's limit before it is shortened, relative."""
@@ -143,27 +151,37 @@ class SafetyPassivityFilter:
             self._cuts[:] = np.eye(1, self._m)  # ‖u‖ ≤ B says u₁ ≤ B, too
         status, solver, settled = self._solve()
         if not settled and status is not _UNCERTIFIED:
-            status, solver = self._settle()
+            status, solver = self._settle(status)
         if status is _UNCERTIFIED:
             self._fall_back()
         unpack, offset = self._u_plus
         return Decision(self._workspace.block.copy(), self.layout.parts, status, solver, unpack(memory, offset))
 
-    def _settle(self) -> tuple[Status, str]:
-        """Solve again with margins and tangents that suit the answer, for as long as that asks for others."""
+    def _settle(self, status: Status) -> tuple[Status, str]:
+        """Solve again with margins and tangents that suit the answer, for as long as that asks for others.
+
+        Rows that conflict with a margin for inputs far and wide need not with that of inputs near by: then the margin
+        is for fewer, until it is for those near to one input alone.
+        """
         space, least = self._workspace, self._least_trust
         u_plus, u_lin, trust, cushion = (space.part(name) for name in ("u_plus", "u_lin", "trust_asked", "cushion"))
-        shortfall, strayed = space.part("shortfall"), space.part("strayed")
+        shortfall, strayed, solver = space.part("shortfall"), space.part("strayed"), "none"
+        trust[:] = space.part("trust")
         for attempt in range(ATTEMPTS):
-            if strayed[0] <= 0.0:
-                cushion += 2 * shortfall
-            change = np.abs(u_plus - u_lin).max() if attempt < ATTEMPTS - 1 else self.design.limits.reach
-            trust[:] = change + least
-            u_lin[:] = u_plus
+            if status is _INFEASIBLE:
+                trust[:] = np.maximum(NARROWER * trust, least)
+            else:
+                if strayed[0] <= 0.0:
+                    cushion += 2 * shortfall
+                change = u_plus - u_lin
+                trust[:] = CLOSER * np.abs(change).max() + least
+                u_lin += change if attempt < FULL_STEPS else SHORT_STEP * change
+            if attempt == ATTEMPTS - 1 and status is not _INFEASIBLE:
+                trust[:] = self.design.limits.reach
             status, solver, settled = self._solve()
-            if settled or status is _UNCERTIFIED or (status is _INFEASIBLE and strayed[0] <= 0.0):
+            if settled or status is _UNCERTIFIED or (status is _INFEASIBLE and (trust <= least).all()):
                 return status, solver
-        return _UNCERTIFIED, solver
+        return (status if status is _INFEASIBLE else _UNCERTIFIED), solver
 
     def _solve(self) -> tuple[Status, str, bool]:
         """Return the status of the present program's answer, whose it is, and whether margins and tangents suit it."""
