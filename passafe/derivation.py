@@ -17,6 +17,9 @@ from passafe.workspace import dense_function
 NORM_CUTS: Final = 6
 """Tangents that a limit on the norm may be replaced by, at most, for each axis."""
 
+NORM_TOLERANCE: Final = 1e-7
+"""By how much an answer may be longer than asked for, relative to the norm's limit; so much less is asked for."""
+
 TANGENT_ERROR: Final = 1e-5
 """By how much u⁺ may miss a row that is not affine in u where no margin between samples is asked for, units of u."""
 
@@ -35,6 +38,7 @@ class Derivation:
         hard: Number of hard ones among them; they come first.
         k: Length of z: m, and one more if a row is soft.
         row_names: Names of all N rows.
+        norm_asked: Length that answers are asked to have at most; 0 without a limit.
         has_margins: Whether there are margins between samples.
         root: √ρ of the soft row's slack; 0 without one.
         sizes_given: Parts read by ``prepare``, by name.
@@ -86,6 +90,8 @@ class Derivation:
         self.duties = len(rows)
         self.hard = sum(row.slack_price is None for row in rows)
         cuts = 0 if design.limits.norm is None else NORM_CUTS * m
+        # So much less that no answer that is accepted needs shortening: a shortened input would not be the nearest.
+        self.norm_asked = (design.limits.norm or 0.0) * (1 - NORM_TOLERANCE)
         self._cuts = ca.SX.sym("cuts", cuts, m)
         self.row_names = (
             *(row.name for row in rows),
@@ -176,8 +182,8 @@ class Derivation:
         relaxed = ca.vertcat(d_all[: self.hard] - relax, d_all[self.hard :])
         residuals = certificate_residuals(z, lam, G_all, relaxed)
         unclipped = u_ref + z[:m]
-        u_plus = limits.clip(unclipped, low, high)
-        norm_overreach = ca.SX(0) if limits.norm is None else ca.norm_2(unclipped) - limits.norm
+        u_plus = limits.clip(unclipped, system.u, low, high)
+        norm_overreach = ca.SX(0) if limits.norm is None else ca.norm_2(unclipped) - self.norm_asked
         residuals[0] = residuals[0] + poison
         psi = ca.vertcat(ca.SX(0, 1), *(psi for chain in self._chains for psi in chain.psi))
         psi, h_u = ca.substitute([psi, self._h_u], [system.u], [u_plus])
@@ -213,10 +219,9 @@ class Derivation:
         m, cuts = self._system.m, self._cuts
         axes = ca.horzcat(ca.SX.eye(m), ca.SX(m, self.k - m))
         tangents = ca.horzcat(-cuts, ca.SX(cuts.shape[0], self.k - m))
-        norm = self._design.limits.norm or 0.0
         return (
             ca.vertcat(G, axes, -axes, tangents),
-            ca.vertcat(d, low - u_ref, u_ref - high, cuts @ u_ref - norm),
+            ca.vertcat(d, low - u_ref, u_ref - high, cuts @ u_ref - self.norm_asked),
         )
 
     def _conflict(self) -> ca.Function:

@@ -14,7 +14,7 @@ import numpy as np
 from passafe.barrier import derive_chain
 from passafe.daqp_solver import DaqpSolver
 from passafe.decision import Decision, Status
-from passafe.derivation import TRUST, Derivation
+from passafe.derivation import NORM_TOLERANCE, TRUST, Derivation
 from passafe.design import FilterDesign
 from passafe.errors import ShapeError
 from passafe.least_distance_solver import LeastDistanceSolver
@@ -37,11 +37,8 @@ CLOSER: Final = 0.5
 NARROWER: Final = 0.1
 """What the margin is good for next: of the way to the answer, or of what it was good for before."""
 
-NORM_TOLERANCE: Final = 1e-7
-"""By how much an answer may be longer than the norm's limit before it is shortened, relative."""
-
 RELAXED_NORM: Final = 1e4
-"""How many times further beyond it may be where hard rows are given up anyway: shortening costs them little more."""
+"""How many times further beyond the norm it may be where hard rows are given up: shortening costs them little more."""
 
 # Reaching a member through its enumeration takes 0.7 µs on Python 3.11, and a step has 20.
 _PASSED, _MODIFIED, _RELAXED, _UNCERTIFIED, _INFEASIBLE = Status
@@ -109,6 +106,7 @@ class SafetyPassivityFilter:
             kind(self._rows, self._bounds) for kind in (PiqpSolver, DaqpSolver, LeastDistanceSolver)
         )
         self._cuts = space.matrix("cuts", (N - self.duties - 2 * m, m))
+        self._norm_asked = derivation.norm_asked
         self._too_long = NORM_TOLERANCE * (design.limits.norm or 0.0)
 
     def decide(
@@ -249,7 +247,7 @@ class SafetyPassivityFilter:
         self._bounds[first + m : first + 2 * m] = u_ref - space.part("high")
         if len(self._cuts):
             self._rows[first + 2 * m :, :m] = -self._cuts
-            self._bounds[first + 2 * m :] = self._cuts @ u_ref - (self.design.limits.norm or 0.0)
+            self._bounds[first + 2 * m :] = self._cuts @ u_ref - self._norm_asked
 
     def _certified(self) -> str | None:
         """Return the first solver whose answer to the whole, relaxed program passes the certificate."""
@@ -282,7 +280,7 @@ class SafetyPassivityFilter:
         space = self._workspace
         evidence = space.part("residuals").copy()
         self._fail_safe()
-        u_plus = self.design.limits.nearest(space.part("u_plus"), space.part("low"), space.part("high"))
+        u_plus = self.design.limits.nearest(*(space.part(name) for name in ("u_plus", "u", "low", "high")))
         self._solved.fill(0.0)
         self._z[: self._m] = u_plus - space.part("u_ref")
         self._judge()

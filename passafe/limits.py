@@ -2,12 +2,17 @@
 
 from dataclasses import dataclass
 from math import inf, sqrt
+from typing import Final
 
 import casadi as ca
 import numpy as np
 
 from passafe.errors import DesignError, ShapeError
 from passafe.workspace import Array
+
+LEAST_WAY: Final = 1e-300
+LARGEST: Final = 1e150
+"""What an infinite number counts as, so that its square is one too."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -58,31 +63,40 @@ class Limits:
         step = dt_s * ca.DM(list(self.rate_per_s))
         return ca.fmin(ca.fmax(u - step, -b), b), ca.fmax(ca.fmin(u + step, b), -b)
 
-    def clip(self, u_plus: ca.SX, low: ca.SX | ca.DM, high: ca.SX | ca.DM) -> ca.SX:
-        """Return u⁺ put into an interval axis by axis, then shortened to the norm, shape (m, 1).
+    def clip(self, u_plus: ca.SX, u: ca.SX | ca.DM, low: ca.SX | ca.DM, high: ca.SX | ca.DM) -> ca.SX:
+        """Return an input within the limits near u⁺, shape (m, 1): into the interval axis by axis, then to the norm.
+
+        The way back leads towards u, the input before, as far as needed: both limits are convex and hold there, so they
+        hold on the way. Only where u itself is too long it leads towards zero.
 
         Args:
             u_plus: Shape (m, 1).
+            u: Input before, shape (m, 1).
             low: Least u⁺, shape (m, 1).
             high: Largest u⁺, shape (m, 1).
         """
         clipped = ca.fmin(ca.fmax(u_plus, low), high)
         if self.norm is None:
             return clipped
-        length = ca.norm_2(clipped)
-        return ca.if_else(length > self.norm, clipped * (self.norm / length), clipped)
+        too_long = ca.sumsqr(clipped) > self.norm**2
+        origin = ca.if_else(ca.sumsqr(u) > self.norm**2, 0, u)
+        way = clipped - origin
+        a, b, c = ca.sumsqr(way), ca.dot(origin, way), ca.sumsqr(origin) - self.norm**2
+        share = (ca.sqrt(ca.fmax(b * b - a * c, 0)) - b) / ca.fmax(a, LEAST_WAY)
+        return ca.if_else(too_long, origin + share * way, clipped)
 
-    def nearest(self, u: Array, low: Array, high: Array) -> Array:
+    def nearest(self, u_plus: Array, u: Array, low: Array, high: Array) -> Array:
         """Return ``clip`` of plain numbers; 0 or what is nearest to it stands for what is no number.
 
         Args:
-            u: Any numbers, shape (m,).
+            u_plus: Any numbers, shape (m,).
+            u: Input before, shape (m,); what is no number counts as zero.
             low: Least u⁺, shape (m,).
             high: Largest u⁺, shape (m,).
         """
-        clipped = np.clip(np.where(np.isnan(u), 0.0, u), low, high)
-        length = float(np.linalg.norm(clipped))
-        return clipped if self.norm is None or length <= self.norm else clipped * (self.norm / length)
+        numbers = (ca.DM(np.nan_to_num(each, posinf=LARGEST, neginf=-LARGEST)) for each in (u_plus, u, low, high))
+        symbols = [ca.SX.sym(name, len(u)) for name in ("u_plus", "u", "low", "high")]
+        return np.asarray(ca.Function("clip", symbols, [self.clip(*symbols)])(*numbers).full().ravel())
 
 
 def _each_axis(field: str, value: float | tuple[float, ...], m: int) -> tuple[float, ...]:

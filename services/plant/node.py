@@ -180,7 +180,7 @@ class _BoundedLaw:
         system = robot.system
         self._space = Workspace(Layout.of({"x": system.n, "u": system.m}))
         bound = ca.DM(list(limits.magnitude))
-        clipped = limits.clip(robot.fail_safe, -bound, bound)
+        clipped = limits.clip(robot.fail_safe, ca.DM.zeros(system.m), -bound, bound)
         self._evaluate = self._space.bind(dense_function("fail_safe", [system.x], [clipped]), ["x"], ["u"])
         self._give = Struct(f"{system.m}d").unpack_from
         self._offset = system.n * 8

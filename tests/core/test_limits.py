@@ -13,10 +13,10 @@ def interval(limits: Limits, u: list[float], dt_s: float) -> tuple[list[float], 
     return low, high
 
 
-def clip(limits: Limits, u_plus: list[float], low: list[float], high: list[float]) -> list[float]:
-    symbols = [ca.SX.sym(name, len(u_plus)) for name in ("u_plus", "low", "high")]
-    symbolic: list[float] = numeric(symbols, limits.clip(*symbols))(u_plus, low, high).tolist()
-    plain = limits.nearest(*(np.array(each) for each in (u_plus, low, high)))
+def clip(limits: Limits, u_plus: list[float], low: list[float], high: list[float], u: list[float]) -> list[float]:
+    symbols = [ca.SX.sym(name, len(u_plus)) for name in ("u_plus", "u", "low", "high")]
+    symbolic: list[float] = numeric(symbols, limits.clip(*symbols))(u_plus, u, low, high).tolist()
+    plain = limits.nearest(*(np.array(each) for each in (u_plus, u, low, high)))
     assert plain == pytest.approx(symbolic)
     return symbolic
 
@@ -51,20 +51,37 @@ def test_magnitudes_come_before_rates_where_the_input_before_was_beyond_them() -
     assert interval(Limits.of(2, 1.0, None, 1.0), [9.0, -9.0], 0.1) == ([1.0, -1.0], [1.0, -1.0])
 
 
-def test_clipping_goes_axis_by_axis_then_along_the_input() -> None:
+def test_clipping_goes_axis_by_axis_then_back_towards_the_input_before() -> None:
     limits = Limits.of(2, 4.0, 2.5, None)
+    low, high = [-4.0, -4.0], [4.0, 4.0]
 
-    assert clip(limits, [6.0, -3.0], [-4.0, -4.0], [4.0, 4.0]) == pytest.approx([2.0, -1.5])
-    assert clip(limits, [1.0, 1.0], [-4.0, -4.0], [4.0, 4.0]) == [1.0, 1.0]
-    assert clip(Limits.of(2, 4.0, None, None), [6.0, -3.0], [-1.0, -1.0], [1.0, 1.0]) == [1.0, -1.0]
+    assert clip(limits, [6.0, -3.0], low, high, [0.0, 0.0]) == pytest.approx([2.0, -1.5])
+    assert clip(limits, [4.0, 2.0], low, high, [0.0, 2.0]) == pytest.approx([1.5, 2.0])
+    assert clip(limits, [1.0, 1.0], low, high, [0.0, 2.0]) == [1.0, 1.0]
+    assert clip(limits, [6.0, -3.0], low, high, [9.0, 9.0]) == pytest.approx([2.0, -1.5])  # that one is too long itself
+    assert clip(Limits.of(2, 4.0, None, None), [6.0, -3.0], [-1.0, -1.0], [1.0, 1.0], [0.0, 0.0]) == [1.0, -1.0]
+
+
+def test_what_is_clipped_keeps_norm_and_rate_together() -> None:
+    limits = Limits.of(3, 5.0, 4.0, 10.0)
+    rng = np.random.default_rng(92)
+    for _ in range(200):
+        u = rng.normal(size=3)
+        u *= rng.uniform(0, 4) / np.linalg.norm(u)
+        low, high = (np.array(edge) for edge in interval(limits, u.tolist(), 0.1))
+        clipped = np.array(clip(limits, (9 * rng.normal(size=3)).tolist(), low.tolist(), high.tolist(), u.tolist()))
+
+        assert np.linalg.norm(clipped) <= 4.0 * (1 + 1e-12)
+        assert (clipped >= low - 1e-12).all()
+        assert (clipped <= high + 1e-12).all()
 
 
 def test_what_is_no_number_becomes_the_nearest_to_zero() -> None:
     limits = Limits.of(2, 4.0, None, None)
-    low, high = np.array([-4.0, 1.0]), np.array([4.0, 2.0])
+    low, high, zero = np.array([-4.0, 1.0]), np.array([4.0, 2.0]), np.zeros(2)
 
-    assert limits.nearest(np.array([np.nan, np.nan]), low, high).tolist() == [0.0, 1.0]
-    assert limits.nearest(np.array([np.inf, -np.inf]), low, high).tolist() == [4.0, 1.0]
+    assert limits.nearest(np.array([np.nan, np.nan]), zero, low, high).tolist() == [0.0, 1.0]
+    assert limits.nearest(np.array([np.inf, -np.inf]), zero, low, high).tolist() == [4.0, 1.0]
 
 
 def test_the_reach_is_the_longest_way_within_the_limits() -> None:
