@@ -158,17 +158,19 @@ class SafetyPassivityFilter:
     def _settle(self, status: Status) -> tuple[Status, str]:
         """Solve again with margins and tangents that suit the answer, for as long as that asks for others.
 
-        Rows that conflict with a margin for inputs far and wide need not with that of inputs near by: then the margin
-        is for fewer, until it is for those near to one input alone.
+        Rows that conflict with a margin for inputs far and wide, or with tangents far away, need not with those near
+        by: then the margin is for fewer, until it is for those near to one input alone, and tangents go half-way back.
         """
         space, least = self._workspace, self._least_trust
         u_plus, u_lin, trust, cushion = (space.part(name) for name in ("u_plus", "u_lin", "trust_asked", "cushion"))
         shortfall, strayed, solver = space.part("shortfall"), space.part("strayed"), "none"
-        trust[:] = space.part("trust")
+        trust[:], before = space.part("trust"), u_lin.copy()
         for attempt in range(ATTEMPTS):
             if status is _INFEASIBLE:
                 trust[:] = np.maximum(NARROWER * trust, least)
+                u_lin += (before - u_lin) / 2
             else:
+                before = u_lin.copy()
                 if strayed[0] <= 0.0:
                     cushion += 2 * shortfall
                 change = u_plus - u_lin
