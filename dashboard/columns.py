@@ -138,7 +138,8 @@ class Layout:
         x = state.x
         if len(x) < 2:  # noqa: PLR2004 - a position in the plane has two coordinates
             return None
-        return [x[0], x[1], *[obstacle.h(x) for obstacle in self.obstacles]]
+        t_s = state.plant_ns * 1e-9
+        return [x[0], x[1], *[obstacle.h(x, t_s) for obstacle in self.obstacles]]
 
     @property
     def log_columns(self) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ from bokeh.plotting import figure
 
 from dashboard.columns import P1, P2
 from dashboard.figures.style import add_legend, key, plain_figure
-from dashboard.obstacles import Disk, HalfPlane, Obstacle
+from dashboard.obstacles import Disk, HalfPlane, Obstacle, Undrawn
 from dashboard.palette import INK, PAPER, TRAIL_COLOUR, UNSAFE_COLOUR
 
 PLANE_DIMENSIONS: Final = 2
@@ -68,9 +68,9 @@ def _draw(chart: figure, obstacle: Obstacle) -> "GlyphRenderer[Circle | Patch] |
             return None
         place = ColumnDataSource({P1: [obstacle.centre[0]], P2: [obstacle.centre[1]]})
         glyph = Circle(x=P1, y=P2, radius=obstacle.radius)
+    elif isinstance(obstacle, Undrawn) or len(obstacle.normal) != PLANE_DIMENSIONS:
+        return None
     else:
-        if len(obstacle.normal) != PLANE_DIMENSIONS:
-            return None
         corners = half_plane_corners(obstacle)
         place = ColumnDataSource({P1: [p1 for p1, _ in corners], P2: [p2 for _, p2 in corners]})
         glyph = Patch(x=P1, y=P2)

@@ -1,41 +1,43 @@
 """A point mass in the plane with quadratic drag: the nonlinear sibling of the paper's robot."""
 
-from math import inf
-
 import casadi as ca
 
-from passafe.errors import DesignError
+from passafe.models.braking import braking_condition, stopping_segment
 from passafe.models.robot import Robot
+from passafe.ranges import require_not_negative, require_positive
 from passafe.system import System
 
 
 def drag_point(*, sigma: float = 0.5, drag: float = 0.5, gamma_1: float = 0.0) -> Robot:
     """Return ẋ₁ = x₂, ẋ₂ = −σx₂ − c‖x₂‖x₂ + u, y = x₂, all in the plane.
 
-    The fail-safe is u = −K x₂ with K = max(γ₁ − σ, 0). Drag acts along the velocity, so the path is a straight
-    segment no longer than without drag, and the damped point's argument holds unchanged.
+    Positions have relative degree 2, velocities 1. The fail-safe is u = −K x₂ with K = max(γ₁ − σ, 0); what it keeps,
+    and why, is in ``passafe.models.braking``, with κ = σ + K: drag acts along the velocity, so the path is a straight
+    segment no longer than without it.
 
     Args:
         sigma: Linear damping σ, 1/s, positive.
         drag: Quadratic drag c, 1/m, not negative.
-        gamma_1: Largest gain of the first class-K function among the barriers, 1/s.
+        gamma_1: Largest gain of the first class-K function among the barriers of the position, 1/s.
+
+    Raises:
+        DesignError: Numbers that make no such robot.
     """
-    if not sigma > 0:
-        raise DesignError("drag point sigma", sigma, "a positive number, 1/s")
-    if not drag >= 0:
-        raise DesignError("drag point drag", drag, "zero or a positive number, 1/m")
-    if not 0 <= gamma_1 < inf:
-        raise DesignError("drag point gamma_1", gamma_1, "zero or a positive finite number, 1/s")
+    require_positive("drag point sigma", sigma, "1/s")
+    require_not_negative("drag point drag", drag, "1/m")
+    require_not_negative("drag point gamma_1", gamma_1, "1/s")
     x, u = ca.SX.sym("x", 4), ca.SX.sym("u", 2)
     position, velocity = x[:2], x[2:]
     # The norm's slope is undefined at rest; this one differs from it by less than 1e-9 m/s and is smooth.
     speed = ca.sqrt(ca.sumsqr(velocity) + 1e-18)
-    gain = max(gamma_1 - sigma, 0.0)
+    rate = max(gamma_1, sigma)
     return Robot(
         system=System(x=x, u=u, f=ca.vertcat(velocity, -(sigma + drag * speed) * velocity + u), y=velocity),
         position=position,
         velocity=velocity,
-        fail_safe=-gain * velocity,
-        fail_safe_gain=gain,
-        fail_safe_condition=f"ψ₁ ≥ 0 with linear γ₁ ≤ {sigma + gain:g}/s, no bound on u in the way",
+        points=1,
+        fail_safe=-(rate - sigma) * velocity,
+        fail_safe_gain=rate - sigma,
+        stopping_hull=stopping_segment(position, velocity, rate),
+        fail_safe_condition=braking_condition(rate),
     )

@@ -11,20 +11,27 @@ from passafe.system import System
 class Robot:
     """A plant with the quantities that barriers and feedback are written in, and its own fail-safe.
 
+    x begins with all positions, followed by all velocities.
+
     Attributes:
         system: The dynamics.
-        position: Expression of x, shape (k, 1), m.
-        velocity: Expression of x, shape (k, 1), m/s.
+        position: Expression of x, shape (k, 1), m; rad for joints.
+        velocity: Expression of x, shape (k, 1), m/s; rad/s for joints.
+        points: How many points in the plane the position is made of; 0 where it is no place, as with joints.
         fail_safe: Law u(x) that the robot applies when no input comes, shape (m, 1).
-        fail_safe_gain: K of that law.
-        fail_safe_condition: The condition under which that law keeps a keep-out disk, in words.
+        fail_safe_gain: K, by which that law multiplies −velocity, 1/s or equivalent.
+        stopping_hull: Positions as expressions of x, each of shape (k, 1). While that law is in force the position
+            never leaves their convex hull, under ``fail_safe_condition``.
+        fail_safe_condition: The condition under which that law keeps a barrier, in words.
     """
 
     system: System
     position: ca.SX
     velocity: ca.SX
+    points: int
     fail_safe: ca.SX
     fail_safe_gain: float
+    stopping_hull: tuple[ca.SX, ...]
     fail_safe_condition: str
 
     def proportional_derivative(self, *, k_p: float, k_d: float) -> ca.SX:

@@ -11,18 +11,24 @@ from passafe.design import FilterDesign, Law, Mode
 from passafe.limits import Limits
 from passafe.models.damped_point import damped_point
 from passafe.models.drag_point import drag_point
+from passafe.models.lagged_point import lagged_point
 from passafe.models.robot import Robot
+from passafe.models.saturating_point import saturating_point
+from passafe.models.two_points import two_points
 from passafe.passivity import Passivity
 from passafe.sampled_plant import SampledPlant
-from passafe.shapes import disk_keep_out, half_plane
 from passafe.tank import Tank
+from services.scenarios.barriers import barrier_function
 from services.scenarios.errors import ScenarioError
-from services.scenarios.schema import BarrierConfig, DiskBarrier, Scenario
 from services.scenarios.schema import ClassK as ClassKConfig
+from services.scenarios.schema import Scenario, SpeedBarrier
 
 _MODELS: Final[dict[str, tuple[Callable[..., Robot], tuple[str, ...]]]] = {
     "damped-point": (damped_point, ("sigma",)),
     "drag-point": (drag_point, ("sigma", "drag")),
+    "lagged-point": (lagged_point, ("sigma", "lag_s")),
+    "saturating-point": (saturating_point, ("sigma", "force")),
+    "two-points": (two_points, ("sigma",)),
 }
 
 
@@ -37,7 +43,8 @@ def robot_of(scenario: Scenario) -> Robot:
     unknown = sorted(set(scenario.plant.parameters) - set(parameters))
     if unknown:
         raise ScenarioError(scenario.name, "plant.parameters", unknown, f"{sorted(parameters)}")
-    gamma_1 = max((barrier.class_k[0].gain for barrier in scenario.filter.barriers), default=0.0)
+    placed = [barrier for barrier in scenario.filter.barriers if not isinstance(barrier, SpeedBarrier)]
+    gamma_1 = max((barrier.class_k[0].gain for barrier in placed), default=0.0)
     robot = model(**scenario.plant.parameters, gamma_1=gamma_1)
     if len(scenario.plant.x0) != robot.system.n:
         got = f"{len(scenario.plant.x0)} numbers"
@@ -57,7 +64,7 @@ def barriers_of(scenario: Scenario, robot: Robot) -> tuple[Barrier, ...]:
     return tuple(
         Barrier(
             name=config.name,
-            h=_shape(config, robot.position),
+            h=barrier_function(config, robot),
             class_k=tuple(_class_k(gamma) for gamma in config.class_k),
         )
         for config in scenario.filter.barriers
@@ -115,12 +122,6 @@ def limits_of(scenario: Scenario, robot: Robot) -> Limits:
 def sampled_plant_of(scenario: Scenario, robot: Robot) -> SampledPlant:
     """Return the scenario's plant, stepped at its rate."""
     return SampledPlant(robot.system, storage_of(scenario, robot), scenario.dt_s)
-
-
-def _shape(config: BarrierConfig, position: ca.SX) -> ca.SX:
-    if isinstance(config, DiskBarrier):
-        return disk_keep_out(position, centre=config.centre, radius=config.radius)
-    return half_plane(position, normal=config.normal, offset=config.offset)
 
 
 def _class_k(config: ClassKConfig) -> ClassK:

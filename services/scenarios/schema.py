@@ -5,6 +5,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from passafe.human_input import PROPORTIONS
+
 Vector = Annotated[tuple[float, ...], Field(min_length=1, max_length=64)]
 Positive = Annotated[float, Field(gt=0, le=1e6)]
 NonNegative = Annotated[float, Field(ge=0, le=1e6)]
@@ -26,7 +28,7 @@ class PlantConfig(Config):
     ``start_low`` and ``start_high`` span the box from which campaigns draw their starts; ±3 where they are not given.
     """
 
-    model: Literal["damped-point", "drag-point"]
+    model: Literal["damped-point", "drag-point", "lagged-point", "saturating-point", "two-points"]
     parameters: dict[str, float] = Field(default_factory=dict)
     x0: Vector
     playout_s: Annotated[float, Field(ge=0, le=2)] = 0.005
@@ -101,11 +103,44 @@ Source = Annotated[
 ]
 
 
+class AsSentEstimator(Config):
+    """The filter takes u_h and its rate as the newest command says them."""
+
+    kind: Literal["as-sent"] = "as-sent"
+
+
+class WhiteAccelerationEstimator(Config):
+    """The filter estimates u_h and its rate from the commands with a Kalman filter whose rate is a random walk.
+
+    ``agility`` is √S, S the density of the second derivative, units of u per s^1.5. ``resolution`` is the step in
+    which the device tells u_h, units of u. The newest rate is believed for ``horizon_s``, then it falls to zero in
+    ``fade_s``.
+    """
+
+    kind: Literal["white-acceleration"]
+    agility: Annotated[float, Field(ge=1e-9, le=1e6)]
+    resolution: Annotated[float, Field(ge=1e-9, le=1e6)]
+    horizon_s: Annotated[float, Field(ge=0, le=1)] = 0.0
+    fade_s: Annotated[float, Field(ge=1e-3, le=1)] = 0.2
+
+    @model_validator(mode="after")
+    def _in_proportion(self) -> Self:
+        least, most = PROPORTIONS
+        if not least <= self.agility / self.resolution <= most:
+            got = f"{self.agility} with resolution {self.resolution}"
+            raise ValueError(f"agility: got {got}, allowed {least:g} to {most:g} times the latter")
+        return self
+
+
+Estimator = Annotated[AsSentEstimator | WhiteAccelerationEstimator, Field(discriminator="kind")]
+
+
 class OperatorConfig(Config):
-    """Who drives. A command older than ``stale_s`` counts as zero at the filter."""
+    """Who drives, and what the filter makes of it. A command older than ``stale_s`` counts as zero at the filter."""
 
     source: Source
     stale_s: Positive = 0.2
+    estimator: Estimator = AsSentEstimator()
 
 
 class ClassK(Config):
@@ -125,27 +160,97 @@ class ClassK(Config):
         return self
 
 
-class DiskBarrier(Config):
-    """Keep out of a disk: h = ‖p − centre‖² − radius², p the model's position."""
+Name = Annotated[str, Field(min_length=1, max_length=40)]
+Chain = Annotated[tuple[ClassK, ...], Field(min_length=1, max_length=6)]
 
-    kind: Literal["disk-keep-out"]
-    name: Annotated[str, Field(min_length=1, max_length=40)]
+
+class Travel(Config):
+    """A centre in steady motion: it is ``velocity``·t away from where it is at plant time 0."""
+
+    kind: Literal["travel"]
+    velocity: Vector
+
+
+class Swing(Config):
+    """A centre that goes to and fro: it is amplitude·sin(2π f t + phase) away from its middle."""
+
+    kind: Literal["swing"]
+    amplitude: Vector
+    frequency_hz: Annotated[float, Field(gt=0, le=10)]
+    phase_rad: float = 0.0
+
+
+Motion = Annotated[Travel | Swing, Field(discriminator="kind")]
+
+
+class DiskBarrier(Config):
+    """Keep out of a disk: h = ‖p − centre‖² − radius², p the model's position; ``disk-keep-in``: −h."""
+
+    kind: Literal["disk-keep-out", "disk-keep-in"]
+    name: Name
     centre: Vector
     radius: Positive
-    class_k: Annotated[tuple[ClassK, ...], Field(min_length=1, max_length=6)]
+    motion: Motion | None = None
+    class_k: Chain
+
+
+class EllipseBarrier(Config):
+    """Keep out of an ellipse: h = a²(‖D⁻¹Rᵀ(p − centre)‖² − 1), D the semi-axes, a the least.
+
+    ``ellipse-keep-in``: −h.
+    """
+
+    kind: Literal["ellipse-keep-out", "ellipse-keep-in"]
+    name: Name
+    centre: Vector
+    semi_axes: Vector
+    rotation_rad: float = 0.0
+    motion: Motion | None = None
+    class_k: Chain
 
 
 class HalfPlaneBarrier(Config):
     """Stay on one side of a line: h = normalᵀp − offset."""
 
     kind: Literal["half-plane"]
-    name: Annotated[str, Field(min_length=1, max_length=40)]
+    name: Name
     normal: Vector
     offset: float
-    class_k: Annotated[tuple[ClassK, ...], Field(min_length=1, max_length=6)]
+    class_k: Chain
 
 
-BarrierConfig = Annotated[DiskBarrier | HalfPlaneBarrier, Field(discriminator="kind")]
+class SpeedBarrier(Config):
+    """Stay below a speed: h = limit² − ‖v‖², v the model's velocity."""
+
+    kind: Literal["speed-limit"]
+    name: Name
+    limit: Positive
+    class_k: Chain
+
+
+class CoordinateBarrier(Config):
+    """Keep one coordinate of the state on its side of a limit: h = x[index] − limit, or limit − x[index]."""
+
+    kind: Literal["lower-limit", "upper-limit"]
+    name: Name
+    index: Annotated[int, Field(ge=0, le=63)]
+    limit: float
+    class_k: Chain
+
+
+class ApartBarrier(Config):
+    """Keep two robots apart, with the model ``two-points``: h = ‖p₁ − p₂‖² − distance²."""
+
+    kind: Literal["keep-apart"]
+    name: Name
+    distance: Positive
+    class_k: Chain
+
+
+BarrierConfig = Annotated[
+    DiskBarrier | EllipseBarrier | HalfPlaneBarrier | SpeedBarrier | CoordinateBarrier | ApartBarrier,
+    Field(discriminator="kind"),
+]
 
 
 class FeedbackConfig(Config):

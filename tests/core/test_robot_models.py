@@ -1,7 +1,7 @@
 """The shipped robots: their dynamics, refusals, and the fail-safe's condition (``docs/theory.md``, section 6)."""
 
 from collections.abc import Callable
-from math import exp, nan
+from math import exp, inf, nan
 
 import casadi as ca
 import numpy as np
@@ -11,7 +11,11 @@ from finite_differences import Array, numeric
 from passafe.errors import DesignError
 from passafe.models.damped_point import damped_point
 from passafe.models.drag_point import drag_point
+from passafe.models.joint_chain import joint_chain
+from passafe.models.lagged_point import lagged_point
 from passafe.models.robot import Robot
+from passafe.models.saturating_point import saturating_point
+from passafe.models.two_points import two_points
 from passafe.sampled_plant import SampledPlant
 
 DT_S = 5e-3
@@ -72,13 +76,62 @@ def test_the_fail_safe_brakes_as_hard_as_the_first_class_k_gain_asks(
 
 
 @pytest.mark.parametrize(
+    ("gamma_1", "gamma_2", "sigma", "lag_s", "poles"),
+    [
+        (0.0, 0.0, 1.0, 0.1, (1.0, 10.0)),
+        (4.0, 5.0, 1.0, 0.5, (4.0, 5.0)),
+        (4.0, 3.0, 1.0, 0.5, (4.0, 4.0)),
+        (4.0, 5.0, 1.0, 0.1, (4.0, 10.0)),
+        (1.0, 5.0, 3.0, 1.0, (1.0, 5.0)),
+    ],
+)
+def test_the_lagged_point_s_fail_safe_places_the_poles_of_the_velocity(
+    gamma_1: float, gamma_2: float, sigma: float, lag_s: float, poles: tuple[float, float]
+) -> None:
+    robot = lagged_point(sigma=sigma, lag_s=lag_s, gamma_1=gamma_1, gamma_2=gamma_2)
+    closed = ca.substitute(robot.system.f, robot.system.u, robot.fail_safe)
+    A = np.array(ca.DM(ca.simplify(ca.jacobian(closed, robot.system.x))).full())
+
+    assert sorted(np.abs(np.linalg.eigvals(A[2:, 2:]))) == pytest.approx(sorted(poles * 2), rel=1e-6)
+    assert f"γ₁ ≤ {poles[0]:g}/s and γ₁, γ₂ ≤ {poles[1]:g}/s" in robot.fail_safe_condition
+    if (sigma, 1 / lag_s) in {poles, poles[::-1]}:
+        assert numeric([robot.system.x], robot.fail_safe)(np.ones(6)) == pytest.approx([0, 0], abs=1e-15)
+
+
+def test_a_saturating_drive_never_gives_more_than_it_has() -> None:
+    robot = saturating_point(sigma=1.0, force=2.0)
+
+    assert dynamics(robot, [0, 0, 0, 0], [3e8, 4e8]) == pytest.approx([0, 0, 1.2, 1.6])
+    assert dynamics(robot, [0, 0, 0, 0], [3e-9, 4e-9]) == pytest.approx([0, 0, 3e-9, 4e-9])
+
+
+@pytest.mark.parametrize(("gamma_1", "top_speed"), [(3.0, "8.66025"), (1.0, "inf"), (0.0, "inf")])
+def test_a_saturating_drive_s_fail_safe_says_up_to_which_speed_it_is_good(gamma_1: float, top_speed: str) -> None:
+    robot = saturating_point(sigma=1.0, force=20.0, gamma_1=gamma_1)
+
+    assert robot.fail_safe_condition.startswith(f"speed at most {top_speed} m/s; ")
+
+
+@pytest.mark.parametrize(
     ("build", "message"),
     [
-        (lambda: damped_point(sigma=0.0), "damped point sigma: got 0.0, allowed a positive number, 1/s"),
-        (lambda: damped_point(sigma=nan), "damped point sigma: got nan, allowed a positive number, 1/s"),
-        (lambda: drag_point(sigma=-1.0), "drag point sigma: got -1.0, allowed a positive number, 1/s"),
-        (lambda: drag_point(drag=-0.1), "drag point drag: got -0.1, allowed zero or a positive number, 1/m"),
-        (lambda: drag_point(drag=nan), "drag point drag: got nan, allowed zero or a positive number, 1/m"),
+        (lambda: damped_point(sigma=0.0), "damped point sigma: got 0.0, allowed a positive finite number, 1/s"),
+        (lambda: damped_point(sigma=nan), "damped point sigma: got nan, allowed a positive finite number, 1/s"),
+        (lambda: drag_point(sigma=-1.0), "drag point sigma: got -1.0, allowed a positive finite number, 1/s"),
+        (lambda: drag_point(drag=-0.1), "drag point drag: got -0.1, allowed zero or a positive finite number, 1/m"),
+        (lambda: drag_point(drag=nan), "drag point drag: got nan, allowed zero or a positive finite number, 1/m"),
+        (lambda: lagged_point(sigma=inf), "lagged point sigma: got inf, allowed a positive finite number, 1/s"),
+        (lambda: lagged_point(lag_s=0.0), "lagged point lag_s: got 0.0, allowed a positive finite number, s"),
+        (
+            lambda: lagged_point(gamma_2=-1.0),
+            "lagged point gamma_2: got -1.0, allowed zero or a positive finite number, 1/s",
+        ),
+        (lambda: saturating_point(sigma=0.0), "saturating point sigma: got 0.0, allowed a positive finite number, 1/s"),
+        (lambda: saturating_point(force=-2), "saturating point force: got -2, allowed a positive finite number, N/kg"),
+        (lambda: two_points(sigma=0.0), "two points sigma: got 0.0, allowed a positive finite number, 1/s"),
+        (lambda: joint_chain(sigma=0.0), "joint chain sigma: got 0.0, allowed a positive finite number, 1/s"),
+        (lambda: joint_chain(joints=0), "joint chain joints: got 0, allowed 1 to 7"),
+        (lambda: joint_chain(joints=8), "joint chain joints: got 8, allowed 1 to 7"),
     ],
 )
 def test_numbers_that_make_no_robot_are_refused(build: Callable[[], Robot], message: str) -> None:
@@ -88,10 +141,17 @@ def test_numbers_that_make_no_robot_are_refused(build: Callable[[], Robot], mess
     assert str(refused.value) == message
 
 
-@pytest.mark.parametrize("build", [damped_point, drag_point])
+@pytest.mark.parametrize("build", [damped_point, drag_point, lagged_point, saturating_point, two_points, joint_chain])
 def test_a_first_class_k_gain_that_is_no_number_makes_no_fail_safe(build: Callable[..., Robot]) -> None:
     with pytest.raises(DesignError, match="gamma_1"):
         build(gamma_1=nan)
+
+
+@pytest.mark.parametrize("joints", [1, 7])
+def test_a_chain_has_as_many_joints_as_asked_for(joints: int) -> None:
+    robot = joint_chain(joints=joints)
+
+    assert (robot.system.n, robot.system.m, robot.position.numel(), robot.points) == (2 * joints, joints, joints, 0)
 
 
 def disk(x1: Array) -> float:

@@ -1,0 +1,67 @@
+"""A damped point whose force follows its command with a lag: positions have relative degree 3."""
+
+import casadi as ca
+
+from passafe.models.robot import Robot
+from passafe.ranges import require_not_negative, require_positive
+from passafe.system import System
+
+
+def lagged_point(*, sigma: float = 1.0, lag_s: float = 0.05, gamma_1: float = 0.0, gamma_2: float = 0.0) -> Robot:
+    """Return ẋ₁ = x₂, ẋ₂ = −σx₂ + x₃, ẋ₃ = (u − x₃)/T, y = x₂, all in the plane.
+
+    Positions have relative degree 3, velocities 2. yᵀu is the power of the commanded force, not of the one that acts:
+    between them lie two poles, so no storage makes this robot passive by itself, and the filter has to.
+
+    The fail-safe is linear in velocity and force and gives the velocity the poles −κ₁, −κ₂, κ₁ = max(γ₁, slow),
+    κ₂ = max(γ₁, γ₂, fast), where slow and fast are the robot's own, σ and 1/T in their order; if it needs no faster
+    ones, u = 0. With a = ẋ₂, q = x₁ + x₂/κ₁ moves straight, as q̇ = x₂ + a/κ₁ decays with κ₂, and ẋ₁ = κ₁(q − x₁): so
+    x₁ never leaves the triangle of
+
+        x₁,   q = x₁ + x₂/κ₁,   p∞ = x₁ + ((κ₁ + κ₂)x₂ + a)/(κ₁κ₂), where it comes to rest.
+
+    From a state with h, ψ₁, ψ₂ ≥ 0, γ₁ and γ₂ linear, that triangle is kept in h ≥ 0
+
+    * if h is affine in x₁ (half-planes, boxes): h(q) = (ψ₁ + (κ₁ − γ₁)h)/κ₁ and
+      h(p∞) = (ψ₂ + (κ₁ + κ₂ − γ₁ − γ₂)ψ₁ + (κ₁ − γ₁)(κ₂ − γ₁)h)/(κ₁κ₂) are not negative, since κ₁, κ₂ ≥ γ₁, κ₂ ≥ γ₂;
+    * if h is convex in x₁ and ψ₂ ≥ x₂ᵀ∇²h x₂, by the same for h's tangent at x₁. With ψ₂ ≥ 0 alone the force that is
+      still acting may carry the robot across a curved boundary, by no more than h ≥ −x₂ᵀ∇²h x₂/(κ₁κ₂);
+    * if {x₁ : h ≥ 0} is convex, as a disk to stay in is, where the three points are in it.
+
+    All this is for the law in continuous time; held over periods dt it is true up to the order of dt.
+
+    Args:
+        sigma: Damping σ, 1/s, positive.
+        lag_s: T, s, positive.
+        gamma_1: Largest gain of the first class-K function among the barriers of the position, 1/s.
+        gamma_2: Largest gain of the second one, 1/s.
+
+    Raises:
+        DesignError: Numbers that make no such robot.
+    """
+    require_positive("lagged point sigma", sigma, "1/s")
+    require_positive("lagged point lag_s", lag_s, "s")
+    require_not_negative("lagged point gamma_1", gamma_1, "1/s")
+    require_not_negative("lagged point gamma_2", gamma_2, "1/s")
+    x, u = ca.SX.sym("x", 6), ca.SX.sym("u", 2)
+    position, velocity, force = x[:2], x[2:4], x[4:]
+    acceleration = force - sigma * velocity
+    slow, fast = sorted((sigma, 1 / lag_s))
+    k_1, k_2 = max(gamma_1, slow), max(gamma_1, gamma_2, fast)
+    # ȧ = (u − x₃)/T − σa is to be −(κ₁ + κ₂)a − κ₁κ₂x₂; written so that nothing is left where κ₁, κ₂ are its own.
+    gain, on_force = lag_s * (k_1 - sigma) * (k_2 - sigma), 1 + lag_s * (sigma - k_1 - k_2)
+    at_rest = position + ((k_1 + k_2) * velocity + acceleration) / (k_1 * k_2)
+    return Robot(
+        system=System(x=x, u=u, f=ca.vertcat(velocity, acceleration, (u - force) / lag_s), y=velocity),
+        position=position,
+        velocity=velocity,
+        points=1,
+        fail_safe=-gain * velocity + on_force * force,
+        fail_safe_gain=gain,
+        stopping_hull=(position, position + velocity / k_1, at_rest),
+        fail_safe_condition=(
+            f"h, ψ₁, ψ₂ ≥ 0 with linear γ₁ ≤ {k_1:g}/s and γ₁, γ₂ ≤ {k_2:g}/s, and h affine in the position, or convex "
+            "with ψ₂ ≥ x₂ᵀ∇²h x₂; for a convex set to stay in, position, position + velocity/κ₁ and the place of rest "
+            "in it; no bound on u in the way, no obstacle that moves by itself"
+        ),
+    )

@@ -1,0 +1,52 @@
+"""A damped point whose drive saturates smoothly: its dynamics are not affine in the input."""
+
+from math import inf, sqrt
+from typing import Final
+
+import casadi as ca
+
+from passafe.models.braking import braking_condition, stopping_segment
+from passafe.models.robot import Robot
+from passafe.ranges import require_not_negative, require_positive
+from passafe.system import System
+
+RESERVE: Final = 2.0
+"""How much harder than an unsaturated drive would need it the fail-safe brakes."""
+
+
+def saturating_point(*, sigma: float = 1.0, force: float = 20.0, gamma_1: float = 0.0) -> Robot:
+    """Return ẋ₁ = x₂, ẋ₂ = −σx₂ + u/√(1 + ‖u‖²/F²), y = x₂, all in the plane.
+
+    The force has the direction of u and stays shorter than F. Positions have relative degree 2, velocities 1.
+
+    The fail-safe is u = −K x₂ with K = 2(γ₁ − σ), or 0 if γ₁ ≤ σ. It brakes along the velocity with the rate
+    σ + K/√(1 + K²‖x₂‖²/F²), which is at least γ₁ as long as ‖x₂‖ ≤ √¾·F/(γ₁ − σ), and grows as the speed falls. So
+    from such a speed the path is a straight segment no longer than ‖x₂‖/κ with κ = max(γ₁, σ), and keeps what is said
+    in ``passafe.models.braking``.
+
+    Args:
+        sigma: Damping σ, 1/s, positive.
+        force: F, largest force for each unit of mass, N/kg, positive.
+        gamma_1: Largest gain of the first class-K function among the barriers of the position, 1/s.
+
+    Raises:
+        DesignError: Numbers that make no such robot.
+    """
+    require_positive("saturating point sigma", sigma, "1/s")
+    require_positive("saturating point force", force, "N/kg")
+    require_not_negative("saturating point gamma_1", gamma_1, "1/s")
+    x, u = ca.SX.sym("x", 4), ca.SX.sym("u", 2)
+    position, velocity = x[:2], x[2:]
+    push = u / ca.sqrt(1 + ca.sumsqr(u) / force**2)
+    rate = max(gamma_1, sigma)
+    top_speed = sqrt(1 - 1 / RESERVE**2) * force / (rate - sigma) if rate > sigma else inf
+    return Robot(
+        system=System(x=x, u=u, f=ca.vertcat(velocity, -sigma * velocity + push), y=velocity),
+        position=position,
+        velocity=velocity,
+        points=1,
+        fail_safe=-RESERVE * (rate - sigma) * velocity,
+        fail_safe_gain=RESERVE * (rate - sigma),
+        stopping_hull=stopping_segment(position, velocity, rate),
+        fail_safe_condition=f"speed at most {top_speed:g} m/s; {braking_condition(rate)}",
+    )

@@ -1,0 +1,50 @@
+"""Vectors of a shape as columns of finite numbers."""
+
+from collections.abc import Sequence
+from math import isfinite
+
+import casadi as ca
+
+from passafe.errors import DesignError, ShapeError
+
+
+def column_like(part: str, vector: Sequence[float], coordinates: ca.SX) -> ca.DM:
+    """Return a vector as a column, one finite number for each coordinate.
+
+    Args:
+        part: What it is, for messages.
+        vector: k numbers.
+        coordinates: Column that it goes with, shape (k, 1).
+
+    Raises:
+        ShapeError: Another number of numbers, or coordinates that are no column.
+        DesignError: One that is not finite.
+    """
+    require_column(f"coordinates of {part}", coordinates)
+    if len(vector) != coordinates.numel():
+        raise ShapeError(part, f"{len(vector)} numbers", f"{coordinates.numel()}, one for each coordinate")
+    return finite_column(part, vector)
+
+
+def finite_column(part: str, vector: Sequence[float]) -> ca.DM:
+    """Return a vector as a column of finite numbers.
+
+    Raises:
+        ShapeError: It is empty.
+        DesignError: A number that is not finite.
+    """
+    if not vector:
+        raise ShapeError(part, "no numbers", "at least one")
+    if not all(map(isfinite, vector)):
+        raise DesignError(part, list(vector), "finite numbers")
+    return ca.DM(list(vector))
+
+
+def require_column(part: str, expression: ca.SX) -> None:
+    """Refuse an expression that is no column.
+
+    Raises:
+        ShapeError: It is none.
+    """
+    if not expression.is_column():
+        raise ShapeError(part, f"shape {expression.shape}", "a column")
