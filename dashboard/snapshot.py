@@ -4,6 +4,7 @@ Numbers carry their unit in their name; what is not known is null.
 """
 
 from collections.abc import Mapping
+from math import hypot
 from typing import Any, Final, TypeAlias
 
 from dashboard.columns import COMMAND_AGE, POWER_MARGIN, STATE_AGE, TANK, measured_h, psi
@@ -113,7 +114,11 @@ def _filter_json(feed: Feed, tick: FilterTick) -> Json:
         "u": tick.u,
         "u_nominal": tick.u_nominal,
         "u_h": tick.u_h,
-        "rows": [{"name": row.name, "active": row.active, "margin": row.margin, "dual": row.dual} for row in tick.rows],
+        "override": _override_json(tick),
+        "rows": [
+            {"name": row.name, "active": row.active, "margin": row.margin, "dual": row.dual, "share": row.share}
+            for row in tick.rows
+        ],
         "certificate": {
             "solver": tick.certificate.solver,
             "accepted": tick.certificate.accepted,
@@ -126,19 +131,34 @@ def _filter_json(feed: Feed, tick: FilterTick) -> Json:
     }
 
 
+def _override_json(tick: FilterTick) -> Json | None:
+    """What was held back of the command and what would have passed; ``None`` if the tick does not tell."""
+    override = tick.override
+    if not override.held_back:
+        return None
+    return {
+        "held_back": override.held_back,
+        "held_back_norm": hypot(*override.held_back),
+        "allowed_fraction": override.allowed_fraction,
+        "unavoidable": override.unavoidable,
+        "distance_to_infeasibility": override.distance_to_infeasibility,
+    }
+
+
 def _age_ms(age_ns: int) -> float | None:
     return None if age_ns < 0 else age_ns * 1e-6
 
 
 def _plant_json(feed: Feed, state: PlantState) -> Json:
+    t_s = state.plant_ns / NS_PER_S
     return {
-        "time_s": state.plant_ns / NS_PER_S,
+        "time_s": t_s,
         "phase": state.phase.name,
         "meaning": PHASE_MEANINGS[state.phase],
         "x": state.x,
         "y": state.y,
         "u": state.u,
-        "h": [{"name": obstacle.name, "value": obstacle.h(state.x)} for obstacle in feed.layout.obstacles],
+        "h": [{"name": obstacle.name, "value": obstacle.h(state.x, t_s)} for obstacle in feed.layout.obstacles],
         "applied_tick": state.applied_tick,
         "energy_in_j": state.energy_in_j,
         "energy_stored_j": state.energy_stored_j,

@@ -95,6 +95,7 @@ class BarrierChain(Record, frozen=True):
 
     name: str
     psi: Vector
+    eps: float = 0.0
 
 
 class Row(Record, frozen=True):
@@ -104,6 +105,17 @@ class Row(Record, frozen=True):
     margin: float
     dual: float
     active: bool
+    share: float = 0.0
+    relaxed: float = 0.0
+
+
+class Override(Record, frozen=True):
+    """What the filter changed, and what would have passed; ``held_back`` is empty where that is not known."""
+
+    held_back: Vector = ()
+    allowed_fraction: float = 0.0
+    unavoidable: bool = False
+    distance_to_infeasibility: float = 0.0
 
 
 class Certificate(Record, frozen=True):
@@ -149,6 +161,7 @@ class FilterTick(Record, frozen=True):
     consumed: tuple[Consumed, ...]
     state_age_ns: int
     command_age_ns: int
+    override: Override = Override()
 
 
 class LinkConfig(Record, frozen=True):

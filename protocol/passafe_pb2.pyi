@@ -118,24 +118,42 @@ class PlantState(_message.Message):
     def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., plant_ns: _Optional[int] = ..., x: _Optional[_Iterable[float]] = ..., y: _Optional[_Iterable[float]] = ..., u: _Optional[_Iterable[float]] = ..., applied_tick: _Optional[int] = ..., phase: _Optional[_Union[PlantPhase, str]] = ..., energy_in_j: _Optional[float] = ..., energy_stored_j: _Optional[float] = ..., input_slack_ns: _Optional[int] = ..., inputs_late: _Optional[int] = ..., inputs_refused: _Optional[int] = ..., integration_error: _Optional[float] = ..., received_tick: _Optional[int] = ...) -> None: ...
 
 class BarrierChain(_message.Message):
-    __slots__ = ("name", "psi")
+    __slots__ = ("name", "psi", "eps")
     NAME_FIELD_NUMBER: _ClassVar[int]
     PSI_FIELD_NUMBER: _ClassVar[int]
+    EPS_FIELD_NUMBER: _ClassVar[int]
     name: str
     psi: _containers.RepeatedScalarFieldContainer[float]
-    def __init__(self, name: _Optional[str] = ..., psi: _Optional[_Iterable[float]] = ...) -> None: ...
+    eps: float
+    def __init__(self, name: _Optional[str] = ..., psi: _Optional[_Iterable[float]] = ..., eps: _Optional[float] = ...) -> None: ...
 
 class Row(_message.Message):
-    __slots__ = ("name", "margin", "dual", "active")
+    __slots__ = ("name", "margin", "dual", "active", "share", "relaxed")
     NAME_FIELD_NUMBER: _ClassVar[int]
     MARGIN_FIELD_NUMBER: _ClassVar[int]
     DUAL_FIELD_NUMBER: _ClassVar[int]
     ACTIVE_FIELD_NUMBER: _ClassVar[int]
+    SHARE_FIELD_NUMBER: _ClassVar[int]
+    RELAXED_FIELD_NUMBER: _ClassVar[int]
     name: str
     margin: float
     dual: float
     active: bool
-    def __init__(self, name: _Optional[str] = ..., margin: _Optional[float] = ..., dual: _Optional[float] = ..., active: _Optional[bool] = ...) -> None: ...
+    share: float
+    relaxed: float
+    def __init__(self, name: _Optional[str] = ..., margin: _Optional[float] = ..., dual: _Optional[float] = ..., active: _Optional[bool] = ..., share: _Optional[float] = ..., relaxed: _Optional[float] = ...) -> None: ...
+
+class Override(_message.Message):
+    __slots__ = ("held_back", "allowed_fraction", "unavoidable", "distance_to_infeasibility")
+    HELD_BACK_FIELD_NUMBER: _ClassVar[int]
+    ALLOWED_FRACTION_FIELD_NUMBER: _ClassVar[int]
+    UNAVOIDABLE_FIELD_NUMBER: _ClassVar[int]
+    DISTANCE_TO_INFEASIBILITY_FIELD_NUMBER: _ClassVar[int]
+    held_back: _containers.RepeatedScalarFieldContainer[float]
+    allowed_fraction: float
+    unavoidable: bool
+    distance_to_infeasibility: float
+    def __init__(self, held_back: _Optional[_Iterable[float]] = ..., allowed_fraction: _Optional[float] = ..., unavoidable: _Optional[bool] = ..., distance_to_infeasibility: _Optional[float] = ...) -> None: ...
 
 class Certificate(_message.Message):
     __slots__ = ("solver", "accepted", "primal_residual", "dual_residual", "gap")
@@ -164,7 +182,7 @@ class Consumed(_message.Message):
     def __init__(self, topic: _Optional[str] = ..., sequence: _Optional[int] = ..., received_ns: _Optional[int] = ..., epoch: _Optional[int] = ...) -> None: ...
 
 class FilterTick(_message.Message):
-    __slots__ = ("header", "tick", "status", "mode", "law", "effective_plant_ns", "x_hat", "u_h", "u_h_rate", "u_nominal", "phi", "v", "u", "barriers", "power_margin", "tank_j", "slack", "rows", "certificate", "consumed", "state_age_ns", "command_age_ns")
+    __slots__ = ("header", "tick", "status", "mode", "law", "effective_plant_ns", "x_hat", "u_h", "u_h_rate", "u_nominal", "phi", "v", "u", "barriers", "power_margin", "tank_j", "slack", "rows", "certificate", "consumed", "state_age_ns", "command_age_ns", "override")
     HEADER_FIELD_NUMBER: _ClassVar[int]
     TICK_FIELD_NUMBER: _ClassVar[int]
     STATUS_FIELD_NUMBER: _ClassVar[int]
@@ -187,6 +205,7 @@ class FilterTick(_message.Message):
     CONSUMED_FIELD_NUMBER: _ClassVar[int]
     STATE_AGE_NS_FIELD_NUMBER: _ClassVar[int]
     COMMAND_AGE_NS_FIELD_NUMBER: _ClassVar[int]
+    OVERRIDE_FIELD_NUMBER: _ClassVar[int]
     header: Header
     tick: int
     status: FilterStatus
@@ -209,7 +228,8 @@ class FilterTick(_message.Message):
     consumed: _containers.RepeatedCompositeFieldContainer[Consumed]
     state_age_ns: int
     command_age_ns: int
-    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., tick: _Optional[int] = ..., status: _Optional[_Union[FilterStatus, str]] = ..., mode: _Optional[str] = ..., law: _Optional[str] = ..., effective_plant_ns: _Optional[int] = ..., x_hat: _Optional[_Iterable[float]] = ..., u_h: _Optional[_Iterable[float]] = ..., u_h_rate: _Optional[_Iterable[float]] = ..., u_nominal: _Optional[_Iterable[float]] = ..., phi: _Optional[_Iterable[float]] = ..., v: _Optional[_Iterable[float]] = ..., u: _Optional[_Iterable[float]] = ..., barriers: _Optional[_Iterable[_Union[BarrierChain, _Mapping]]] = ..., power_margin: _Optional[float] = ..., tank_j: _Optional[float] = ..., slack: _Optional[float] = ..., rows: _Optional[_Iterable[_Union[Row, _Mapping]]] = ..., certificate: _Optional[_Union[Certificate, _Mapping]] = ..., consumed: _Optional[_Iterable[_Union[Consumed, _Mapping]]] = ..., state_age_ns: _Optional[int] = ..., command_age_ns: _Optional[int] = ...) -> None: ...
+    override: Override
+    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., tick: _Optional[int] = ..., status: _Optional[_Union[FilterStatus, str]] = ..., mode: _Optional[str] = ..., law: _Optional[str] = ..., effective_plant_ns: _Optional[int] = ..., x_hat: _Optional[_Iterable[float]] = ..., u_h: _Optional[_Iterable[float]] = ..., u_h_rate: _Optional[_Iterable[float]] = ..., u_nominal: _Optional[_Iterable[float]] = ..., phi: _Optional[_Iterable[float]] = ..., v: _Optional[_Iterable[float]] = ..., u: _Optional[_Iterable[float]] = ..., barriers: _Optional[_Iterable[_Union[BarrierChain, _Mapping]]] = ..., power_margin: _Optional[float] = ..., tank_j: _Optional[float] = ..., slack: _Optional[float] = ..., rows: _Optional[_Iterable[_Union[Row, _Mapping]]] = ..., certificate: _Optional[_Union[Certificate, _Mapping]] = ..., consumed: _Optional[_Iterable[_Union[Consumed, _Mapping]]] = ..., state_age_ns: _Optional[int] = ..., command_age_ns: _Optional[int] = ..., override: _Optional[_Union[Override, _Mapping]] = ...) -> None: ...
 
 class LinkConfig(_message.Message):
     __slots__ = ("header", "link", "delay_s", "jitter_s", "loss", "seed")

@@ -23,6 +23,7 @@ from protocol.messages import (
     LinkConfig,
     LinkEvent,
     OperatorCommand,
+    Override,
     PlantInput,
     PlantState,
     Record,
@@ -95,7 +96,8 @@ RULES: Final[dict[RecordType, tuple[Rule, ...]]] = {
         _not_negative("integration_error"),
     ),
     BarrierChain: (_text("name"), _vector("psi")),
-    Row: (_text("name"),),
+    Row: (_text("name"), _not_negative("relaxed")),
+    Override: (_up_to("allowed_fraction", 1.0),),
     Certificate: (_not_negative("dual_residual"), _not_negative("gap")),
     Consumed: (_text("topic"),),
     FilterTick: (
@@ -109,6 +111,11 @@ RULES: Final[dict[RecordType, tuple[Rule, ...]]] = {
         _empty_or_as_long_as("v", "u"),
         _age("state_age_ns"),
         _age("command_age_ns"),
+        Rule(
+            "override",
+            "a held_back of no numbers, or as many as u",
+            lambda m: len(m.override.held_back) in {0, len(m.u)},
+        ),
     ),
     LinkConfig: (
         _one_of("link", *LINKS),

@@ -1,15 +1,19 @@
 """From a scenario to the nodes of its loop: the same ones live and in lockstep."""
 
 from passafe.filter import SafetyPassivityFilter
+from passafe.human_input import HandModel, HumanInputEstimator
 from protocol.link import LinkSettings
 from services.filter.node import FilterNode
+from services.filter.request import AsSent, Estimated
+from services.filter.wording import Wording
 from services.operator.node import OperatorNode
 from services.operator.sources import build_source
 from services.plant.node import PlantNode
 from services.runtime.lockstep import Lockstep, Observer
 from services.scenarios.design import design_of, limits_of, robot_of, sampled_plant_of, tank_of
 from services.scenarios.info import scenario_info
-from services.scenarios.schema import Scenario
+from services.scenarios.schema import Scenario, WhiteAccelerationEstimator
+from services.scenarios.units import input_unit
 
 VIRTUAL_WALL_NS = 1_000_000_000_000_000_000
 """Wall clock minus virtual clock of a lockstep run: a fixed day in 2001, so that logs show it and stay the same."""
@@ -47,18 +51,34 @@ def filter_node(scenario: Scenario, driver: str) -> FilterNode:
         driver: ``live`` or ``lockstep``, for the log.
     """
     robot = robot_of(scenario)
+    core = SafetyPassivityFilter(design_of(scenario, robot))
     return FilterNode(
-        SafetyPassivityFilter(design_of(scenario, robot)),
+        core,
         sampled_plant_of(scenario, robot),
         tank_of(scenario),
         period_ns=period_ns(scenario),
         playout_ns=_whole_periods(scenario.plant.playout_s, scenario),
         hold_ns=round(scenario.plant.hold_s * 1e9),
-        command_stale_ns=round(scenario.operator.stale_s * 1e9),
+        request=request_of(scenario, robot.system.m),
         state_stale_ns=round(scenario.filter.stale_s * 1e9),
         starts_nearest=scenario.filter.start == "nearest",
+        wording=Wording(core, robot, input_unit(scenario)),
         info=scenario_info(scenario, driver),
     )
+
+
+def request_of(scenario: Scenario, inputs: int) -> AsSent:
+    """Return how the scenario's filter reads the operator's commands.
+
+    Raises:
+        DesignError: An agility out of proportion to the resolution.
+    """
+    stale_ns = round(scenario.operator.stale_s * 1e9)
+    config = scenario.operator.estimator
+    if not isinstance(config, WhiteAccelerationEstimator):
+        return AsSent(inputs, stale_ns)
+    model = HandModel(**config.model_dump(exclude={"kind"}))
+    return Estimated(inputs, stale_ns, HumanInputEstimator(model, inputs))
 
 
 def operator_node(scenario: Scenario, epoch: int) -> OperatorNode:

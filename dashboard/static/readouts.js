@@ -21,6 +21,7 @@ export function number(value, digits = 4) {
 
 const vector = (values) => (values && values.length ? `(${values.map((v) => number(v, 3)).join(", ")})` : "–");
 const seconds = (value) => (value === null || value === undefined ? "–" : `${value.toFixed(2)} s`);
+const percent = (share) => `${number(100 * share, 0)} %`;
 const milliseconds = (value) => (value === null ? "nothing came yet" : `${value.toFixed(1)} ms`);
 
 function setSigned(element, value, unit, tolerance) {
@@ -83,11 +84,22 @@ function showFilter(filter) {
   set("u-h", vector(filter.u_h));
   set("u-nominal", vector(filter.u_nominal));
   set("u", vector(filter.u));
+  showOverride(filter.override);
   const { solver, accepted, primal_residual: primal, dual_residual: dual, gap } = filter.certificate;
   const verdict = accepted ? "accepted" : "refused";
   set("certificate", solver ? `${solver} ${verdict}: primal ${number(primal)}, dual ${number(dual)}, gap ${number(gap)}` : "–");
-  const rows = filter.rows.map((row) => [row.name, row.active ? "active" : "no", number(row.margin), number(row.dual)]);
+  const rows = filter.rows.map((row) => [row.name, row.active ? "active" : "no", number(row.margin), number(row.dual), percent(row.share)]);
   fill("rows", rows, (row, r) => row.classList.toggle("bad", filter.rows[r].margin < -tolerances.certificate));
+}
+
+// A tick may not tell it: then nothing is known. The percentage is rounded down, so that what is said to pass does.
+function showOverride(override) {
+  set("held-back", override ? `${number(override.held_back_norm)}  ${vector(override.held_back)}` : "–");
+  const allowed = override?.unavoidable ? "no part of it" : `${Math.floor(100 * (override?.allowed_fraction ?? 0))} %`;
+  set("allowed", override ? allowed : "–");
+  const distance = byId("infeasibility");
+  setText(distance, number(override?.distance_to_infeasibility));
+  distance.classList.toggle("negative", override?.distance_to_infeasibility < 0);
 }
 
 function showPlant(plant) {

@@ -1,10 +1,10 @@
 """The filter process as a node: predicts, decides, certifies, and tells what it did."""
 
 from collections.abc import Sequence
-from math import isfinite
 
 from passafe.decision import Decision
 from passafe.filter import SafetyPassivityFilter
+from passafe.override import Explainer
 from passafe.sampled_plant import SampledPlant
 from passafe.tank import Tank
 from protocol.messages import (
@@ -17,10 +17,12 @@ from protocol.messages import (
     Vector,
 )
 from protocol.topics import COMMAND, EVENT, INPUT, SCENARIO, STATE, TICK, Topic
-from services.filter.announcer import StatusAnnouncer
+from services.filter.announcer import OverrideAnnouncer, StatusAnnouncer
 from services.filter.prediction import Predictor, is_usable
+from services.filter.request import AsSent
 from services.filter.schedule import EffectSchedule
 from services.filter.telemetry import STATUS, Telemetry, TickRecord
+from services.filter.wording import Wording
 from services.runtime.node import Outgoing
 
 _STALE = FilterStatus.STALE
@@ -50,9 +52,10 @@ class FilterNode:
         period_ns: int,
         playout_ns: int,
         hold_ns: int,
-        command_stale_ns: int,
+        request: AsSent,
         state_stale_ns: int,
         starts_nearest: bool,
+        wording: Wording,
         info: ScenarioInfo,
     ) -> None:
         """Start with nothing heard.
@@ -64,9 +67,10 @@ class FilterNode:
             period_ns: Period of a step, ns.
             playout_ns: Play-out time of the plant, ns.
             hold_ns: How long the plant may hold an input, ns.
-            command_stale_ns: Age from which a command counts as zero, ns.
+            request: What the operator's commands ask for.
             state_stale_ns: Age of the newest state from which nothing is sent, ns.
             starts_nearest: Whether the first input of all is the nearest to û, rather than one step from u = 0.
+            wording: Puts what the filter overrides into words.
             info: Published by the first step.
         """
         system = core.design.system
@@ -76,21 +80,18 @@ class FilterNode:
         self._schedule = EffectSchedule(period_ns=period_ns, playout_ns=playout_ns)
         self._telemetry = Telemetry(core)
         self._announcer = StatusAnnouncer()
+        self._overrides = OverrideAnnouncer(Explainer(core), wording, max(core.design.limits.magnitude))
         self._hold_ns = hold_ns
-        self._command_stale_ns = command_stale_ns
+        self._hear, self._request = request.hear, request.at
         self._state_stale_ns = state_stale_ns
         self._starts = starts_nearest
         self._info: ScenarioInfo | None = info
         self._tick = 0
         self._state: PlantState | None = None
         self._state_ns = 0
-        self._command: OperatorCommand | None = None
-        self._command_order = (-1, -1)
-        self._command_ns = 0
         self._decision: Decision | None = None
         self._effective_ns = 0
         self._tank_j = tank.initial_j
-        self._zero: Vector = (0.0,) * self._m
         self._unaccounted: list[Received] = []
 
     def step(self, now_ns: int, inbox: Sequence[Received]) -> Sequence[Outgoing]:
@@ -119,6 +120,9 @@ class FilterNode:
             stale = operator_is_stale and not decision.status.is_fallback
             status = _STALE if stale else STATUS[decision.status]
             outgoing.append((INPUT, PlantInput(self._tick, decision.u, self._effective_ns, self._hold_ns)))
+            overridden = self._overrides.event(now_ns, decision)
+            if overridden is not None:
+                outgoing.append((EVENT, overridden))
         event = self._announcer.event(now_ns, status)
         if event is not None:
             outgoing.append((EVENT, event))
@@ -150,28 +154,7 @@ class FilterNode:
                     self._state, self._state_ns = body, received.received_ns
                     self._predictor.confirm(body)
             elif type(body) is OperatorCommand:
-                order = (received.header.epoch, received.header.sequence)
-                if order > self._command_order and self._is_request(body):
-                    self._command, self._command_order, self._command_ns = body, order, received.received_ns
-
-    def _is_request(self, command: OperatorCommand) -> bool:
-        """Tell whether a command has the filter's shape and only finite numbers."""
-        return (
-            len(command.u_h) == self._m
-            and len(command.u_h_rate) in (0, self._m)
-            and isfinite(sum(command.u_h + command.u_h_rate))
-        )
-
-    def _request(self, now_ns: int) -> tuple[Vector, Vector, int, bool]:
-        """Return u_h, its rate, the age of the newest command and whether that is stale."""
-        command = self._command
-        if command is None:
-            return self._zero, self._zero, -1, True
-        age_ns = now_ns - self._command_ns if now_ns > self._command_ns else 0
-        stale = age_ns > self._command_stale_ns
-        if stale or not command.enabled:
-            return self._zero, self._zero, age_ns, stale
-        return command.u_h, command.u_h_rate or self._zero, age_ns, False
+                self._hear(received, body)
 
     def _decide(self, now_ns: int, state: PlantState, u_h: Vector, u_h_rate: Vector) -> Decision:
         effective_ns = self._schedule.effective_ns(now_ns, state, self._tick)

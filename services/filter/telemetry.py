@@ -8,19 +8,19 @@ from msgspec import Struct
 from passafe.decision import Decision, Status
 from passafe.design import FilterDesign
 from passafe.filter import SafetyPassivityFilter
+from passafe.infeasibility import DistanceToInfeasibility
+from passafe.override import Explainer
 from protocol.messages import (
     BarrierChain,
     Certificate,
     Consumed,
     FilterStatus,
     FilterTick,
+    Override,
     Received,
     Row,
 )
 from protocol.topics import TOPIC_OF_BODY
-
-ACTIVE_DUAL: Final = 1e-6
-"""Multiplier from which a row counts as active, units of u."""
 
 STATUS: Final = (FilterStatus.UNCERTIFIED, *(FilterStatus[status.name] for status in Status))
 """Status on the wire, by the number of the core's; a table, because hashing a member costs 0.4 µs."""
@@ -63,6 +63,10 @@ class Telemetry:
         self._design: FilterDesign = core.design
         self._row_names = core.row_names
         self._duties = core.duties
+        self._explainer = Explainer(core)
+        self._hard = core.layout.parts["relax"].stop - core.layout.parts["relax"].start
+        self._distance = DistanceToInfeasibility(core.design.limits, self._hard)
+        self._has_eps = core.layout.parts["eps"].stop > core.layout.parts["eps"].start
         self._chains: list[tuple[str, slice]] = []
         start = 0
         for chain in core.chains:
@@ -77,6 +81,10 @@ class Telemetry:
             return tuple(decision.part(name).tolist())
 
         psi = vector("psi")
+        eps = vector("eps") if self._has_eps else (0.0,) * len(self._chains)
+        override = self._explainer.override(decision)
+        shares = {cause.row: cause.share for cause in override.causes}
+        relaxed = (*vector("relax"), *(0.0,) * (len(self._row_names) - self._hard))
         return FilterTick(
             tick=record.tick,
             status=record.status,
@@ -90,16 +98,18 @@ class Telemetry:
             phi=vector("phi"),
             v=vector("v"),
             u=decision.u,
-            barriers=tuple(BarrierChain(name, psi[place]) for name, place in self._chains),
+            barriers=tuple(
+                BarrierChain(name, psi[place], margin) for (name, place), margin in zip(self._chains, eps, strict=True)
+            ),
             power_margin=decision.power_margin,
             tank_j=record.tank_j,
             slack=decision.slack,
             rows=tuple(
-                Row(name, margin, dual, dual > ACTIVE_DUAL)
-                for i, (name, margin, dual) in enumerate(
-                    zip(self._row_names, vector("margins"), vector("lam"), strict=True)
+                Row(name, margin, dual, name in shares, shares.get(name, 0.0), less)
+                for i, (name, margin, dual, less) in enumerate(
+                    zip(self._row_names, vector("margins"), vector("lam"), relaxed, strict=True)
                 )
-                if i < self._duties or dual > ACTIVE_DUAL  # of the limits, those that bind
+                if i < self._duties or name in shares  # of the limits, those that bind
             ),
             certificate=Certificate(
                 decision.solver,
@@ -114,4 +124,10 @@ class Telemetry:
             ),
             state_age_ns=record.state_age_ns,
             command_age_ns=record.command_age_ns,
+            override=Override(
+                tuple(override.held_back.tolist()),
+                override.allowed_fraction,
+                override.unavoidable,
+                self._distance.of(decision).lower,
+            ),
         )

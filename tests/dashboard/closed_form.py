@@ -19,6 +19,7 @@ from protocol.messages import (
     Health,
     LinkEvent,
     Message,
+    Override,
     PlantPhase,
     PlantState,
     Row,
@@ -75,11 +76,12 @@ def tick(k: int, **changes: Any) -> FilterTick:  # noqa: ANN401 - any field
         "power_margin": power_margin(t),
         "tank_j": 1.0 + 0.1 * sin(t),
         "slack": 0.0,
-        "rows": (Row("disk", 0.02, 0.4, True), Row("passivity", 1.3, 0.0, False)),
+        "rows": (Row("disk", 0.02, 0.4, True, 1.0), Row("passivity", 1.3, 0.0, False)),
         "certificate": Certificate("piqp", True, 1e-9, 2e-9, 3e-10),
         "consumed": (Consumed(topic="state", sequence=k, received_ns=k * MS, epoch=1),),
         "state_age_ns": MS + 200_000,
         "command_age_ns": 2 * MS,
+        "override": Override((3.0, 4.0), allowed_fraction=0.625, unavoidable=False, distance_to_infeasibility=12.5),
     }
     return FilterTick(**(values | changes))
 

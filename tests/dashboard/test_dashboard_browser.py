@@ -102,6 +102,9 @@ def test_the_live_page_shows_the_run(watched: Watched, served: ServedPage, tmp_p
     assert float(watched.text("#power-margin").split()[0]) > 0
     assert watched.page.locator("#rows tr").first.locator("td").first.text_content() == "active"
     assert watched.text("#state-age") == "1.2 ms"
+    assert watched.text("#held-back").split()[0] == "5.0000"
+    assert watched.text("#allowed") == "62 %"
+    assert watched.text("#infeasibility") == "12.5000"
     assert "plant" in watched.page.locator("#processes th").all_text_contents()
     drawn = watched.page.evaluate(rows_of("states", "h_0"))
     assert min(drawn) >= 0.44 - 1e-6

@@ -7,7 +7,7 @@ from closed_form import MS, ClosedFormRun, h, header, health, paper_scenario, st
 from dashboard.feed import Feed
 from dashboard.frames import json_text
 from dashboard.snapshot import REPORTING, liveness_json, status_json
-from protocol.messages import FilterStatus, PlantPhase
+from protocol.messages import FilterStatus, Override, PlantPhase
 
 
 def feed_after(run_ns: int) -> Feed:
@@ -25,6 +25,14 @@ def test_everything_the_page_shows_is_there() -> None:
     assert shown["filter"]["barriers"] == [{"name": "disk", "psi": tick(1999).barriers[0].psi}]
     assert shown["filter"]["state_age_ms"] == pytest.approx(1.2)
     assert [row["active"] for row in shown["filter"]["rows"]] == [True, False]
+    assert [row["share"] for row in shown["filter"]["rows"]] == [1.0, 0.0]
+    assert shown["filter"]["override"] == {
+        "held_back": (3.0, 4.0),
+        "held_back_norm": 5.0,
+        "allowed_fraction": 0.625,
+        "unavoidable": False,
+        "distance_to_infeasibility": 12.5,
+    }
     assert shown["plant"]["h"][0]["value"] == pytest.approx(h(1.999))
     assert shown["plant"]["phase"] == "RUNNING"
     assert shown["worst"]["barriers"][0]["measured"]["value"] == pytest.approx(0.44, abs=1e-3)
@@ -100,6 +108,12 @@ def test_an_age_that_is_not_known_is_null() -> None:
     shown = status_json(feed, 0)["filter"]
     assert shown["state_age_ms"] is None
     assert shown["command_age_ms"] is None
+
+
+def test_an_override_that_the_tick_does_not_tell_is_null() -> None:
+    feed = Feed(paper_scenario())
+    feed.push(header("filter", 0), tick(0, override=Override()), 0)
+    assert status_json(feed, 0)["filter"]["override"] is None
 
 
 @pytest.mark.parametrize("status", list(FilterStatus))

@@ -26,6 +26,7 @@ from protocol.messages import (
     LinkEvent,
     Message,
     OperatorCommand,
+    Override,
     PlantInput,
     PlantPhase,
     PlantState,
@@ -68,15 +69,16 @@ def ticks(m: int) -> st.SearchStrategy[FilterTick]:
         phi=absent_or_m,
         v=absent_or_m,
         u=vector(m),
-        barriers=tuple_of(st.builds(BarrierChain, name, st.integers(1, 4).flatmap(vector))),
+        barriers=tuple_of(st.builds(BarrierChain, name, st.integers(1, 4).flatmap(vector), number)),
         power_margin=number,
         tank_j=number,
         slack=number,
-        rows=tuple_of(st.builds(Row, name, number, number, st.booleans())),
+        rows=tuple_of(st.builds(Row, name, number, number, st.booleans(), number, positive)),
         certificate=st.builds(Certificate, text, st.booleans(), number, positive, positive),
         consumed=tuple_of(st.builds(Consumed, name, count, time_ns, count)),
         state_age_ns=age_ns,
         command_age_ns=age_ns,
+        override=st.builds(Override, absent_or_m, st.floats(0, 1), st.booleans(), number),
     )
 
 
@@ -419,6 +421,25 @@ def test_absent_certificate_is_an_empty_one(header: Header, body_of: dict[type, 
 
     assert isinstance(tick, FilterTick)
     assert tick.certificate == Certificate("", accepted=False, primal_residual=0.0, dual_residual=0.0, gap=0.0)
+
+
+def test_a_tick_of_before_overrides_were_told_is_read_and_knows_nothing_of_them(
+    header: Header, body_of: dict[type, Message]
+) -> None:
+    message = unchecked(header, body_of[FilterTick])
+    message.ClearField("override")
+    for row in message.rows:
+        row.ClearField("share")
+        row.ClearField("relaxed")
+    for barrier in message.barriers:
+        barrier.ClearField("eps")
+
+    _, tick = decode(TICK, message.SerializeToString())
+
+    assert isinstance(tick, FilterTick)
+    assert tick.override == Override((), allowed_fraction=0.0, unavoidable=False, distance_to_infeasibility=0.0)
+    assert tick.rows == (Row("disk", 0.5, 0.0, active=False), Row("passivity", 0.0, 2.0, active=True))
+    assert [barrier.eps for barrier in tick.barriers] == [0.0, 0.0]
 
 
 def test_command_keeps_its_dead_man(header: Header, body_of: dict[type, Any]) -> None:

@@ -1,6 +1,6 @@
 """Shapes say of what kind each field is and where it stands."""
 
-from protocol.messages import BarrierChain, Certificate, FilterStatus, FilterTick, PlantPhase, PlantState, Row
+from protocol.messages import BarrierChain, Certificate, FilterStatus, FilterTick, Override, PlantPhase, PlantState, Row
 from protocol.shapes import shape_of
 
 
@@ -20,7 +20,10 @@ def test_plant_state_is_read_from_its_annotations() -> None:
 def test_parts_and_lists_carry_the_shapes_within() -> None:
     shape = shape_of(FilterTick)
 
-    assert [(name, part.record_type) for _, name, part in shape.parts] == [("certificate", Certificate)]
+    assert [(name, part.record_type) for _, name, part in shape.parts] == [
+        ("certificate", Certificate),
+        ("override", Override),
+    ]
     assert [(name, part.record_type) for _, name, part in shape.lists[:2]] == [
         ("barriers", BarrierChain),
         ("rows", Row),

@@ -20,6 +20,7 @@ from protocol.messages import (
     LinkEvent,
     Message,
     OperatorCommand,
+    Override,
     PlantInput,
     PlantState,
     Row,
@@ -57,6 +58,10 @@ REFUSED: list[tuple[type, dict[str, Any], str]] = [
     (FilterTick, {"x_hat": LONG}, "x_hat"),
     (FilterTick, {"u": ()}, "u"),
     (FilterTick, {"u_h": (0.0,)}, "u_h"),
+    (FilterTick, {"override": Override(held_back=(0.0,))}, "override"),
+    (FilterTick, {"override": Override(allowed_fraction=-1e-9)}, "override.allowed_fraction"),
+    (FilterTick, {"override": Override(allowed_fraction=1.0000001)}, "override.allowed_fraction"),
+    (FilterTick, {"rows": (Row("r", 0.0, 0.0, active=False, relaxed=-1e-300),)}, "rows[0].relaxed"),
     (FilterTick, {"u_h_rate": (0.0,)}, "u_h_rate"),
     (FilterTick, {"u_nominal": (0.0,)}, "u_nominal"),
     (FilterTick, {"phi": (0.0,)}, "phi"),
@@ -101,6 +106,8 @@ ALLOWED: list[tuple[type, dict[str, Any]]] = [
     (FilterTick, {"barriers": (), "rows": (), "consumed": (), "state_age_ns": -1, "command_age_ns": -1}),
     (FilterTick, {"certificate": replace(CERTIFICATE, solver="", primal_residual=-1e-9)}),
     (FilterTick, {"rows": tuple(Row("r", 0.0, -1e-12, active=False) for _ in range(250))}),
+    (FilterTick, {"override": Override()}),
+    (FilterTick, {"override": Override((0.0, 0.0), allowed_fraction=1.0)}),
     (LinkConfig, {"delay_s": 0.0, "jitter_s": 0.0, "loss": 0.0}),
     (LinkConfig, {"delay_s": 10.0, "jitter_s": 10.0, "loss": 1.0}),
     (Health, {"rate_hz": 0.0, "late_us_max": 0.0, "topics": ()}),
@@ -190,7 +197,7 @@ def test_a_number_that_is_not_finite_is_refused_wherever_it_stands(body: Message
 
 def test_the_walk_finds_every_float(body_of: dict[type, Message]) -> None:
     assert len(floats_of(body_of[PlantState])) == 4 + 2 + 2 + 3
-    assert len(floats_of(body_of[FilterTick])) == 4 + 6 * 2 + (3 + 1) + 3 + 2 * 2 + 3
+    assert len(floats_of(body_of[FilterTick])) == 4 + 6 * 2 + (3 + 1 + 2) + 3 + 2 * 4 + 3 + (2 + 2)
 
 
 def test_opposite_infinities_do_not_cancel(body_of: dict[type, Message]) -> None:

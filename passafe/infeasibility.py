@@ -1,0 +1,208 @@
+"""How far the hard rows are from contradicting one another within the limits: a linear program, with proof.
+
+    max t  subject to  gᵢᵀw − dᵢ ≥ t for every hard row,  u_ref + w within the limits.
+
+Rows are of unit length, so t is in units of u: the largest distance that some admissible input can keep from all hard
+rows at once. Where it is negative, no admissible input keeps them, and −t is the least by which the worst is missed.
+Rows are meant as they stand at the decision, with tangents and margins between samples that suit inputs near u⁺.
+
+DAQP solves strictly convex programs, so the linear one is solved by proximal points, min ½‖z − c‖² − t/η with
+z = (w, t) and c the answer before; for a linear program that ends after finitely many steps (Rockafellar 1976), nearly
+always the first. No answer is taken on trust: the value of any admissible w is a lower bound of the maximum, and any
+weights μ ≥ 0 with Σμ = 1 give the upper bound max_w Σμᵢ(gᵢᵀw − dᵢ), which has a closed form over the limits.
+"""
+
+from dataclasses import dataclass
+from math import inf, isfinite, sqrt
+from typing import Final
+
+import daqp
+import numpy as np
+from msgspec import Struct
+
+from passafe.decision import Decision
+from passafe.limits import Limits
+from passafe.workspace import Array
+
+ETA: Final = 1e-8
+"""η: price of being away from c, lengths measured in the reach of the limits."""
+
+ATTEMPTS: Final = 8
+"""Proximal steps, beside those that a limit of the norm takes."""
+
+CLOSED: Final = 1e-8
+"""Gap between the bounds, relative to the reach, at which no better ones are sought."""
+
+_FAR: Final = 1e30
+_SOLVED: Final = 1
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Distance:
+    """What is proven of the largest t.
+
+    Attributes:
+        lower: Some admissible input keeps every hard row with this much to spare, units of u.
+        upper: None keeps them with more.
+    """
+
+    lower: float
+    upper: float
+
+
+class _Program(Struct, frozen=True, eq=False):
+    """The linear program of one decision, in w."""
+
+    G: Array
+    d: Array
+    u_ref: Array
+    low: Array
+    high: Array
+    norm: float
+
+    def kept(self, w: Array) -> float:
+        """Return by how much w keeps the row that it keeps least."""
+        return float(np.minimum.reduce(self.G @ w - self.d))
+
+    def admissible(self, w: Array, known: Array) -> Array:
+        """Return the last admissible point on the way from an admissible one to w."""
+        w = np.minimum(np.maximum(w, self.low), self.high)
+        if self.norm == inf:
+            return w
+        start, way = self.u_ref + known, w - known
+        a, b, c = float(way @ way), float(start @ way), max(self.norm**2 - float(start @ start), 0.0)
+        return w if a + 2 * b <= c else known + way * ((sqrt(b * b + a * c) - b) / a)
+
+    def most(self, pull: Array) -> float:
+        """Return the largest pullᵀw over the axes' limits."""
+        return float(np.add.reduce(np.maximum(pull * self.low, pull * self.high)))
+
+
+class DistanceToInfeasibility:
+    """Solves the linear program of the module for one decision after the other.
+
+    The answer is a function of the decision alone: the solver starts afresh every time.
+
+    Attributes:
+        reach: Longest way between two inputs within the magnitudes, units of u. No distance is larger: without hard
+            rows, or with rows further away than any input can go, it is this.
+        floor: What stands for rows that are no numbers, units of u; no distance is smaller.
+    """
+
+    def __init__(self, limits: Limits, hard: int) -> None:
+        """Set the solver up.
+
+        Args:
+            limits: The filter's.
+            hard: Number of hard rows.
+        """
+        self.reach = limits.reach
+        self.floor = -3 * self.reach  # ‖w‖ ≤ reach, and a bound is drawn in to twice that (``passafe.rows.stack``)
+        self._norm = inf if limits.norm is None else limits.norm
+        self._hard, self._m = hard, len(limits.magnitude)
+        tangents = 0 if limits.norm is None else 2 * ATTEMPTS
+        size, count = self._m + 1, self._m + 1 + hard + tangents
+        self._A, self._rows = (np.zeros((hard + tangents, size)) for _ in range(2))
+        self._rows[:hard, -1] = -1.0
+        self._above, self._below = np.full(count, _FAR), np.full(count, -_FAR)
+        self._above[self._m], self._below[self._m] = 1.0, -4.0
+        self._bounds = self._below[size:]
+        self._cold = np.zeros(count, dtype=np.intc)
+        self._linear = np.zeros(size)
+        self._used = hard
+        self._model = daqp.Model()
+        self._model.setup(np.eye(size), self._linear, self._A, self._above, self._below, self._cold)
+
+    def of(self, decision: Decision) -> Distance:
+        """Return the proven bounds of the distance at a decision."""
+        if not self._hard:
+            return Distance(lower=self.reach, upper=self.reach)
+        block, parts = decision.block, decision.parts
+        d, u_ref = block[parts["d"]], block[parts["u_ref"]]
+        program = _Program(
+            G=block[parts["G"]].reshape((d.size, -1), order="F")[: self._hard, : self._m],
+            d=d[: self._hard],
+            u_ref=u_ref,
+            low=block[parts["low"]] - u_ref,
+            high=block[parts["high"]] - u_ref,
+            norm=self._norm,
+        )
+        known = block[parts["u_plus"]] - u_ref
+        kept = program.kept(known)
+        if not isfinite(kept):
+            return Distance(lower=self.floor, upper=self.reach)
+        if kept >= self.reach:
+            return Distance(lower=self.reach, upper=self.reach)
+        return self._solve(program, known, kept)
+
+    def _solve(self, program: _Program, known: Array, lower: float) -> Distance:
+        self._write(program)
+        upper = self.reach
+        for _ in range(ATTEMPTS):
+            answer = self._ask()
+            if answer is None:
+                break
+            w, weights = answer
+            pull, most = self._proof(program, weights)
+            touching: list[Array] = []
+            if program.norm < inf:  # where it binds, the best input is near the answer or where the pull ends
+                touching = [u for u in map(_unit, (program.u_ref + w, pull)) if u.any()]
+            for candidate in (w, *(program.norm * u - program.u_ref for u in touching)):
+                admissible = program.admissible(candidate, known)
+                if (kept := program.kept(admissible)) > lower:
+                    known, lower = admissible, kept
+            upper = min(upper, most)
+            if upper - lower <= CLOSED * self.reach:
+                break
+            self._refine(program, known, lower, touching)
+        lower = min(lower, self.reach)
+        return Distance(lower=lower, upper=max(lower, upper))
+
+    def _write(self, program: _Program) -> None:
+        m, scale = self._m, 1 / self.reach
+        self._rows[: self._hard, :m] = program.G
+        self._above[:m], self._below[:m] = program.high * scale, program.low * scale
+        self._bounds[: self._hard] = program.d * scale
+        self._rows[self._hard :], self._bounds[self._hard :] = 0.0, -_FAR
+        self._used = self._hard
+        self._linear[:m], self._linear[m] = 0.0, -1 / ETA
+
+    def _ask(self) -> tuple[Array, Array] | None:
+        """Return w and the weights of rows and tangents, or ``None`` where the solver says that it failed."""
+        self._A[:] = self._rows  # the solver may scale its rows in place
+        self._model.update(A=self._A, f=self._linear, bupper=self._above, blower=self._below, sense=self._cold)
+        x, _, flag, info = self._model.solve()
+        if flag != _SOLVED:
+            return None
+        weights = np.negative(info["lam"][self._m + 1 :], dtype=np.float64)
+        return self.reach * np.array(x[:-1], dtype=np.float64), np.maximum(weights, 0.0)
+
+    def _proof(self, program: _Program, weights: Array) -> tuple[Array, float]:
+        """Return Σμᵢgᵢ and the upper bound that the weights prove."""
+        hard, used = self._hard, self._used
+        total = float(np.add.reduce(weights[:hard]))
+        if not total > 0.0:
+            return np.zeros(self._m), inf
+        mu = weights / total
+        pull = mu[:hard] @ program.G
+        most = -float(mu[:hard] @ program.d)
+        if program.norm == inf:
+            return pull, most + program.most(pull)
+        rest = pull + mu[hard:used] @ self._rows[hard:used, :-1]
+        past = float(mu[hard:used] @ self._bounds[hard:used]) * self.reach
+        over_the_ball = float(program.norm * np.linalg.norm(pull) - pull @ program.u_ref)
+        return pull, most + min(program.most(rest) - past, over_the_ball)
+
+    def _refine(self, program: _Program, known: Array, lower: float, touching: list[Array]) -> None:
+        """Go on from the best input so far, with the norm's tangents where it was touched."""
+        m, scale = self._m, 1 / self.reach
+        self._linear[:m], self._linear[m] = known * -scale, -lower * scale - 1 / ETA
+        for u in touching:
+            self._rows[self._used, :m] = -u
+            self._bounds[self._used] = (float(u @ program.u_ref) - program.norm) * scale
+            self._used += 1
+
+
+def _unit(u: Array) -> Array:
+    length = sqrt(float(u @ u))
+    return u / length if length else u

@@ -1,0 +1,135 @@
+"""What the operator asks for at a tick: newest command, its age, dead-man, and what lies between commands."""
+
+from math import isfinite
+
+from passafe.human_input import HumanInputEstimator
+from protocol.messages import OperatorCommand, Received, Vector
+from services.filter.sender_clock import SenderClock
+
+Request = tuple[Vector, Vector, int, bool]
+"""u_h, its rate, the age of the newest command in ns (−1 without one) and whether that is stale."""
+
+
+class AsSent:
+    """The newest command's u_h and rate as they are; without a rate in it, zero.
+
+    A command that is stale or released (dead-man) counts as u_h = 0, one of the wrong shape or with a number that is
+    not finite is passed over.
+    """
+
+    def __init__(self, inputs: int, stale_ns: int) -> None:
+        """Start with nothing heard.
+
+        Args:
+            inputs: m.
+            stale_ns: Age from which a command counts as zero, ns.
+        """
+        self._m = inputs
+        self._rate_lengths = (0, inputs)
+        self._stale_ns = stale_ns
+        self._zero: Vector = (0.0,) * inputs
+        self._command: OperatorCommand | None = None
+        self._order = (-1, -1)
+        self._received_ns = 0
+
+    def hear(self, received: Received, command: OperatorCommand) -> None:
+        """Take in a command; one that a newer one overtook changes nothing.
+
+        Args:
+            received: The message.
+            command: Its body.
+        """
+        header = received.header
+        order = (header.epoch, header.sequence)
+        if order > self._order and self._is_request(command):
+            self._command, self._order, self._received_ns = command, order, received.received_ns
+
+    def at(self, now_ns: int) -> Request:
+        """Return what is asked for at a tick.
+
+        Args:
+            now_ns: When the tick is due, monotonic, ns.
+        """
+        command = self._command
+        if command is None:
+            return self._zero, self._zero, -1, True
+        age_ns = now_ns - self._received_ns if now_ns > self._received_ns else 0
+        stale = age_ns > self._stale_ns
+        if stale or not command.enabled:
+            return self._zero, self._zero, age_ns, stale
+        return command.u_h, command.u_h_rate or self._zero, age_ns, False
+
+    def _is_request(self, command: OperatorCommand) -> bool:
+        """Tell whether a command has the filter's shape and only finite numbers."""
+        u_h, rate = command.u_h, command.u_h_rate
+        return len(u_h) == self._m and len(rate) in self._rate_lengths and isfinite(sum(u_h + rate))
+
+
+class Estimated(AsSent):
+    """u_h and its rate at the tick, estimated from the commands' u_h; a rate that the device tells is not used.
+
+    An overtaken command still counts as a sample. The estimator starts anew after a released dead-man, after
+    silence of ``stale_ns``, with another session, and where the sender's clock does not run on. All of that is told
+    from the messages alone: which ticks asked in between changes nothing, so a log can be stepped again.
+    """
+
+    def __init__(self, inputs: int, stale_ns: int, estimator: HumanInputEstimator) -> None:
+        """Start with nothing heard.
+
+        Args:
+            inputs: m.
+            stale_ns: Age from which a command counts as zero, ns.
+            estimator: Of m axes.
+        """
+        super().__init__(inputs, stale_ns)
+        self._estimator = estimator
+        self._clock = SenderClock()
+        self._since = (-1, -1)
+
+    def hear(self, received: Received, command: OperatorCommand) -> None:
+        """Take in a command as a sample, newest or not.
+
+        Args:
+            received: The message.
+            command: Its body.
+        """
+        if not self._is_request(command):
+            return
+        header = received.header
+        order = (header.epoch, header.sequence)
+        if order > self._order:
+            if (
+                header.epoch != self._order[0]
+                or not command.enabled
+                or received.received_ns - self._received_ns > self._stale_ns
+                or not self._clock.runs_on(header.scheduled_ns)
+            ):
+                self._start_anew(order)
+            self._command, self._order, self._received_ns = command, order, received.received_ns
+        elif order <= self._since:
+            return
+        if not command.enabled:
+            return
+        delay_ns = self._clock.hear(header.scheduled_ns, received.received_ns)
+        if order == self._order and delay_ns > self._stale_ns:  # no link keeps the newest so long: the clock jumped
+            self._start_anew(order)
+            self._clock.hear(header.scheduled_ns, received.received_ns)
+        self._estimator.add(self._clock.sent_s(header.scheduled_ns), command.u_h)
+
+    def at(self, now_ns: int) -> Request:
+        """Return the estimate at a tick, zero where ``AsSent`` is.
+
+        Args:
+            now_ns: When the tick is due, monotonic, ns.
+        """
+        _, _, age_ns, stale = asked = super().at(now_ns)
+        if stale or self._command is None or not self._command.enabled:
+            return asked
+        u_h, u_h_rate = self._estimator.at(self._clock.now_s(now_ns))
+        return u_h, u_h_rate, age_ns, False
+
+    def _start_anew(self, order: tuple[int, int]) -> None:
+        """Forget all samples; commands before ``order`` count no more."""
+        self._since = order
+        self._estimator.restart()
+        self._clock.restart()

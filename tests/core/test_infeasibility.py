@@ -1,0 +1,209 @@
+from collections.abc import Sequence
+from math import hypot, nan
+
+import numpy as np
+import pytest
+from core_designs import DESIGNS, Builder, paper_design, random_state, row_filter, row_state
+from scipy.optimize import linprog, minimize
+
+from passafe.decision import Decision, Status
+from passafe.design import Mode
+from passafe.filter import SafetyPassivityFilter
+from passafe.infeasibility import CLOSED, Distance, DistanceToInfeasibility
+from passafe.limits import Limits
+from passafe.workspace import Array, Layout
+
+NO_RATE = (0.0, 0.0)
+
+
+def posed(
+    G: Array,
+    d: Array,
+    low: Array,
+    high: Array,
+    u_ref: Array | None = None,
+    u_plus: Array | None = None,
+) -> Decision:
+    """Return the parts of a decision that the distance is read from: rows G w ≥ d, low ≤ u_ref + w ≤ high."""
+    m = len(low)
+    values = {
+        "G": G.ravel(order="F"),
+        "d": d,
+        "u_ref": np.zeros(m) if u_ref is None else u_ref,
+        "low": low,
+        "high": high,
+        "u_plus": (low + high) / 2 if u_plus is None else u_plus,
+    }
+    layout = Layout.of({name: value.size for name, value in values.items()})
+    return Decision(np.concatenate(list(values.values())), layout.parts, Status.MODIFIED, "none", (0.0,) * m)
+
+
+def in_a_box(rows: Sequence[Sequence[float]], bound: float, norm: float | None = None) -> Distance:
+    """Return the distance of rows (g, c), gᵀu + c ≥ 0 with unit g, under |uᵢ| ≤ bound and ‖u‖ ≤ norm."""
+    numbers = np.array(rows, dtype=float)
+    m = numbers.shape[1] - 1
+    limits = Limits.of(m, bound, norm, None)
+    box = np.full(m, bound)
+    return DistanceToInfeasibility(limits, len(rows)).of(posed(numbers[:, :m], -numbers[:, m], -box, box))
+
+
+def assert_closed(distance: Distance, value: float, reach: float) -> None:
+    assert distance.lower <= value + 1e-9 * reach
+    assert distance.upper >= value - 1e-9 * reach
+    assert distance.upper - distance.lower <= 2 * CLOSED * reach
+
+
+@pytest.mark.parametrize(
+    ("rows", "value"),
+    [
+        ([(1.0, 0.0, 2.0)], 12.0),  # u₁ ≥ −2: at u₁ = 10
+        ([(1.0, 0.0, -11.0)], -1.0),  # u₁ ≥ 11 is one beyond the limit
+        ([(1.0, 0.0, 1.0), (-1.0, 0.0, 3.0)], 2.0),  # −1 ≤ u₁ ≤ 3
+        ([(1.0, 0.0, -1.0), (-1.0, 0.0, -1.0)], -1.0),  # 1 ≤ u₁ ≤ −1
+        ([(1.0, 0.0, 0.0)] * 3, 10.0),  # duplicated
+        ([(0.6, 0.8, 0.0)], 14.0),  # the corner (10, 10)
+        ([(0.0, 0.0, -5.0)], -5.0),  # no gradient, not kept
+        ([(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (-(0.5**0.5), -(0.5**0.5), 0.5**0.5)], 1 / (1 + 2 * 0.5**0.5) * 0.5**0.5),
+    ],
+)
+def test_in_closed_form(rows: list[tuple[float, ...]], value: float) -> None:
+    # The last but one input: the circle in the triangle u₁ ≥ 0, u₂ ≥ 0, u₁ + u₂ ≤ 1 has radius 1/(2 + √2).
+    assert_closed(in_a_box(rows, 10.0), value, 2 * hypot(10.0, 10.0))
+
+
+@pytest.mark.parametrize(
+    ("rows", "value"),
+    [
+        ([(0.6, 0.8, 1.0)], 6.0),  # at the end of (0.6, 0.8)·5
+        ([(0.6, 0.8, -7.0)], -2.0),
+        ([(1.0, 0.0, 0.0), (0.0, 1.0, 0.0)], 5 / 2**0.5),
+        ([(1.0, 0.0, 1.0), (-1.0, 0.0, 3.0)], 2.0),  # the norm is not in the way
+        ([(1.0, 0.0, 0.0), (0.0, 1.0, -3.0)], 0.5 * (41**0.5 - 3)),  # t² + (t + 3)² = 25
+    ],
+)
+def test_in_closed_form_within_a_norm(rows: list[tuple[float, ...]], value: float) -> None:
+    assert_closed(in_a_box(rows, 10.0, norm=5.0), value, 2 * hypot(10.0, 10.0))
+
+
+def test_where_norm_and_axis_both_bind() -> None:
+    # (0.6, 0.8)·u with |u₁| ≤ 1 and ‖u‖ ≤ 5: the corner (1, √24).
+    limits = Limits.of(2, (1.0, 10.0), 5.0, None)
+    box = np.array([1.0, 10.0])
+    distance = DistanceToInfeasibility(limits, 1).of(posed(np.array([[0.6, 0.8]]), np.zeros(1), -box, box))
+
+    assert_closed(distance, 0.6 + 0.8 * 24**0.5, limits.reach)
+
+
+@pytest.mark.parametrize(("hard", "m"), [(1, 1), (2, 2), (20, 2), (6, 7), (20, 7), (250, 2)])
+def test_it_is_the_optimum_of_the_linear_program(hard: int, m: int) -> None:
+    rng = np.random.default_rng(hard * m)
+    limits = Limits.of(m, 5.0, None, None)
+    solver = DistanceToInfeasibility(limits, hard)
+    for _ in range(20):
+        G = rng.normal(size=(hard, m))
+        G /= np.linalg.norm(G, axis=1)[:, None]
+        d, u_ref = rng.normal(size=hard) * 3, rng.uniform(-5, 5, m)
+        low, high = np.full(m, -5.0), np.full(m, 5.0)
+        found = solver.of(posed(G, d, low, high, u_ref))
+        exact = linprog(
+            np.r_[np.zeros(m), -1.0],
+            A_ub=np.hstack((-G, np.ones((hard, 1)))),
+            b_ub=-d,
+            bounds=[*zip(low - u_ref, high - u_ref, strict=True), (None, limits.reach)],
+        )
+        assert_closed(found, float(exact.x[-1]), limits.reach)
+
+
+def test_within_a_norm_it_is_the_optimum_of_the_convex_program() -> None:
+    rng = np.random.default_rng(3)
+    limits = Limits.of(3, 5.0, 6.0, None)
+    solver = DistanceToInfeasibility(limits, 4)
+    box = np.full(3, 5.0)
+    for _ in range(20):
+        G = rng.normal(size=(4, 3))
+        G /= np.linalg.norm(G, axis=1)[:, None]
+        d = rng.normal(size=4)
+        found = solver.of(posed(G, d, -box, box))
+        constraints = [
+            {"type": "ineq", "fun": lambda z, G=G, d=d: G @ z[:3] - d - z[3]},
+            {"type": "ineq", "fun": lambda z: 36.0 - z[:3] @ z[:3]},
+        ]
+        best = minimize(lambda z: -z[3], np.zeros(4), constraints=constraints, bounds=[(-5, 5)] * 3 + [(None, None)])
+        assert found.lower == pytest.approx(best.x[3], abs=1e-4)
+        assert found.lower <= found.upper <= found.lower + 1e-3 * limits.reach
+
+
+@pytest.mark.parametrize("builder", DESIGNS)
+def test_what_is_infeasible_has_a_negative_distance_and_nothing_else(builder: Builder) -> None:
+    core = SafetyPassivityFilter(builder(input_bound=3.0, between_samples=False))
+    hard = core.layout.parts["relax"].stop - core.layout.parts["relax"].start
+    solver, system = DistanceToInfeasibility(core.design.limits, hard), core.design.system
+    rng = np.random.default_rng(5)
+    for _ in range(200):
+        u_h = random_state(rng, system.m, 9.0)
+        decision = core.decide(random_state(rng, system.n), random_state(rng, system.m), u_h, u_h, 0.7)
+        distance = solver.of(decision)
+        if decision.status is Status.INFEASIBLE:
+            assert distance.lower < 0.0
+        elif decision.status is not Status.UNCERTIFIED:
+            assert distance.upper > -1e-5
+        assert distance.lower >= min(float(decision.margins[:hard].min()), solver.reach) - 1e-5
+
+
+def test_the_answer_does_not_depend_on_what_was_solved_before() -> None:
+    core = row_filter(hard=2, soft=False)
+    first = core.decide(row_state([(0.6, 0.8, -1.0), (1.0, -0.3, 2.0)]), NO_RATE, (9.0, 1.0), NO_RATE)
+    other = core.decide(row_state([(-1.0, 0.0, -9.0), (0.1, 1.0, 50.0)]), NO_RATE, (-9.0, 1.0), NO_RATE)
+    used = DistanceToInfeasibility(core.design.limits, 2)
+    before = used.of(first)
+    used.of(other)
+
+    assert used.of(first) == before == DistanceToInfeasibility(core.design.limits, 2).of(first)
+
+
+def test_without_hard_rows_it_is_the_reach() -> None:
+    core = SafetyPassivityFilter(paper_design(mode=Mode.PASSIVE))
+    decision = core.decide((2.0, 2.0, -1.0, -1.0), NO_RATE, NO_RATE, NO_RATE)
+    solver = DistanceToInfeasibility(core.design.limits, 0)
+
+    assert solver.of(decision) == Distance(lower=solver.reach, upper=solver.reach)
+
+
+def test_a_row_further_away_than_any_input_can_go_counts_as_the_reach() -> None:
+    assert in_a_box([(1.0, 0.0, 1e3)], 10.0) == Distance(lower=2 * hypot(10, 10), upper=2 * hypot(10, 10))
+
+
+def test_rows_that_are_no_numbers_have_the_floor() -> None:
+    solver = DistanceToInfeasibility(Limits.of(2, 10.0, None, None), 1)
+    box = np.full(2, 10.0)
+    distance = solver.of(posed(np.array([[nan, 1.0]]), np.zeros(1), -box, box))
+
+    assert distance == Distance(lower=solver.floor, upper=solver.reach)
+
+
+def test_where_the_solver_fails_the_decision_itself_is_the_bound(monkeypatch: pytest.MonkeyPatch) -> None:
+    limits = Limits.of(2, 10.0, None, None)
+    solver = DistanceToInfeasibility(limits, 1)
+    box = np.full(2, 10.0)
+
+    class Failing:
+        def update(self, **_: object) -> int:
+            return -1
+
+        def solve(self) -> tuple[Array, float, int, dict[str, Array]]:
+            return np.zeros(3), 0.0, -1, {}
+
+    monkeypatch.setattr(solver, "_model", Failing())
+    distance = solver.of(posed(np.array([[1.0, 0.0]]), np.zeros(1), -box, box, u_plus=np.array([4.0, 0.0])))
+
+    assert distance == Distance(lower=4.0, upper=limits.reach)
+
+
+def test_weights_that_prove_nothing_leave_the_reach(monkeypatch: pytest.MonkeyPatch) -> None:
+    limits = Limits.of(2, 10.0, 5.0, None)
+    solver = DistanceToInfeasibility(limits, 1)
+    box = np.full(2, 10.0)
+    monkeypatch.setattr(solver, "_ask", lambda: (np.zeros(2), np.zeros(1)))
+    distance = solver.of(posed(np.array([[1.0, 0.0]]), np.zeros(1), -box, box, u_plus=np.zeros(2)))
+
+    assert distance == Distance(lower=0.0, upper=limits.reach)

@@ -1,0 +1,96 @@
+from collections.abc import Iterator
+from itertools import pairwise
+
+import pytest
+
+from passafe.decision import Status
+from passafe.filter import SafetyPassivityFilter
+from passafe.infeasibility import DistanceToInfeasibility
+from passafe.override import Explainer
+from protocol.codec import decode, encode
+from protocol.messages import Event, FilterStatus, FilterTick, Header
+from protocol.topics import TICK
+from services.assembly import lockstep_loop
+from services.filter.telemetry import Telemetry, TickRecord
+from services.scenarios.design import design_of, robot_of
+from services.scenarios.load import load_scenario
+from services.scenarios.units import input_unit
+
+SCENARIO = load_scenario("notomista-cai-2020")
+CORE = SafetyPassivityFilter(design_of(SCENARIO, robot_of(SCENARIO)))
+HEADER = Header("filter", 1, 1, 0, 0, 0, 0)
+
+
+def tick_at(x: tuple[float, ...], u_h: tuple[float, float], core: SafetyPassivityFilter = CORE) -> FilterTick:
+    decision = core.decide(x, (0.0, 0.0), u_h, (0.0, 0.0), 1.0, start=True)
+    tick = TickRecord(Telemetry(core), 1, FilterStatus[decision.status.name], decision, 0, 1.0, (), 0, 0)()
+    assert decode(TICK, encode(HEADER, tick))[1] == tick
+    return tick
+
+
+def test_a_tick_tells_what_the_core_says_of_its_decision() -> None:
+    x, u_h = (1.2, 0.0, -1.0, 0.0), (-30.0, 0.0)
+    decision = CORE.decide(x, (0.0, 0.0), u_h, (0.0, 0.0), 1.0, start=True)
+    override = Explainer(CORE).override(decision)
+    distance = DistanceToInfeasibility(CORE.design.limits, 1).of(decision)
+
+    tick = tick_at(x, u_h)
+
+    assert decision.status is not Status.PASSED
+    assert tick.override.held_back == tuple(override.held_back)
+    assert (tick.override.allowed_fraction, tick.override.unavoidable) == (
+        override.allowed_fraction,
+        override.unavoidable,
+    )
+    assert tick.override.distance_to_infeasibility == distance.lower
+    assert {row.name: row.share for row in tick.rows if row.active} == {c.row: c.share for c in override.causes}
+    assert tick.barriers[0].eps == decision.part("eps")[0] > 0.0
+    assert [row.relaxed for row in tick.rows] == [0.0] * len(tick.rows)
+
+
+def test_a_limit_that_cuts_off_the_request_is_listed_though_its_multiplier_is_zero() -> None:
+    tick = tick_at((2.0, 2.0, 0.0, 0.0), (500.0, 0.0))
+
+    [limit] = [row for row in tick.rows if row.name == "input 0 high"]
+    assert limit.active
+    assert limit.dual == 0.0
+    assert limit.share == pytest.approx(1.0, abs=1e-3)
+
+
+def test_rows_that_were_given_up_say_by_how_much_and_barriers_not_enforced_have_no_margin() -> None:
+    scenario = load_scenario("notomista-cai-2020")
+    narrow = scenario.model_copy(update={"filter": scenario.filter.model_copy(update={"input_bound": 1.0})})
+    given_up = tick_at((1.1, 0.0, -3.0, 0.0), (0.0, 0.0), SafetyPassivityFilter(design_of(narrow, robot_of(narrow))))
+    passive = scenario.model_copy(update={"filter": scenario.filter.model_copy(update={"mode": "passive"})})
+    core = SafetyPassivityFilter(design_of(passive, robot_of(passive)))
+    unenforced = tick_at((1.1, 0.0, -3.0, 0.0), (0.0, 0.0), core)
+
+    assert given_up.status is FilterStatus.INFEASIBLE
+    assert given_up.rows[0].relaxed > 1.0
+    assert given_up.override.distance_to_infeasibility == pytest.approx(-given_up.rows[0].relaxed, rel=1e-3)
+    assert unenforced.barriers[0].eps == 0.0
+    assert unenforced.override.distance_to_infeasibility == core.design.limits.reach
+
+
+def test_a_run_says_why_it_holds_back_at_most_once_a_second() -> None:
+    heard: list[tuple[int, str]] = []
+
+    def listen(*message: object) -> None:
+        heard.extend(events(message))
+
+    def events(message: tuple[object, ...]) -> Iterator[tuple[int, str]]:
+        [header] = [part for part in message if isinstance(part, Header)]
+        yield from ((header.scheduled_ns, part.text) for part in message if isinstance(part, Event))
+
+    lockstep_loop(SCENARIO, listen).run(4000)
+
+    told = [(at_ns, text) for at_ns, text in heard if text.startswith("held back")]
+    assert any("m/s²: obstacle `disk`, " in text for _, text in told)
+    assert all(later - earlier >= 1_000_000_000 for (earlier, _), (later, _) in pairwise(told))
+
+
+def test_a_model_of_unknown_unit_has_units_of_u() -> None:
+    plant = SCENARIO.plant.model_copy(update={"model": "something-new"})
+
+    assert input_unit(SCENARIO) == "m/s²"
+    assert input_unit(SCENARIO.model_copy(update={"plant": plant})) == "units of u"

@@ -1,0 +1,180 @@
+"""What the operator's commands ask for, as sent and estimated."""
+
+import pytest
+
+from passafe.human_input import HandModel, HumanInputEstimator
+from protocol.messages import Header, OperatorCommand, Received
+from services.filter.request import AsSent, Estimated
+from services.filter.sender_clock import SenderClock
+
+MS = 1_000_000
+STALE_NS = 200 * MS
+CLOCK_AHEAD_NS = 77_000_000 * MS
+ZERO = ((0.0,), (0.0,))
+
+
+def as_sent() -> AsSent:
+    return AsSent(1, STALE_NS)
+
+
+def estimated() -> Estimated:
+    model = HandModel(agility=10.0, resolution=2 / 64, horizon_s=0.05, fade_s=0.1)
+    return Estimated(1, STALE_NS, HumanInputEstimator(model, 1))
+
+
+def hear(
+    request: AsSent,
+    at_ms: float,
+    u_h: tuple[float, ...],
+    *,
+    late_ms: float = 0,
+    enabled: bool = True,
+    epoch: int = 1,
+    number: int | None = None,
+    rate: tuple[float, ...] = (),
+) -> None:
+    scheduled_ns = CLOCK_AHEAD_NS + round(at_ms * MS)
+    header = Header("operator", epoch, round(at_ms) if number is None else number, scheduled_ns, 0, 0, 0)
+    body = OperatorCommand(u_h, rate, enabled, "test")
+    request.hear(Received(header, body, round((at_ms + late_ms) * MS)), body)
+
+
+def ramp(request: AsSent, first_ms: int = 0, last_ms: int = 500) -> None:
+    for at_ms in range(first_ms, last_ms + 1, 20):
+        hear(request, at_ms, (at_ms * 1e-3,))
+
+
+@pytest.mark.parametrize("make", [as_sent, estimated])
+def test_without_a_command_it_is_zero_and_stale(make: type) -> None:
+    assert make().at(5 * MS) == (*ZERO, -1, True)
+
+
+@pytest.mark.parametrize("make", [as_sent, estimated])
+def test_a_stale_command_and_a_released_dead_man_are_zero_at_once(make: type) -> None:
+    request = make()
+    ramp(request)
+
+    assert request.at(700 * MS)[2:] == (200 * MS, False)
+    assert request.at(701 * MS) == (*ZERO, 201 * MS, True)
+    hear(request, 720, (3.0,), enabled=False)
+    assert request.at(720 * MS) == (*ZERO, 0, False)
+
+
+@pytest.mark.parametrize("make", [as_sent, estimated])
+@pytest.mark.parametrize("u_h", [(), (1.0, 2.0), (float("nan"),), (float("inf"),)])
+def test_what_is_no_request_changes_nothing(make: type, u_h: tuple[float, ...]) -> None:
+    request = make()
+    hear(request, 0, (1.0,))
+    hear(request, 10, u_h)
+
+    assert request.at(10 * MS) == ((1.0,), (0.0,), 10 * MS, False)
+
+
+def test_as_sent_is_the_newest_command_to_the_last_bit() -> None:
+    request = as_sent()
+    hear(request, 20, (0.1,), rate=(7.0,))
+    hear(request, 0, (9.0,))
+
+    assert request.at(30 * MS) == ((0.1,), (7.0,), 10 * MS, False)
+    assert request.at(0) == ((0.1,), (7.0,), 0, False)
+
+
+def test_a_ramp_is_continued_between_commands_and_its_rate_is_known() -> None:
+    request = estimated()
+    ramp(request)
+
+    u_h, rate, age_ns, stale = request.at(515 * MS)
+
+    assert u_h == pytest.approx((0.515,), abs=1e-4)
+    assert rate == pytest.approx((1.0,), abs=1e-3)
+    assert (age_ns, stale) == (15 * MS, False)
+
+
+def test_delay_that_varies_does_not_reach_the_rate() -> None:
+    request = estimated()
+    for at_ms in range(0, 501, 20):
+        hear(request, at_ms, (at_ms * 1e-3,), late_ms=(at_ms * 7) % 19)
+
+    u_h, rate, _, _ = request.at(510 * MS)
+
+    assert rate == pytest.approx((1.0,), abs=1e-3)
+    assert u_h == pytest.approx((0.510,), abs=1e-3)
+
+
+def test_an_overtaken_command_counts_as_a_sample_but_not_as_the_newest() -> None:
+    in_order, overtaken = estimated(), estimated()
+    for request, times in ((in_order, (0, 20, 40, 60)), (overtaken, (0, 40, 20, 60))):
+        for at_ms in times:
+            hear(request, at_ms, (at_ms * at_ms * 1e-3,), late_ms=60 - at_ms)
+
+    assert overtaken.at(70 * MS)[:2] == in_order.at(70 * MS)[:2]
+
+
+@pytest.mark.parametrize("how", ["release", "silence", "session", "clock stands still", "clock leaps"])
+def test_it_starts_anew(how: str) -> None:
+    request = estimated()
+    ramp(request)
+    if how == "release":
+        hear(request, 510, (9.0,), enabled=False)
+        hear(request, 505, (9.0,), late_ms=6, number=505)
+        hear(request, 520, (0.25,))
+    elif how == "silence":
+        hear(request, 800, (0.25,))
+    elif how == "session":
+        hear(request, 520, (0.25,), epoch=2, number=0)
+    elif how == "clock stands still":
+        hear(request, 500, (0.25,), late_ms=20, number=501)
+    else:
+        hear(request, 100_000, (8.0,), late_ms=-99_490, number=502)
+        hear(request, 520, (0.25,), number=503)
+
+    newest_ms = 800 if how == "silence" else 520
+    assert request.at((newest_ms + 10) * MS) == ((0.25,), (0.0,), 10 * MS, False)
+
+
+@pytest.mark.parametrize("asked_between", [False, True])
+def test_after_silence_what_was_before_counts_no_more_whoever_asked_between(*, asked_between: bool) -> None:
+    request = estimated()
+    ramp(request)
+    if asked_between:
+        request.at(701 * MS)
+    hear(request, 490, (5.0,), late_ms=215)
+    hear(request, 490, (5.0,), late_ms=215, epoch=0, number=9999)
+
+    assert request.at(706 * MS) == (*ZERO, 206 * MS, True)
+    hear(request, 710, (0.5,))
+    assert request.at(710 * MS) == ((0.5,), (0.0,), 0, False)
+
+
+def test_a_newest_command_later_than_any_link_makes_it_starts_anew() -> None:
+    request = estimated()
+    hear(request, 0, (0.0,))
+    hear(request, 20, (0.02,))
+    hear(request, 21, (0.25,), late_ms=199)
+    hear(request, 22, (0.25,), late_ms=380)
+
+    assert request.at(402 * MS) == ((0.25,), (0.0,), 0, False)
+
+
+def test_the_clock_forgets_the_fastest_message_as_clocks_may_drift() -> None:
+    clock = SenderClock()
+    assert clock.hear(0, 5 * MS) == 0
+    assert clock.hear(1000 * MS, 1007 * MS) == 2 * MS - 100_200
+    assert clock.now_s(1007 * MS) == pytest.approx(1.0 + 0.002 - 0.0001002, abs=1e-12)
+    assert clock.sent_s(1000 * MS) == 1.0
+
+
+def test_an_overtaken_message_does_not_set_the_clock_back() -> None:
+    clock = SenderClock()
+    clock.hear(40 * MS, 60 * MS)
+    clock.hear(20 * MS, 61 * MS)
+
+    assert not clock.runs_on(30 * MS)
+    assert clock.runs_on(41 * MS)
+
+
+def test_a_rate_that_the_device_tells_is_not_used() -> None:
+    request = estimated()
+    hear(request, 0, (1.0,), rate=(50.0,))
+
+    assert request.at(10 * MS)[:2] == ((1.0,), (0.0,))
