@@ -8,7 +8,7 @@ GENERATE := $(BIN)/python -m grpc_tools.protoc -I .
 DEMO ?=
 CAMPAIGN ?= $(basename $(notdir $(wildcard services/scenarios/*.toml)))
 
-.PHONY: help demo test check fast proto lock docs pictures bench campaign clean
+.PHONY: help demo test check fast proto lock docs pictures bench campaign atlas clean
 
 help:  ## list the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 12
@@ -51,9 +51,16 @@ bench: $(STAMP)  ## benchmarks; the peers are installed first
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[peers]'
 	$(BIN)/python benchmarks/filter_step.py
 	$(BIN)/python benchmarks/lockstep_speed.py
+	$(BIN)/python benchmarks/human_input.py
 
 campaign: $(STAMP)  ## 10,000 adversarial rollouts of every shipped scenario; hours, and it goes on where it was interrupted
 	$(BIN)/passafe campaign $(CAMPAIGN) --rollouts 10000 --out runs/campaign
+
+atlas: $(STAMP)  ## the pictures of docs/feasibility.md
+	@for gain in 10 1; do \
+		$(BIN)/passafe feasibility --fix x2=-1 --fix x3=-1 --gain $$gain --out runs/atlas/gain-$$gain && \
+		cp runs/atlas/gain-$$gain/notomista-cai-2020.svg docs/pictures/feasibility-gain-$$gain.svg || exit 1; \
+	done
 
 lock: $(STAMP)  ## pin what is installed now
 	$(BIN)/python -m pip freeze --exclude-editable | grep -v ' @ ' > constraints.txt

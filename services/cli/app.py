@@ -2,7 +2,7 @@
 
 import typer
 
-from services.cli import campaign, demo, recover, replay, review, run, scenarios, simulate
+from services.cli import campaign, demo, feasibility, recover, replay, review, run, scenarios, simulate
 from services.cli.failure import with_one_line
 
 app = typer.Typer(
@@ -17,6 +17,7 @@ app.command("demo")(demo.demo)
 app.command("run")(run.run)
 app.command("simulate")(simulate.simulate)
 app.command("campaign")(campaign.campaign)
+app.command("feasibility")(feasibility.feasibility)
 app.command("review")(review.review)
 app.command("replay")(replay.replay)
 app.command("recover")(recover.recover_log)

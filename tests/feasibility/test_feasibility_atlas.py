@@ -1,0 +1,174 @@
+"""Grid, shares, table and picture of the atlas."""
+
+import csv
+import io
+import xml.etree.ElementTree as ET
+from math import inf, nan, sqrt
+
+import numpy as np
+import pytest
+from closed_form_designs import mass
+
+from dashboard.atlas import atlas_figure, atlas_picture, outline, regions_of
+from services.feasibility.atlas import Atlas, Counts, SampleSummary
+from services.feasibility.errors import FeasibilityError
+from services.feasibility.grid import Axis, Grid
+from services.feasibility.keeping import Findings, Keeping
+from services.feasibility.share import Share, random_states
+
+SVG = "{http://www.w3.org/2000/svg}"
+Z_95 = 1.959963984540054
+
+
+def grid(cells: int = 8) -> Grid:
+    across, up = Axis(index=0, low=-1.0, high=3.0), Axis(index=1, low=-4.0, high=4.0)
+    return Grid(across=across, up=up, fixed=(9.0, 9.0), cells=cells)
+
+
+@pytest.fixture(scope="module")
+def atlas() -> Atlas:
+    """One wall, some of whose protected states ask for more than the brakes give."""
+    found = Keeping(mass(((1.0,), 0.0), ((0.3,), 0.0), input_bound=0.5)).at(grid().states())
+    return Atlas(scenario="one-wall", grid=grid(), plant_time_s=0.0, found=found)
+
+
+def test_a_cell_stands_for_its_centre() -> None:
+    states = Grid(
+        across=Axis(index=2, low=0.0, high=2.0), up=Axis(index=0, low=10.0, high=14.0), fixed=(7.0, 8.0, 9.0), cells=2
+    ).states()
+
+    assert states.T.tolist() == [[11.0, 8.0, 0.5], [11.0, 8.0, 1.5], [13.0, 8.0, 0.5], [13.0, 8.0, 1.5]]
+
+
+@pytest.mark.parametrize(("low", "high"), [(1.0, 1.0), (2.0, 1.0), (0.0, inf), (nan, 1.0)])
+def test_an_empty_range_is_refused(low: float, high: float) -> None:
+    with pytest.raises(FeasibilityError, match="range of x3"):
+        Axis(index=3, low=low, high=high)
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "cells", "named"),
+    [
+        (0, 2, 5, "x0 to x1"),
+        (0, 0, 5, "two different"),
+        (-1, 0, 5, "x0 to x1"),
+        (0, 1, 0, "cells"),
+        (0, 1, 1001, "1000"),
+    ],
+)
+def test_a_grid_over_nothing_is_refused(first: int, second: int, cells: int, named: str) -> None:
+    with pytest.raises(FeasibilityError, match=named):
+        Grid(
+            across=Axis(index=first, low=0.0, high=1.0),
+            up=Axis(index=second, low=0.0, high=1.0),
+            fixed=(0.0, 0.0),
+            cells=cells,
+        )
+
+
+@pytest.mark.parametrize(("kept", "of"), [(0, 10), (10, 10), (37, 120), (9999, 10000)])
+def test_the_interval_is_wilson_s(kept: int, of: int) -> None:
+    share, p = Share.counted(kept, of), kept / of
+    middle = (p + Z_95**2 / (2 * of)) / (1 + Z_95**2 / of)
+    half = Z_95 / (1 + Z_95**2 / of) * sqrt(p * (1 - p) / of + Z_95**2 / (4 * of**2))
+
+    assert (share.low, share.high) == pytest.approx((middle - half, middle + half), abs=1e-12)
+    assert (share.kept, share.of) == (kept, of)
+
+
+def test_a_share_of_nothing_may_be_anything() -> None:
+    assert Share.counted(0, 0) == Share(kept=0, of=0, low=0.0, high=1.0)
+
+
+def test_a_seed_decides_all_states_and_they_fill_their_box() -> None:
+    low, high = (-1.0, 0.0, 5.0), (1.0, 0.0, 6.0)
+    states = random_states(low, high, 400, 3)
+
+    assert np.array_equal(states, random_states(low, high, 400, 3))
+    assert not np.array_equal(states, random_states(low, high, 400, 4))
+    assert states.shape == (3, 400)
+    assert states.min(axis=1) == pytest.approx(low, abs=0.02)
+    assert states.max(axis=1) == pytest.approx(high, abs=0.02)
+
+
+def test_the_table_has_one_row_a_cell(atlas: Atlas) -> None:
+    file = io.StringIO()
+    atlas.write_csv(file)
+    rows = list(csv.DictReader(io.StringIO(file.getvalue())))
+
+    assert len(rows) == 64
+    assert [float(row["x0"]) for row in rows[:8]] == pytest.approx(np.arange(-0.75, 3.0, 0.5))
+    assert {row["x1"] for row in rows[:8]} == {"-3.5"}
+    for row in rows:
+        position, speed = float(row["x0"]), float(row["x1"])
+        assert int(row["inside"]) == (position >= 0 and speed + 2 * position >= 0)
+        assert int(row["hard_kept"]) == (float(row["hard_margin"]) >= 0)
+    assert sum(int(row["inside"]) for row in rows) == Counts.of(atlas.found).inside
+
+
+def test_sums_count_what_is_inside_only(atlas: Atlas) -> None:
+    counts = atlas.summary(None).slice
+    position, speed = atlas.found.states
+    inside = (position >= 0) & (speed + 2 * position >= 0)
+    kept = inside & (4 * speed + 4 * position >= -0.5)
+
+    assert (counts.states, counts.inside, counts.hard) == (64, inside.sum(), kept.sum())
+    assert 0 < counts.hard < counts.inside
+    sample = SampleSummary.of(atlas.found, (0.0, 0.0), (1.0, 1.0), 5)
+    assert (sample.inside.of, sample.hard.of, sample.passive.of) == (64, counts.inside, counts.inside)
+    assert sample.hard.kept == counts.hard
+    assert "does not say" in atlas.summary(sample).what_it_says
+
+
+def test_every_cell_belongs_to_one_region() -> None:
+    """In the order of the questions: the first that is answered with no."""
+    h = np.array([-1.0, 0.5, 1.0, 1.0, 1.0, nan])
+    found = Findings(
+        states=np.zeros((2, 6)),
+        h=h,
+        protecting=np.array([-1.0, -0.5, 0.0, 1.0, 1.0, nan]),
+        hard_margin=np.array([-1.0, 1.0, -1.0, 1.0, 1.0, 1.0]),
+        passive_margin=np.array([-1.0, -1.0, -2.0, -1.0, -1e-7, 1.0]),
+        tolerance=1e-6,
+        unsettled=np.zeros(6, dtype=np.bool_),
+    )
+    masks = np.array([mask for _, mask in regions_of(found)])
+
+    assert masks.sum(axis=0).tolist() == [1] * 6
+    assert masks.argmax(axis=0).tolist() == [0, 1, 2, 3, 4, 0]
+
+
+def test_rectangles_cover_the_cells_of_a_mask_and_nothing_else() -> None:
+    mask = np.random.default_rng(2).random((8, 8)) < 0.5
+    xs, ys = (np.array(values).reshape(-1, 6)[:, :5] for values in outline(mask, grid()))
+    area = sum(np.ptp(x) * np.ptp(y) for x, y in zip(xs, ys, strict=True))
+
+    assert area == pytest.approx(mask.sum() * 0.5)
+    for x, y in zip(*np.nonzero(mask.T), strict=True):
+        centre = -0.75 + 0.5 * x, -3.5 + y
+        inside = (xs.min(1) < centre[0]) & (centre[0] < xs.max(1)) & (ys.min(1) < centre[1]) & (centre[1] < ys.max(1))
+        assert inside.sum() == 1
+
+
+def test_an_empty_mask_draws_nothing() -> None:
+    assert outline(np.zeros((8, 8), dtype=np.bool_), grid()) == ([], [])
+
+
+def test_the_picture_names_every_answer_and_says_what_it_shows(atlas: Atlas) -> None:
+    text = atlas_picture(atlas, across="x0 (position)", up="x1 (velocity)", same_scale=False)
+    root = ET.fromstring(text)  # noqa: S314 - our own text
+    words = [element.text for element in root.iter(f"{SVG}text")]
+
+    labels = [region.label for region, _ in regions_of(atlas.found)]
+    assert len(set(labels)) == 5
+    for word in [*labels, "x0 (position)", "x1 (velocity)"]:
+        assert word in words
+    [description] = root.findall(f"{SVG}desc")
+    assert "of 64 cells" in (description.text or "")
+    assert "does not say" in (description.text or "")
+    assert text == atlas_picture(atlas, across="x0 (position)", up="x1 (velocity)", same_scale=False)
+
+
+def test_positions_have_one_scale(atlas: Atlas) -> None:
+    assert atlas_figure(atlas, across="a", up="b", same_scale=True).match_aspect
+    assert not atlas_figure(atlas, across="a", up="b", same_scale=False).match_aspect
