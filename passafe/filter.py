@@ -87,6 +87,7 @@ class SafetyPassivityFilter:
         self._worst = struct.Struct("2d").unpack_from, self.layout.parts["worst"].start * 8
         self._verdict = struct.Struct("7d").unpack_from, self.layout.parts["residuals"].start * 8
         self._u_plus = struct.Struct(f"{m}d").unpack_from, self.layout.parts["u_plus"].start * 8
+        self._whole_was_solved = False
         self._z, self._lam, self._relax = space.part("z"), space.part("lam"), space.part("relax")
         self._solved = space.block[self.layout.parts["z"].start : self.layout.parts["relax"].stop]
         self._z_memory, self._lam_memory = self._z.data, self._lam.data
@@ -189,10 +190,15 @@ class SafetyPassivityFilter:
         self._prepare()
         unpack, offset = self._worst
         worst, poison = unpack(memory, offset)
-        self._solved.fill(0.0)
         solver, outcome = "none", SOLVED
-        if worst > 0.0 and self._first is not None:
-            solver, outcome = self._first.name, self._first.solve(self._z_memory, self._duty_memory)
+        first = self._first
+        if worst > 0.0 and first is not None:
+            if self._whole_was_solved:  # else all but what the solver writes is zero
+                self._whole_was_solved = False
+                self._solved.fill(0.0)
+            solver, outcome = first.name, first.solve(self._z_memory, self._duty_memory)
+        else:
+            self._solved.fill(0.0)
         self._judge()
         unpack, offset = self._verdict
         primal, dual, gap, too_long, slack, shortfall, strayed = unpack(memory, offset)
@@ -206,6 +212,7 @@ class SafetyPassivityFilter:
 
     def _solve_whole(self) -> tuple[Status, str, bool]:
         """Solve with the limits among the rows; if the hard ones contradict one another, with as few less as can be."""
+        self._whole_was_solved = True
         solver: str | None = None
         for _ in self._tangents():
             solver = self._certified() or self._certified_with_less()

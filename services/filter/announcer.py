@@ -11,7 +11,7 @@ from services.filter.wording import Wording
 
 QUIET_NS: Final = 1_000_000_000
 
-LOOK_AGAIN_NS: Final = 20_000_000
+LOOK_AGAIN_NS: Final = 100_000_000
 """How long an override that is not notable is not looked at again; explaining costs some 50 µs."""
 
 FORGET_NS: Final = 2 * QUIET_NS
@@ -62,7 +62,11 @@ class StatusAnnouncer:
 
 
 class OverrideAnnouncer:
-    """Remembers which reasons it announced last, and when it may look again."""
+    """Remembers which reasons it announced last, and when it may look again.
+
+    Attributes:
+        look_ns: Before that ``event`` has nothing to say, monotonic, ns.
+    """
 
     def __init__(self, explainer: Explainer, wording: Wording, largest_input: float) -> None:
         """Start with nothing announced.
@@ -74,22 +78,22 @@ class OverrideAnnouncer:
         """
         self._explainer, self._wording = explainer, wording
         self._least = LEAST_NOTABLE * largest_input
-        self._look_ns = 0
+        self.look_ns = 0
         self._notable_ns = 0
         self._announced: tuple[Status, tuple[str, ...]] | None = None
 
     def event(self, now_ns: int, decision: Decision) -> Event | None:
         """Return an event if an override has become notable, or is for other reasons, and it is not too soon."""
         status = decision.status
-        if now_ns < self._look_ns or status is Status.UNCERTIFIED:  # the fail-safe law has no reasons but its own
+        if now_ns < self.look_ns or status is Status.UNCERTIFIED:  # the fail-safe law has no reasons but its own
             return None
         override = self._explainer.override(decision)
         gave_up = status in {Status.RELAXED, Status.INFEASIBLE}
         asked = float(np.linalg.norm(decision.u_nominal))
         if not gave_up and not override.size > max(NOTABLE * asked, self._least):
-            self._look_ns = now_ns + LOOK_AGAIN_NS
+            self.look_ns = now_ns + LOOK_AGAIN_NS
             return None
         reasons = (status if gave_up else Status.MODIFIED), self._wording.reasons(override)
         is_known = reasons == self._announced and now_ns - self._notable_ns <= FORGET_NS
-        self._look_ns, self._notable_ns, self._announced = now_ns + QUIET_NS, now_ns, reasons
+        self.look_ns, self._notable_ns, self._announced = now_ns + QUIET_NS, now_ns, reasons
         return None if is_known else Event("warning" if gave_up else "info", self._wording.sentence(decision, override))

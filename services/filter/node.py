@@ -120,9 +120,10 @@ class FilterNode:
             stale = operator_is_stale and not decision.status.is_fallback
             status = _STALE if stale else STATUS[decision.status]
             outgoing.append((INPUT, PlantInput(self._tick, decision.u, self._effective_ns, self._hold_ns)))
-            overridden = self._overrides.event(now_ns, decision)
-            if overridden is not None:
-                outgoing.append((EVENT, overridden))
+            if now_ns >= self._overrides.look_ns:
+                overridden = self._overrides.event(now_ns, decision)
+                if overridden is not None:
+                    outgoing.append((EVENT, overridden))
         event = self._announcer.event(now_ns, status)
         if event is not None:
             outgoing.append((EVENT, event))

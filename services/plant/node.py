@@ -71,7 +71,7 @@ class PlantNode:
         self._period_ns = period_ns
         self._playout_ns = playout_ns
         self._hold_ns = hold_ns
-        self._bounds = limits.magnitude
+        self._m, self._bounds, self._least_bound = m, limits.magnitude, min(limits.magnitude)
         self._norm = inf if limits.norm is None else limits.norm * (1 + ROUNDING)
         self._buffer = PlayoutBuffer(period_ns)
         self._origin_ns: int | None = None
@@ -123,11 +123,14 @@ class PlantNode:
 
     def _is_applicable(self, u: Vector) -> bool:
         """Tell whether an input has the plant's shape and lies within the limits; a NaN does not."""
-        if len(u) != len(self._bounds):
+        if len(u) != self._m:
             return False
-        for value, bound in zip(u, self._bounds, strict=True):
-            if not -bound <= value <= bound:
-                return False
+        least = self._least_bound
+        for value in u:
+            if not -least <= value <= least:
+                return all(-bound <= value <= bound for value, bound in zip(u, self._bounds, strict=True)) and (
+                    hypot(*u) <= self._norm
+                )
         return self._norm == inf or hypot(*u) <= self._norm
 
     def _choose_input(self) -> list[Outgoing]:
