@@ -13,8 +13,8 @@ import numpy as np
 
 from passafe.barrier import derive_chain
 from passafe.decision import Decision
-from passafe.derivation import Derivation
-from passafe.filter import CUSHION, SafetyPassivityFilter
+from passafe.derivation import CUSHION, Derivation
+from passafe.filter import SafetyPassivityFilter
 from passafe.workspace import Array, Layout, Workspace
 from services.scenarios.design import design_of, robot_of
 from services.scenarios.schema import DiskBarrier, Scenario

@@ -20,6 +20,12 @@ NORM_CUTS: Final = 6
 NORM_TOLERANCE: Final = 1e-7
 """By how much an answer may be longer than asked for, relative to the norm's limit; so much less is asked for."""
 
+OWN: Final = frozenset({"start", "u_lin", "trust_asked", "cushion"})
+"""What the filter gives itself: always a number."""
+
+CUSHION: Final = 2.0
+"""By how much more than asked the rows are kept, in units of the residual that an answer may have."""
+
 TANGENT_ERROR: Final = 1e-5
 """By how much u⁺ may miss a row that is not affine in u where no margin between samples is asked for, units of u."""
 
@@ -45,7 +51,9 @@ class Derivation:
         sizes_derived: Parts that it writes.
         sizes_solved: Parts of an answer.
         sizes_judged: Parts that ``judge`` writes.
+        first_cushion: What rows are first asked to be kept by beyond ε, units of u.
         prepare: given → derived.
+        prepare_usual: The same where start is 0, u_lin is u, no trust is asked for and the cushion is the first one.
         judge: given, derived and solved → judged.
         judge_reads: Names of what ``judge`` reads.
         conflict: (G, d, relax, u_ref, low, high) → by how much the hard rows ask for more than the limits give.
@@ -88,6 +96,7 @@ class Derivation:
         self._eps = ca.vertcat(ca.SX(0, 1), *(self._margin(chain) for chain in self._enforced))
         rows = self._rows()
         self.duties = len(rows)
+        self.first_cushion = CUSHION * design.tolerance.residual if design.between_samples else 0.0
         self.hard = sum(row.slack_price is None for row in rows)
         cuts = 0 if design.limits.norm is None else NORM_CUTS * m
         # So much less that no answer that is accepted needs shortening: a shortened input would not be the nearest.
@@ -103,7 +112,8 @@ class Derivation:
         self.k = G.shape[1]
         worst = ca.mmax(d) if rows else ca.SX(0)
         # fmin, fmax and mmax swallow a NaN; this is nothing for ordinary numbers and spoils the residual otherwise.
-        parts = ca.vertcat(*self._given.values(), self._phi, *(row.value for row in rows))
+        asked = [symbol for name, symbol in self._given.items() if name not in OWN]
+        parts = ca.vertcat(*asked, self._phi, *(row.value for row in rows))
         derived = {
             "u_nominal": self._u_nominal,
             "phi": self._phi,
@@ -126,7 +136,12 @@ class Derivation:
             "relax": self.hard,
             "cuts": cuts * m,
         }
-        self.prepare = dense_function("prepare", list(self._given.values()), list(derived.values()))
+        symbols = list(self._given.values())
+        self.prepare = dense_function("prepare", symbols, list(derived.values()))
+        # What nearly every tick evaluates, and alone: not the first input of all, margin and tangents about u.
+        own = [self._start, self._u_lin, self._trust_asked, self._cushion]
+        usual = [ca.SX(0), system.u, ca.SX.zeros(m), ca.SX(self.first_cushion)]
+        self.prepare_usual = dense_function("prepare_usual", symbols, ca.substitute(list(derived.values()), own, usual))
         self.judge, self.sizes_judged = self._judging()
         self.conflict = self._conflict()
         self.fail_safe = dense_function("fail_safe", [system.x], [design.fail_safe])

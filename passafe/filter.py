@@ -6,7 +6,7 @@ asks for.
 """
 
 import struct
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Final
 
 import numpy as np
@@ -22,9 +22,6 @@ from passafe.least_violation import least_violation
 from passafe.piqp_solver import PiqpSolver
 from passafe.solver import SOLVED, Solver
 from passafe.workspace import Layout, Workspace
-
-CUSHION: Final = 2.0
-"""By how much more than asked the rows are kept, in units of the residual that an answer may have."""
 
 ATTEMPTS: Final = 14
 """How often margins and tangents are put where the answer was; the last margin is good for every input whatever."""
@@ -79,6 +76,7 @@ class SafetyPassivityFilter:
         self.layout = Layout.of(given | derived | derivation.sizes_solved | judged)
         self._workspace = space = Workspace(self.layout)
         self._prepare = space.bind(derivation.prepare, list(given), list(derived))
+        self._prepare_usual = space.bind(derivation.prepare_usual, list(given), list(derived))
         self._judge = space.bind(derivation.judge, derivation.judge_reads, list(judged))
         self._weigh = space.bind(derivation.conflict, ["G", "d", "relax", "u_ref", "low", "high"], ["conflict"])
         self._fail_safe = space.bind(derivation.fail_safe, ["x"], ["u_plus"])
@@ -93,8 +91,7 @@ class SafetyPassivityFilter:
         self._z_memory, self._lam_memory = self._z.data, self._lam.data
         self._duty_memory = self._lam[: self.duties].data
         self._residual, self._gap = design.tolerance.residual, design.tolerance.gap
-        cushion = CUSHION * self._residual if design.between_samples else 0.0
-        self._first_guess = (*(0.0,) * m, cushion)
+        self._first_guess = (*(0.0,) * m, derivation.first_cushion)
         self._least_trust = TRUST * np.array(design.limits.magnitude)
         self._has_margins = derivation.has_margins
         self._relaxed_above = design.passivity.relaxed_above
@@ -148,7 +145,7 @@ class SafetyPassivityFilter:
         self._take(memory, 0, *x, *u, *u_h, *u_h_rate, tank_j, t_s, start, *u, *self._first_guess)
         if self._too_long:
             self._cuts[:] = np.eye(1, self._m)  # ‖u‖ ≤ B says u₁ ≤ B, too
-        status, solver, settled = self._solve()
+        status, solver, settled = self._solve(self._prepare if start else self._prepare_usual)
         if not settled and status is not _UNCERTIFIED:
             status, solver = self._settle(status)
         if status is _UNCERTIFIED:
@@ -179,15 +176,15 @@ class SafetyPassivityFilter:
                 u_lin += change if attempt < FULL_STEPS else SHORT_STEP * change
             if attempt == ATTEMPTS - 1 and status is not _INFEASIBLE:
                 trust[:] = self.design.limits.reach
-            status, solver, settled = self._solve()
+            status, solver, settled = self._solve(self._prepare)
             if settled or status is _UNCERTIFIED or (status is _INFEASIBLE and (trust <= least).all()):
                 return status, solver
         return (status if status is _INFEASIBLE else _UNCERTIFIED), solver
 
-    def _solve(self) -> tuple[Status, str, bool]:
+    def _solve(self, prepare: Callable[[], None]) -> tuple[Status, str, bool]:
         """Return the status of the present program's answer, whose it is, and whether margins and tangents suit it."""
         memory = self._workspace.memory
-        self._prepare()
+        prepare()
         unpack, offset = self._worst
         worst, poison = unpack(memory, offset)
         solver, outcome = "none", SOLVED

@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from passafe.barrier import derive_chain
-from passafe.derivation import TRUST, Derivation
+from passafe.derivation import CUSHION, TRUST, Derivation
 from passafe.design import FilterDesign, Law, Mode
-from passafe.filter import CUSHION
 from passafe.limits import Limits
 from passafe.rows import TINY
 from passafe.workspace import Array

@@ -38,25 +38,29 @@ _WELL: Final = ("info", "the filter's answers are certified and fresh again")
 
 
 class StatusAnnouncer:
-    """Remembers the kind of the last announced status."""
+    """Remembers the kind of the last announced status.
+
+    Attributes:
+        settled: The last status that needed no event, and needs none again.
+    """
 
     def __init__(self) -> None:
         self._announced = _WELL
-        self._settled: FilterStatus | None = None  # the last status that needed no event
+        self.settled: FilterStatus | None = None  # the last status that needed no event
         self._quiet_until_ns = 0
 
     def event(self, now_ns: int, status: FilterStatus) -> Event | None:
         """Return an event if the status differs in kind from the last announced one and it is not too soon."""
-        if status is self._settled:
+        if status is self.settled:
             return None
         words = _WORDS.get(status, _WELL)
         if words is self._announced:
-            self._settled = status
+            self.settled = status
             return None
         if now_ns < self._quiet_until_ns:
             return None
         self._announced = words
-        self._settled = status
+        self.settled = status
         self._quiet_until_ns = now_ns + QUIET_NS
         return Event(*words)
 

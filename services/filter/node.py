@@ -18,7 +18,7 @@ from protocol.messages import (
 )
 from protocol.topics import COMMAND, EVENT, INPUT, SCENARIO, STATE, TICK, Topic
 from services.filter.announcer import OverrideAnnouncer, StatusAnnouncer
-from services.filter.prediction import Predictor, is_usable
+from services.filter.prediction import Predictor
 from services.filter.request import AsSent
 from services.filter.schedule import EffectSchedule
 from services.filter.telemetry import STATUS, Telemetry, TickRecord
@@ -124,9 +124,10 @@ class FilterNode:
                 overridden = self._overrides.event(now_ns, decision)
                 if overridden is not None:
                     outgoing.append((EVENT, overridden))
-        event = self._announcer.event(now_ns, status)
-        if event is not None:
-            outgoing.append((EVENT, event))
+        if status is not self._announcer.settled:
+            event = self._announcer.event(now_ns, status)
+            if event is not None:
+                outgoing.append((EVENT, event))
         if self._decision is None:
             self._unaccounted += inbox
             return outgoing
@@ -149,8 +150,8 @@ class FilterNode:
             body = received.body
             if type(body) is PlantState:
                 newest = self._state
-                if not is_usable(body, self._n, self._m):
-                    continue
+                if len(body.x) != self._n or not len(body.y) == len(body.u) == self._m:
+                    continue  # not the plant of the filter's model
                 if newest is None or body.plant_ns >= newest.plant_ns:
                     self._state, self._state_ns = body, received.received_ns
                     self._predictor.confirm(body)

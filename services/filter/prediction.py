@@ -113,8 +113,3 @@ class Predictor:
             del self._sent[time_ns]
         sample = Sample(state.x, state.y, state.energy_stored_j, 0.0, state.integration_error)
         self._path.append(Predicted(state.plant_ns, sample, self._tank_j, u))
-
-
-def is_usable(state: PlantState, n: int, m: int) -> bool:
-    """Tell whether a plant state has the shape of the filter's model."""
-    return len(state.x) == n and len(state.y) == len(state.u) == m

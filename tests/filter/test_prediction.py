@@ -1,11 +1,10 @@
 import random
 
 import pytest
-from msgspec.structs import replace
 
 from passafe import SampledPlant, Tank, damped_point
 from protocol.messages import PlantPhase, PlantState
-from services.filter.prediction import Predictor, is_usable
+from services.filter.prediction import Predictor
 
 MS = 1_000_000
 
@@ -117,10 +116,3 @@ def test_an_older_state_changes_nothing() -> None:
     predictor.confirm(first)
 
     assert predictor.confirmed == truth.state()
-
-
-def test_states_of_the_wrong_shape_are_told() -> None:
-    good = TruePlant().state()
-
-    assert is_usable(good, 4, 2)
-    assert not any(is_usable(replace(good, **{field: (0.0,)}), 4, 2) for field in ("x", "y", "u"))
