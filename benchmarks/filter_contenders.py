@@ -16,8 +16,9 @@ from passafe.decision import Decision
 from passafe.derivation import CUSHION, Derivation
 from passafe.filter import SafetyPassivityFilter
 from passafe.workspace import Array, Layout, Workspace
+from services.scenarios.barrier_schema import DiskBarrier
 from services.scenarios.design import design_of, robot_of
-from services.scenarios.schema import DiskBarrier, Scenario
+from services.scenarios.schema import Scenario
 
 
 class Request(NamedTuple):

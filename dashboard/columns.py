@@ -10,9 +10,11 @@ from math import asinh, sinh
 from typing import Final
 
 from dashboard.decimation import Keep
-from dashboard.obstacles import Obstacle, obstacles_of, unit_of_h
+from dashboard.motion import displacement
+from dashboard.obstacles import Obstacle, Region, obstacles_of, unit_of_h
 from protocol.messages import FilterTick, PlantState
 from services.scenarios.schema import Scenario
+from services.scenarios.single_barriers import POINTS
 
 TIME: Final = "time_s"
 START: Final = "start_s"
@@ -27,6 +29,8 @@ COMMAND_AGE: Final = "command_age_ms"
 STATUS: Final = "status"
 P1: Final = "p1_m"
 P2: Final = "p2_m"
+PLACES: Final = ((P1, P2), ("p3_m", "p4_m"))
+"""Columns of the position of each point that the robot moves in the plane."""
 
 SIGNED_LOG_LINEAR: Final = 0.1
 """Half-width of the part of a signed-log axis that is nearly linear."""
@@ -40,6 +44,11 @@ def measured_h(barrier: int) -> str:
 def psi(barrier: int, level: int) -> str:
     """Column of ψ of barrier number ``barrier`` at ``level``; level 0 is the filter's h."""
     return f"psi_{barrier}_{level}"
+
+
+def moving_table(barrier: int) -> str:
+    """Name of the table with the places of an obstacle that moves."""
+    return f"moving_{barrier}"
 
 
 def signed_log_column(column: str) -> str:
@@ -64,17 +73,23 @@ class Layout:
     Attributes:
         obstacles: Shape of each barrier, in the scenario's order.
         levels: Number of ψ of each barrier, h included.
+        points: How many points in the plane the state begins with; 0 for joints.
+        states: Length of the state.
     """
 
     obstacles: tuple[Obstacle, ...]
     levels: tuple[int, ...]
+    points: int = 1
+    states: int = 2
 
     @classmethod
     def of(cls, scenario: Scenario) -> "Layout":
         """Layout of a scenario: a barrier with r + 1 class-K functions has ψ₀ … ψ_r."""
         return cls(
             obstacles=obstacles_of(scenario),
-            levels=tuple(len(barrier.class_k) for barrier in scenario.filter.barriers),
+            levels=tuple(len(barrier.class_k) for barrier in scenario.barriers),
+            points=POINTS[scenario.plant.model],
+            states=len(scenario.plant.x0),
         )
 
     @property
@@ -107,11 +122,15 @@ class Layout:
         }
 
     @property
+    def place_columns(self) -> tuple[str, ...]:
+        """Columns of the position of every point."""
+        return tuple(column for place in PLACES[: self.points] for column in place)
+
+    @property
     def state_columns(self) -> dict[str, Keep]:
         """What is kept of a PlantState's columns."""
         return {
-            P1: Keep.LAST,
-            P2: Keep.LAST,
+            **dict.fromkeys(self.place_columns, Keep.LAST),
             **{measured_h(i): Keep.LOWEST for i in range(len(self.obstacles))},
         }
 
@@ -134,12 +153,27 @@ class Layout:
         return values
 
     def state_values(self, state: PlantState) -> list[float] | None:
-        """Values of ``state_columns``, or ``None`` for a state with fewer than two coordinates."""
-        x = state.x
-        if len(x) < 2:  # noqa: PLR2004 - a position in the plane has two coordinates
+        """Values of ``state_columns``, or ``None`` for a state of another scenario."""
+        if not self.fits(state):
             return None
+        return [*state.x[: 2 * self.points], *self.measured(state)]
+
+    def fits(self, state: PlantState) -> bool:
+        """Whether a state is long enough to be one of this scenario."""
+        return len(state.x) >= self.states
+
+    def measured(self, state: PlantState) -> list[float]:
+        """H of every barrier at a state that fits."""
         t_s = state.plant_ns * 1e-9
-        return [x[0], x[1], *[obstacle.h(x, t_s) for obstacle in self.obstacles]]
+        return [obstacle.h(state.x, t_s) for obstacle in self.obstacles]
+
+    def moved(self, t_s: float) -> dict[str, tuple[float, float]]:
+        """How far every obstacle that moves is from where it was drawn, m, by the name of its table."""
+        return {
+            moving_table(i): displacement(obstacle.motion, t_s)
+            for i, obstacle in enumerate(self.obstacles)
+            if isinstance(obstacle, Region) and obstacle.motion is not None
+        }
 
     @property
     def log_columns(self) -> tuple[str, ...]:

@@ -7,7 +7,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from dashboard.columns import Layout, drawn_columns
 from dashboard.feed import Feed, scenario_id
-from dashboard.figures.page import STATES, TICKS, LiveCharts, live_charts
+from dashboard.figures.page import ROBOT, STATES, TICKS, LiveCharts, live_charts
 from dashboard.frames import json_text
 from dashboard.palette import STATUS_STYLES
 from services.review.properties import Tolerances
@@ -95,15 +95,19 @@ class LivePage:
     def _setup(self, scenario: Scenario | None) -> dict[str, object]:
         """What the page's script needs to read frames."""
         columns: dict[str, object] = {}
+        moved: dict[str, tuple[float, float]] = {}
         if scenario is not None:
             layout = Layout.of(scenario)
             columns = {
                 TICKS: drawn_columns(tuple(layout.tick_columns), layout.log_columns),
                 STATES: drawn_columns(tuple(layout.state_columns), ()),
+                ROBOT: layout.place_columns,
             }
+            moved = layout.moved(0.0)
         return {
             "layout": scenario_id(scenario),
             "columns": columns,
+            "moved_m": moved,
             "rows": self._feed.capacity,
             "tolerances": Tolerances().model_dump(),
         }
@@ -111,6 +115,6 @@ class LivePage:
     def _charts_of(self, scenario: Scenario | None) -> LiveCharts:
         if scenario is None:
             return LiveCharts(script="", divs={})
-        x0 = scenario.plant.x0
-        start = (x0[0], x0[1] if len(x0) > 1 else 0.0)
-        return live_charts(Layout.of(scenario), start=start, window_s=self._window_s)
+        layout, x0 = Layout.of(scenario), scenario.plant.x0
+        starts = tuple((x0[2 * i], x0[2 * i + 1]) for i in range(layout.points))
+        return live_charts(layout, starts=starts, window_s=self._window_s)

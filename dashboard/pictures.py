@@ -28,7 +28,7 @@ BINS: Final = 400
 
 
 def run_picture(series: RunSeries, *, title: str) -> str:
-    """SVG of a run: its path in the plane beside h and power margin over time.
+    """SVG of a run: its path in the plane, if it has one, beside h and power margin over time.
 
     Raises:
         UndrawableError: A chart has a part that SVG export does not know.
@@ -36,14 +36,13 @@ def run_picture(series: RunSeries, *, title: str) -> str:
     charts = run_charts(series, bins=BINS)
     over_time = [charts[name] for name in ("h", "power_margin") if name in charts]
     height = PLANE_SIDE / len(over_time)
-    placed = [Placed(charts["plane"], 0, 0, PLANE_SIDE, PLANE_SIDE)]
-    placed += [
-        Placed(chart, PLANE_SIDE, number * height, CHART_WIDTH, height) for number, chart in enumerate(over_time)
-    ]
+    left = PLANE_SIDE if "plane" in charts else 0.0
+    placed = [Placed(charts["plane"], 0, 0, PLANE_SIDE, PLANE_SIDE)] if "plane" in charts else []
+    placed += [Placed(chart, left, number * height, CHART_WIDTH, height) for number, chart in enumerate(over_time)]
     texts = descriptions(series)
     return picture(
         placed,
-        width=PLANE_SIDE + CHART_WIDTH,
+        width=left + CHART_WIDTH,
         height=PLANE_SIDE,
         title=title,
         description=" ".join(texts[name] for name in ("plane", "h", "power_margin") if name in charts),

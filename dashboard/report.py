@@ -8,6 +8,7 @@ from protocol.messages import FilterTick
 from services.review.log import RunLog
 from services.review.mathematics import PlantMathematics
 from services.review.verdict import Verdict, trajectory_of
+from services.scenarios.single_barriers import POINTS
 
 
 def render_report(log: RunLog, mathematics: PlantMathematics, verdict: Verdict) -> str:
@@ -48,4 +49,5 @@ def series_of(log: RunLog, mathematics: PlantMathematics) -> RunSeries:
         power_margin_w=mathematics.power_margin(trajectory.x, trajectory.u),
         obstacles=obstacles_of(scenario),
         statuses=status_spans(ticks, period_s=scenario.dt_s),
+        points=POINTS[scenario.plant.model],
     )

@@ -10,6 +10,7 @@ from bokeh.model import Model
 from bokeh.settings import settings as bokeh_settings
 
 from dashboard.figures.run import run_charts
+from dashboard.obstacles import Region
 from dashboard.page import TEMPLATES
 from dashboard.palette import STATUS_STYLES
 from dashboard.series import RunSeries
@@ -146,9 +147,7 @@ def _timing_lines(timing: Mapping[str, Any]) -> list[TimingLine]:
 
 def descriptions(series: RunSeries) -> dict[str, str]:
     """What each chart shows, for who cannot see it."""
-    p1, p2 = series.position
-    path = signed(f"Path of the robot from ({p1[0]:.3f}, {p2[0]:.3f}) m to ({p1[-1]:.3f}, {p2[-1]:.3f}) m")
-    names = ", ".join(obstacle.name for obstacle in series.obstacles)
+    names = ", ".join(obstacle.name for obstacle in series.obstacles if isinstance(obstacle, Region))
     lowest_h = "; ".join(
         f"{obstacle.name} lowest sample {number(h.min().item())} at {series.times_s[h.argmin()]:.3f} s"
         for obstacle, h in zip(series.obstacles, series.h, strict=True)
@@ -156,10 +155,20 @@ def descriptions(series: RunSeries) -> dict[str, str]:
     worst = series.power_margin_w.argmin()
     margin = number(series.power_margin_w[worst].item())
     return {
-        "plane": f"{path}. Obstacles: {names or 'none'}.",
+        "plane": f"{_paths(series)}. Obstacles: {names or 'none'}.",
         "h": f"Barrier values over plant time with the line h = 0: {lowest_h}.",
         "power_margin": (
             f"Power margin over plant time with the line 0: lowest sample {margin} W at {series.times_s[worst]:.3f} s."
         ),
         "status": "A lane for each filter status; a bar where the filter's ticks had it.",
     }
+
+
+def _paths(series: RunSeries) -> str:
+    paths = []
+    for point in range(series.points):
+        p1, p2 = series.position(point)
+        which = f" {point + 1}" if series.points > 1 else ""
+        ends = f"({p1[0]:.3f}, {p2[0]:.3f}) m to ({p1[-1]:.3f}, {p2[-1]:.3f}) m"
+        paths.append(signed(f"Path of the robot{which} from {ends}"))
+    return ". ".join(paths)

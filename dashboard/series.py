@@ -30,12 +30,13 @@ class RunSeries:
 
     Attributes:
         times_s: Plant time, s, shape (N,), N ≥ 1.
-        x: State, shape (n, N), n ≥ 2; its first two numbers are the position in the plane, m.
+        x: State, shape (n, N), n ≥ 2; it begins with the position of each point in the plane, m.
         u: Input in force, shape (m, N).
         h: Barrier values at x, shape (barriers, N).
         power_margin_w: Power margin h_u(x, u), W, shape (N,).
         obstacles: Shape of each barrier, in the order of ``h``.
         statuses: What the filter's status was, in order of time.
+        points: How many points in the plane the state begins with; 0 for joints.
     """
 
     times_s: FloatArray
@@ -45,6 +46,7 @@ class RunSeries:
     power_margin_w: FloatArray
     obstacles: tuple[Obstacle, ...]
     statuses: tuple[StatusSpan, ...]
+    points: int = 1
 
     def __post_init__(self) -> None:
         """Check that the arrays fit together."""
@@ -59,13 +61,13 @@ class RunSeries:
         _require("power_margin_w", self.power_margin_w, (samples,), "one dimension")
         if not samples:
             raise SeriesError("times_s", "no samples", "at least one")
-        if states < PLANE_DIMENSIONS:
-            raise SeriesError("x", f"{states} rows", "two or more: the position comes first")
+        least = max(1, self.points) * PLANE_DIMENSIONS
+        if states < least:
+            raise SeriesError("x", f"{states} rows", f"{least} or more: positions come first")
 
-    @property
-    def position(self) -> FloatArray:
-        """Position in the plane, m, shape (2, N)."""
-        return self.x[:PLANE_DIMENSIONS]
+    def position(self, point: int) -> FloatArray:
+        """Position in the plane of a point, counted from 0, m, shape (2, N)."""
+        return self.x[PLANE_DIMENSIONS * point : PLANE_DIMENSIONS * (point + 1)]
 
 
 def _require(field: str, array: FloatArray, shape: tuple[int, ...], rows: str) -> None:

@@ -150,7 +150,8 @@ def _age_ms(age_ns: int) -> float | None:
 
 
 def _plant_json(feed: Feed, state: PlantState) -> Json:
-    t_s = state.plant_ns / NS_PER_S
+    t_s, layout = state.plant_ns / NS_PER_S, feed.layout
+    h = zip(layout.names, layout.measured(state), strict=True) if layout.fits(state) else ()
     return {
         "time_s": t_s,
         "phase": state.phase.name,
@@ -158,7 +159,8 @@ def _plant_json(feed: Feed, state: PlantState) -> Json:
         "x": state.x,
         "y": state.y,
         "u": state.u,
-        "h": [{"name": obstacle.name, "value": obstacle.h(state.x, t_s)} for obstacle in feed.layout.obstacles],
+        "h": [{"name": name, "value": value} for name, value in h],
+        "moved_m": layout.moved(t_s),
         "applied_tick": state.applied_tick,
         "energy_in_j": state.energy_in_j,
         "energy_stored_j": state.energy_stored_j,

@@ -26,11 +26,28 @@ from passafe.errors import DesignError, IntegrationError, PassafeError, Relative
 from passafe.filter import SafetyPassivityFilter
 from passafe.models.damped_point import damped_point
 from passafe.models.drag_point import drag_point
+from passafe.models.joint_chain import joint_chain
+from passafe.models.lagged_point import lagged_point
 from passafe.models.robot import Robot
+from passafe.models.saturating_point import saturating_point
+from passafe.models.two_points import two_points
 from passafe.passivity import Passivity, power_margin
 from passafe.quadratic_program import Tolerance
 from passafe.sampled_plant import Sample, SampledPlant
-from passafe.shapes import disk_keep_out, half_plane
+from passafe.shapes import (
+    box,
+    circular_motion,
+    disk_keep_in,
+    disk_keep_out,
+    ellipse_keep_in,
+    ellipse_keep_out,
+    half_plane,
+    oscillating_motion,
+    separation,
+    speed_limit,
+    uniform_motion,
+)
+from passafe.storage import kinetic_energy, spring_energy, squared_norm
 from passafe.system import System
 from passafe.tank import Tank
 
@@ -59,10 +76,26 @@ __all__ = [
     "System",
     "Tank",
     "Tolerance",
+    "box",
+    "circular_motion",
     "damped_point",
     "derive_chain",
+    "disk_keep_in",
     "disk_keep_out",
     "drag_point",
+    "ellipse_keep_in",
+    "ellipse_keep_out",
     "half_plane",
+    "joint_chain",
+    "kinetic_energy",
+    "lagged_point",
+    "oscillating_motion",
     "power_margin",
+    "saturating_point",
+    "separation",
+    "speed_limit",
+    "spring_energy",
+    "squared_norm",
+    "two_points",
+    "uniform_motion",
 ]

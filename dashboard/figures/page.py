@@ -9,7 +9,7 @@ from bokeh.embed import components
 from bokeh.models import ColumnDataSource
 from bokeh.plotting import figure
 
-from dashboard.columns import P1, P2, START, TIME, ZERO, Layout, drawn_columns
+from dashboard.columns import START, TIME, ZERO, Layout, drawn_columns
 from dashboard.figures.barriers import chain_figure, h_figure
 from dashboard.figures.energy import power_margin_figure, tank_figure
 from dashboard.figures.over_time import live_range
@@ -36,19 +36,26 @@ class LiveCharts:
 
 
 @lru_cache(maxsize=4)
-def live_charts(layout: Layout, *, start: tuple[float, float], window_s: float) -> LiveCharts:
-    """Charts of the live page without data; ``window_s`` is the stretch of time that they show."""
+def live_charts(layout: Layout, *, starts: tuple[tuple[float, float], ...], window_s: float) -> LiveCharts:
+    """Charts of the live page without data.
+
+    Args:
+        layout: Columns of the scenario.
+        starts: Where the run begins, for each point in the plane, m; without one there is no plane.
+        window_s: Stretch of time that the charts show.
+    """
     ticks = unfilled_table(TICKS, drawn_columns(tuple(layout.tick_columns), layout.log_columns))
     states = unfilled_table(STATES, drawn_columns(tuple(layout.state_columns), ()))
-    robot = unfilled_table(ROBOT, (P1, P2))
+    robot = unfilled_table(ROBOT, layout.place_columns)
     x_range = live_range(window_s)
     charts: list[figure] = [
-        plane_figure(layout.obstacles, trail=states, robot=robot, start=start),
         power_margin_figure(source=ticks, x_range=x_range, with_slack=True),
         tank_figure(ticks=ticks, x_range=x_range),
         status_figure(source=ticks, x_range=x_range),
         age_figure(ticks=ticks, x_range=x_range),
     ]
+    if starts:
+        charts.append(plane_figure(layout.obstacles, trail=states, robot=robot, starts=starts))
     if layout.obstacles:
         charts.append(h_figure(layout, ticks=ticks, states=states, x_range=x_range))
     chain = chain_figure(layout, ticks=ticks, x_range=x_range)

@@ -6,12 +6,13 @@ import numpy as np
 from bokeh.models import ColumnDataSource
 from bokeh.plotting import figure
 
-from dashboard.columns import P1, P2, POWER_MARGIN, START, STATUS, TIME, ZERO, Layout, measured_h
+from dashboard.columns import PLACES, POWER_MARGIN, START, STATUS, TIME, ZERO, Layout, measured_h
 from dashboard.decimation import kept_samples
 from dashboard.figures.barriers import h_figure
 from dashboard.figures.energy import power_margin_figure
 from dashboard.figures.over_time import full_range
 from dashboard.figures.plane import plane_figure
+from dashboard.figures.regions import Drawing
 from dashboard.figures.timeline import status_figure
 from dashboard.series import RunSeries
 
@@ -20,11 +21,11 @@ BINS: Final = 2000
 
 
 def run_charts(series: RunSeries, *, bins: int = BINS) -> dict[str, figure]:
-    """Charts of a run: plane, h (if there are barriers), power_margin, status (if there are ticks)."""
+    """Charts of a run: plane (if a point moves in it), h (if there are barriers), power_margin, status (if any)."""
     layout = Layout(obstacles=series.obstacles, levels=(1,) * len(series.obstacles))
     signals = _signals(series, bins)
     x_range = full_range()
-    charts = {"plane": _plane(series, bins)}
+    charts = {"plane": _plane(series, bins)} if series.points else {}
     if series.obstacles:
         charts["h"] = h_figure(layout, ticks=None, states=signals, x_range=x_range)
     charts["power_margin"] = power_margin_figure(source=signals, x_range=x_range, with_slack=False)
@@ -42,13 +43,19 @@ def _signals(series: RunSeries, bins: int) -> ColumnDataSource:
 
 
 def _plane(series: RunSeries, bins: int) -> figure:
-    p1, p2 = series.position
-    kept = kept_samples([p1, p2, *series.h], bins=bins)
+    positions = [series.position(point) for point in range(series.points)]
+    coordinates = {
+        column: values
+        for place, position in zip(PLACES, positions, strict=False)
+        for column, values in zip(place, position, strict=True)
+    }
+    kept = kept_samples([*coordinates.values(), *series.h], bins=bins)
     return plane_figure(
         series.obstacles,
-        trail=ColumnDataSource({P1: p1[kept], P2: p2[kept]}),
-        robot=ColumnDataSource({P1: p1[-1:], P2: p2[-1:]}),
-        start=(float(p1[0]), float(p2[0])),
+        trail=ColumnDataSource({column: values[kept] for column, values in coordinates.items()}),
+        robot=ColumnDataSource({column: values[-1:] for column, values in coordinates.items()}),
+        starts=[(float(p1[0]), float(p2[0])) for p1, p2 in positions],
+        drawing=Drawing(begin_s=float(series.times_s[0]), end_s=float(series.times_s[-1])),
     )
 
 

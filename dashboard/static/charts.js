@@ -4,7 +4,7 @@ function table(name) {
 }
 
 export function chartsReady() {
-  return table("robot") !== null;
+  return table("ticks") !== null;
 }
 
 export function startOver() {
@@ -20,6 +20,23 @@ export function applyRows(name, columns, rows, keep) {
   table(name).stream(fresh, keep);
 }
 
-export function moveRobot(x) {
-  table("robot").data = { p1_m: [x[0]], p2_m: [x[1]] };
+// A state begins with the positions, in the order of the table's columns.
+export function moveRobot(columns, x) {
+  const robot = table("robot");
+  if (robot) robot.data = Object.fromEntries(columns.map((column, index) => [column, [x[index] ?? NaN]]));
+}
+
+const unmoved = new Map();
+
+// Tables of obstacles hold places from before they have moved; a region to stay in has its border in a second one.
+export function moveObstacles(moved) {
+  for (const [name, [d1, d2]] of Object.entries(moved)) {
+    for (const each of [name, `${name}_border`]) {
+      const source = table(each);
+      if (!source) continue;
+      if (!unmoved.has(each)) unmoved.set(each, source.data);
+      const { p1_m, p2_m } = unmoved.get(each);
+      source.data = { p1_m: Array.from(p1_m, (p) => p + d1), p2_m: Array.from(p2_m, (p) => p + d2) };
+    }
+  }
 }

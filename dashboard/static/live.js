@@ -1,7 +1,7 @@
 // The live page: one WebSocket in, charts and numbers out.
 // Frames are applied in animation frames, so a hidden page does no work and catches up when it is shown.
 // A drawing that takes long is followed by a rest as long as it took: a control loop may share the processor.
-import { applyRows, chartsReady, moveRobot, startOver } from "./charts.js";
+import { applyRows, chartsReady, moveObstacles, moveRobot, startOver } from "./charts.js";
 import { connect } from "./connection.js";
 import { forgetEvents, showConnection, showLost, showState } from "./readouts.js";
 
@@ -57,7 +57,8 @@ function draw(at) {
     for (const table of ["ticks", "states"]) {
       applyRows(table, setup.columns[table], pending[table], setup.rows);
     }
-    if (now.plant) moveRobot(now.plant.x);
+    if (now.plant) moveRobot(setup.columns.robot, now.plant.x);
+    moveObstacles(now.plant?.moved_m ?? setup.moved_m);
     pending = { restart: false, ticks: [], states: [], lost: 0, now };
   }
   if (lost) showLost(lost);

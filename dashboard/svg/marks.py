@@ -15,6 +15,10 @@ from dashboard.errors import UndrawableError
 DRAWABLE: Final = ("Line", "Patch", "Circle", "Scatter with marker circle or square")
 
 
+DASHES: Final = {"solid": (), "dashed": (6,), "dotted": (2, 4), "dotdash": (2, 4, 6, 4), "dashdot": (6, 4, 2, 4)}
+"""Lengths of the dashes that Bokeh knows by name; glyphs whose outline may vary with the data keep the name."""
+
+
 class Scale(NamedTuple):
     """From data to the picture's units.
 
@@ -87,10 +91,13 @@ def marker(glyph: Scatter, x: float, y: float) -> str:
 
 def stroke(glyph: Glyph) -> dict[str, object]:
     """Attributes of a glyph's outline."""
-    width, dash = float(constant(glyph, "line_width")), constant(glyph, "line_dash")
-    attributes: dict[str, object] = {"stroke": constant(glyph, "line_color"), "stroke_width": width}
-    if dash:
-        attributes["stroke_dasharray"] = " ".join(str(length) for length in dash)
+    colour, width, dash = (constant(glyph, name) for name in ("line_color", "line_width", "line_dash"))
+    if colour is None:
+        return {"stroke": "none"}
+    attributes: dict[str, object] = {"stroke": colour, "stroke_width": float(width)}
+    lengths = DASHES[dash] if isinstance(dash, str) else dash
+    if lengths:
+        attributes["stroke_dasharray"] = " ".join(str(length) for length in lengths)
     return attributes
 
 

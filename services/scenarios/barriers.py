@@ -1,10 +1,11 @@
-"""From a barrier in a scenario file to its h as an expression of the robot's state and of plant time."""
+"""From a barrier of a scenario to its h as an expression of the robot's state and of plant time."""
 
 import casadi as ca
 
 from passafe.errors import DesignError
 from passafe.models.robot import Robot
 from passafe.shapes import (
+    circular_motion,
     disk_keep_in,
     disk_keep_out,
     ellipse_keep_in,
@@ -15,58 +16,66 @@ from passafe.shapes import (
     speed_limit,
     uniform_motion,
 )
-from services.scenarios.schema import (
+from services.scenarios.barrier_schema import (
     ApartBarrier,
-    BarrierConfig,
-    CoordinateBarrier,
     DiskBarrier,
-    HalfPlaneBarrier,
+    EllipseBarrier,
+    Motion,
     SpeedBarrier,
     Swing,
     Travel,
 )
-
-POINT: int = 2
-"""Coordinates of one robot's position in the plane."""
+from services.scenarios.single_barriers import CoordinateLimit, PlaceBarrier, SingleBarrier
 
 
-def barrier_function(config: BarrierConfig, robot: Robot) -> ca.SX:
+def barrier_function(barrier: SingleBarrier, robot: Robot) -> ca.SX:
     """Return h of one barrier.
 
     Raises:
-        DesignError: A vector of the wrong length, or a barrier that the robot's model cannot have.
+        DesignError: A limit of a coordinate that the robot does not have.
     """
-    if isinstance(config, SpeedBarrier):
-        return speed_limit(robot.velocity, limit=config.limit)
-    if isinstance(config, CoordinateBarrier):
-        return _limit(config, robot)
-    position = robot.position
-    if isinstance(config, ApartBarrier):
-        if position.numel() != 2 * POINT:
-            raise DesignError(f"barrier {config.name!r}", "a model with one robot", "keep-apart with model two-points")
-        return separation(position[:POINT], position[POINT:], distance=config.distance)
-    if isinstance(config, HalfPlaneBarrier):
-        return half_plane(position, normal=config.normal, offset=config.offset)
-    seen = position - _displacement(config.motion, robot.system.t)
-    if isinstance(config, DiskBarrier):
-        disk = disk_keep_out if config.kind == "disk-keep-out" else disk_keep_in
-        return disk(seen, centre=config.centre, radius=config.radius)
-    ellipse = ellipse_keep_out if config.kind == "ellipse-keep-out" else ellipse_keep_in
-    return ellipse(seen, centre=config.centre, semi_axes=config.semi_axes, rotation_rad=config.rotation_rad)
+    if isinstance(barrier, CoordinateLimit):
+        return _limit(barrier, robot)
+    if isinstance(barrier, ApartBarrier):
+        return separation(_of(robot.position, 1), _of(robot.position, 2), distance=barrier.distance_m)
+    if isinstance(barrier, SpeedBarrier):
+        return speed_limit(_of(robot.velocity, barrier.point), limit=barrier.limit_m_per_s)
+    return _place(barrier, robot)
 
 
-def _displacement(motion: Travel | Swing | None, t: ca.SX) -> ca.SX:
+def _place(barrier: PlaceBarrier, robot: Robot) -> ca.SX:
+    """Return h of a set of places, seen from where the set has moved to."""
+    seen = _of(robot.position, barrier.point)
+    if barrier.motion is not None:
+        seen = seen - _displacement(barrier.motion, robot.system.t)
+    if isinstance(barrier, DiskBarrier):
+        disk = disk_keep_out if barrier.kind == "disk-keep-out" else disk_keep_in
+        return disk(seen, centre=barrier.centre, radius=barrier.radius)
+    if isinstance(barrier, EllipseBarrier):
+        ellipse = ellipse_keep_out if barrier.kind == "ellipse-keep-out" else ellipse_keep_in
+        return ellipse(seen, centre=barrier.centre, semi_axes=barrier.semi_axes_m, rotation_rad=barrier.rotation_rad)
+    return half_plane(seen, normal=barrier.normal, offset=barrier.offset)
+
+
+def _of(coordinates: ca.SX, point: int | None) -> ca.SX:
+    """Return those two coordinates that belong to a point, counted from 1."""
+    first = 2 * ((point or 1) - 1)
+    return coordinates[first : first + 2]
+
+
+def _displacement(motion: Motion, t: ca.SX) -> ca.SX:
     if isinstance(motion, Travel):
-        return uniform_motion(t, velocity=motion.velocity)
+        return uniform_motion(t, velocity=motion.velocity_m_per_s)
     if isinstance(motion, Swing):
         return oscillating_motion(
-            t, amplitude=motion.amplitude, frequency_hz=motion.frequency_hz, phase_rad=motion.phase_rad
+            t, amplitude=motion.amplitude_m, frequency_hz=motion.frequency_hz, phase_rad=motion.phase_rad
         )
-    return ca.SX(0)
+    return circular_motion(t, radius=motion.radius_m, frequency_hz=motion.frequency_hz, phase_rad=motion.phase_rad)
 
 
-def _limit(config: CoordinateBarrier, robot: Robot) -> ca.SX:
-    if config.index >= robot.system.n:
-        raise DesignError(f"barrier {config.name!r} index", config.index, f"0 to {robot.system.n - 1}, a state's")
-    sign = 1.0 if config.kind == "lower-limit" else -1.0
-    return half_plane(robot.system.x[config.index], normal=(sign,), offset=sign * config.limit)
+def _limit(barrier: CoordinateLimit, robot: Robot) -> ca.SX:
+    coordinates = robot.position if barrier.of == "position" else robot.velocity
+    if barrier.index >= coordinates.numel():
+        raise DesignError(f"barrier {barrier.name!r}", f"coordinate {barrier.index + 1}", f"1 to {coordinates.numel()}")
+    sign = -1.0 if barrier.upper else 1.0
+    return half_plane(coordinates[barrier.index], normal=(sign,), offset=sign * barrier.bound)

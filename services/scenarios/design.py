@@ -11,17 +11,21 @@ from passafe.design import FilterDesign, Law, Mode
 from passafe.limits import Limits
 from passafe.models.damped_point import damped_point
 from passafe.models.drag_point import drag_point
+from passafe.models.joint_chain import MOST_JOINTS, joint_chain
 from passafe.models.lagged_point import lagged_point
 from passafe.models.robot import Robot
 from passafe.models.saturating_point import saturating_point
 from passafe.models.two_points import two_points
 from passafe.passivity import Passivity
 from passafe.sampled_plant import SampledPlant
+from passafe.storage import kinetic_energy, spring_energy, squared_norm
 from passafe.tank import Tank
+from services.scenarios.barrier_schema import ClassK as ClassKConfig
+from services.scenarios.barrier_schema import SpeedBarrier
 from services.scenarios.barriers import barrier_function
 from services.scenarios.errors import ScenarioError
-from services.scenarios.schema import ClassK as ClassKConfig
-from services.scenarios.schema import Scenario, SpeedBarrier
+from services.scenarios.schema import Scenario
+from services.scenarios.single_barriers import CoordinateLimit, SingleBarrier
 
 _MODELS: Final[dict[str, tuple[Callable[..., Robot], tuple[str, ...]]]] = {
     "damped-point": (damped_point, ("sigma",)),
@@ -29,34 +33,65 @@ _MODELS: Final[dict[str, tuple[Callable[..., Robot], tuple[str, ...]]]] = {
     "lagged-point": (lagged_point, ("sigma", "lag_s")),
     "saturating-point": (saturating_point, ("sigma", "force")),
     "two-points": (two_points, ("sigma",)),
+    "joint-chain": (joint_chain, ("sigma",)),
 }
 
 
 def robot_of(scenario: Scenario) -> Robot:
-    """Return the scenario's robot, its fail-safe set to the barriers' first gains.
+    """Return the scenario's robot, its fail-safe set to the gains of the barriers of its position.
 
     Raises:
         ScenarioError: A parameter that the model does not have, or an x0 of the wrong length.
         DesignError: A parameter outside its range.
     """
-    model, parameters = _MODELS[scenario.plant.model]
+    name, x0 = scenario.plant.model, scenario.plant.x0
+    model, parameters = _MODELS[name]
     unknown = sorted(set(scenario.plant.parameters) - set(parameters))
     if unknown:
         raise ScenarioError(scenario.name, "plant.parameters", unknown, f"{sorted(parameters)}")
-    placed = [barrier for barrier in scenario.filter.barriers if not isinstance(barrier, SpeedBarrier)]
-    gamma_1 = max((barrier.class_k[0].gain for barrier in placed), default=0.0)
-    robot = model(**scenario.plant.parameters, gamma_1=gamma_1)
-    if len(scenario.plant.x0) != robot.system.n:
-        got = f"{len(scenario.plant.x0)} numbers"
-        raise ScenarioError(scenario.name, "plant.x0", got, f"{robot.system.n}, the states of the model")
+    extra: dict[str, float] = {"gamma_1": _largest_gain(scenario, 0)}
+    if name == "lagged-point":
+        extra["gamma_2"] = _largest_gain(scenario, 1)
+    if name == "joint-chain":
+        extra["joints"] = _joints(scenario)
+    robot = model(**scenario.plant.parameters, **extra)
+    if len(x0) != robot.system.n:
+        raise ScenarioError(
+            scenario.name, "plant.x0", f"{len(x0)} numbers", f"{robot.system.n}, the states of the model"
+        )
     return robot
+
+
+def _largest_gain(scenario: Scenario, level: int) -> float:
+    """Largest gain of one class-K function among the barriers of the position."""
+    gains = [
+        barrier.class_k[level].gain
+        for barrier in scenario.barriers
+        if _is_of_position(barrier) and level < len(barrier.class_k)
+    ]
+    return max(gains, default=0.0)
+
+
+def _is_of_position(barrier: SingleBarrier) -> bool:
+    return barrier.of == "position" if isinstance(barrier, CoordinateLimit) else not isinstance(barrier, SpeedBarrier)
+
+
+def _joints(scenario: Scenario) -> int:
+    joints, odd = divmod(len(scenario.plant.x0), 2)
+    if odd or not 1 <= joints <= MOST_JOINTS:
+        allowed = f"an angle and a speed for each of 1 to {MOST_JOINTS} joints"
+        raise ScenarioError(scenario.name, "plant.x0", f"{len(scenario.plant.x0)} numbers", allowed)
+    return joints
 
 
 def storage_of(scenario: Scenario, robot: Robot) -> ca.SX:
     """Return the scenario's storage function V(x), J."""
-    if scenario.filter.passivity.storage == "kinetic":
-        return ca.sumsqr(robot.velocity) / 2
-    return ca.sumsqr(robot.system.x)
+    passivity = scenario.filter.passivity
+    if passivity.storage == "kinetic":
+        return kinetic_energy(robot.velocity)
+    if passivity.storage == "spring":
+        return spring_energy(robot.position, robot.velocity, stiffness=passivity.spring_stiffness_per_s2)
+    return squared_norm(robot.system.x)
 
 
 def barriers_of(scenario: Scenario, robot: Robot) -> tuple[Barrier, ...]:
@@ -67,7 +102,7 @@ def barriers_of(scenario: Scenario, robot: Robot) -> tuple[Barrier, ...]:
             h=barrier_function(config, robot),
             class_k=tuple(_class_k(gamma) for gamma in config.class_k),
         )
-        for config in scenario.filter.barriers
+        for config in scenario.barriers
     )
 
 

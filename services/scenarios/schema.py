@@ -3,21 +3,14 @@
 from itertools import pairwise
 from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
 from passafe.human_input import PROPORTIONS
-
-Vector = Annotated[tuple[float, ...], Field(min_length=1, max_length=64)]
-Positive = Annotated[float, Field(gt=0, le=1e6)]
-NonNegative = Annotated[float, Field(ge=0, le=1e6)]
+from services.scenarios.barrier_schema import BarrierConfig, ClassK
+from services.scenarios.fields import Config, NonNegative, Positive, Vector
+from services.scenarios.single_barriers import SingleBarrier, single_barriers
 
 LinkName = Literal["operator-to-filter", "filter-to-plant", "plant-to-filter"]
-
-
-class Config(BaseModel):
-    """Base of every part of a scenario: immutable, finite numbers only, unknown keys refused."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
 class PlantConfig(Config):
@@ -28,7 +21,7 @@ class PlantConfig(Config):
     ``start_low`` and ``start_high`` span the box from which campaigns draw their starts; ±3 where they are not given.
     """
 
-    model: Literal["damped-point", "drag-point", "lagged-point", "saturating-point", "two-points"]
+    model: Literal["damped-point", "drag-point", "lagged-point", "saturating-point", "two-points", "joint-chain"]
     parameters: dict[str, float] = Field(default_factory=dict)
     x0: Vector
     playout_s: Annotated[float, Field(ge=0, le=2)] = 0.005
@@ -143,116 +136,6 @@ class OperatorConfig(Config):
     estimator: Estimator = AsSentEstimator()
 
 
-class ClassK(Config):
-    """One extended class-K function γ: ``linear`` is gain·s, ``cubic`` gain·s³.
-
-    ``piecewise`` is gain·s for s > 0 and gain_below·s otherwise.
-    """
-
-    kind: Literal["linear", "cubic", "piecewise"]
-    gain: Positive
-    gain_below: Positive | None = None
-
-    @model_validator(mode="after")
-    def _gain_below_where_it_belongs(self) -> Self:
-        if (self.gain_below is not None) != (self.kind == "piecewise"):
-            raise ValueError(f"gain_below: got {self.gain_below}, allowed with kind 'piecewise' and only there")
-        return self
-
-
-Name = Annotated[str, Field(min_length=1, max_length=40)]
-Chain = Annotated[tuple[ClassK, ...], Field(min_length=1, max_length=6)]
-
-
-class Travel(Config):
-    """A centre in steady motion: it is ``velocity``·t away from where it is at plant time 0."""
-
-    kind: Literal["travel"]
-    velocity: Vector
-
-
-class Swing(Config):
-    """A centre that goes to and fro: it is amplitude·sin(2π f t + phase) away from its middle."""
-
-    kind: Literal["swing"]
-    amplitude: Vector
-    frequency_hz: Annotated[float, Field(gt=0, le=10)]
-    phase_rad: float = 0.0
-
-
-Motion = Annotated[Travel | Swing, Field(discriminator="kind")]
-
-
-class DiskBarrier(Config):
-    """Keep out of a disk: h = ‖p − centre‖² − radius², p the model's position; ``disk-keep-in``: −h."""
-
-    kind: Literal["disk-keep-out", "disk-keep-in"]
-    name: Name
-    centre: Vector
-    radius: Positive
-    motion: Motion | None = None
-    class_k: Chain
-
-
-class EllipseBarrier(Config):
-    """Keep out of an ellipse: h = a²(‖D⁻¹Rᵀ(p − centre)‖² − 1), D the semi-axes, a the least.
-
-    ``ellipse-keep-in``: −h.
-    """
-
-    kind: Literal["ellipse-keep-out", "ellipse-keep-in"]
-    name: Name
-    centre: Vector
-    semi_axes: Vector
-    rotation_rad: float = 0.0
-    motion: Motion | None = None
-    class_k: Chain
-
-
-class HalfPlaneBarrier(Config):
-    """Stay on one side of a line: h = normalᵀp − offset."""
-
-    kind: Literal["half-plane"]
-    name: Name
-    normal: Vector
-    offset: float
-    class_k: Chain
-
-
-class SpeedBarrier(Config):
-    """Stay below a speed: h = limit² − ‖v‖², v the model's velocity."""
-
-    kind: Literal["speed-limit"]
-    name: Name
-    limit: Positive
-    class_k: Chain
-
-
-class CoordinateBarrier(Config):
-    """Keep one coordinate of the state on its side of a limit: h = x[index] − limit, or limit − x[index]."""
-
-    kind: Literal["lower-limit", "upper-limit"]
-    name: Name
-    index: Annotated[int, Field(ge=0, le=63)]
-    limit: float
-    class_k: Chain
-
-
-class ApartBarrier(Config):
-    """Keep two robots apart, with the model ``two-points``: h = ‖p₁ − p₂‖² − distance²."""
-
-    kind: Literal["keep-apart"]
-    name: Name
-    distance: Positive
-    class_k: Chain
-
-
-BarrierConfig = Annotated[
-    DiskBarrier | EllipseBarrier | HalfPlaneBarrier | SpeedBarrier | CoordinateBarrier | ApartBarrier,
-    Field(discriminator="kind"),
-]
-
-
 class FeedbackConfig(Config):
     """u_fb = −k_p·position − k_d·velocity."""
 
@@ -263,11 +146,13 @@ class FeedbackConfig(Config):
 class PassivityConfig(Config):
     """The passivity row: ``power`` keeps the power margin, ``tank`` spends an energy tank.
 
+    ``storage`` is V: ``squared-norm`` ‖x‖², ``kinetic`` ½‖v‖², ``spring`` ½‖v‖² + ½·spring_stiffness_per_s2·‖p‖².
     ``slack_weight`` is ρ_u, the price of one unit of slack squared against one unit of u squared.
     """
 
     kind: Literal["power", "tank"] = "power"
-    storage: Literal["squared-norm", "kinetic"] = "squared-norm"
+    storage: Literal["squared-norm", "kinetic", "spring"] = "squared-norm"
+    spring_stiffness_per_s2: Positive = 1.0
     slack_weight: Annotated[float, Field(ge=1e3, le=1e9)] = 1e6
     class_k: ClassK = ClassK(kind="linear", gain=100.0)
     tank_initial_j: NonNegative = 1.0
@@ -298,13 +183,6 @@ class FilterConfig(Config):
     barriers: tuple[BarrierConfig, ...] = ()
     stale_s: Positive = 0.2
 
-    @model_validator(mode="after")
-    def _names_are_unique(self) -> Self:
-        names = [barrier.name for barrier in self.barriers]
-        if len(set(names)) != len(names):
-            raise ValueError(f"barriers: got names {names}, allowed each name once")
-        return self
-
 
 class LinkConfig(Config):
     """An injected link: constant delay, uniform jitter in ±jitter_s, independent loss; seeded."""
@@ -333,6 +211,16 @@ class Scenario(Config):
     def dt_s(self) -> float:
         """Period of one tick, s."""
         return 1.0 / self.rate_hz
+
+    @property
+    def barriers(self) -> tuple[SingleBarrier, ...]:
+        """The filter's barriers one by one, each with a name of its own."""
+        return single_barriers(self.filter.barriers, self.plant.model)
+
+    @model_validator(mode="after")
+    def _barriers_fit_the_model(self) -> Self:
+        single_barriers(self.filter.barriers, self.plant.model)
+        return self
 
     @model_validator(mode="after")
     def _tracking_is_stable(self) -> Self:

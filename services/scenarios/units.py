@@ -12,8 +12,9 @@ _INPUT_UNITS: Final = {
     "lagged-point": _ACCELERATION,
     "saturating-point": _ACCELERATION,
     "two-points": _ACCELERATION,
+    "joint-chain": "rad/s²",
 }
-"""Models whose input is written as an acceleration: a force on a unit of mass."""
+"""Models whose input is written as an acceleration: a force on a unit of mass, a torque on a unit of inertia."""
 
 
 def input_unit(scenario: Scenario) -> str:

@@ -116,9 +116,11 @@ class ClosedFormRun:
 
     Args:
         period_ms: Time between two ticks; 1 as in the live system, more for tests that need less work.
+        scenario: What the filter says it runs; the paper's unless told otherwise.
     """
 
-    def __init__(self, *, period_ms: int = 1) -> None:
+    def __init__(self, *, period_ms: int = 1, scenario: Scenario | None = None) -> None:
+        self._scenario = paper_scenario() if scenario is None else scenario
         self._next_ms = 0
         self._period_ms = period_ms
         self._sequence = 0
@@ -129,7 +131,7 @@ class ClosedFormRun:
         for k in range(self._next_ms, run_ns // MS, self._period_ms):
             at = k * MS
             if k == 0:
-                info = ScenarioInfo(paper_scenario().model_dump_json(), "live", "{}")
+                info = ScenarioInfo(self._scenario.model_dump_json(), "live", "{}")
                 messages.append((header("filter", 0), info, at))
             if k % 1000 == 0:
                 number = k // 1000

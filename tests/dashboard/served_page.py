@@ -40,7 +40,7 @@ class FastRun:
         self.broadcast = Broadcast(feed, pump=self._pump, clock=time.monotonic_ns, frame_hz=frame_hz)
         self._before_ns: int | None = None
         self._run_ns = 0.0
-        self._run = ClosedFormRun(period_ms=10)
+        self._run = ClosedFormRun(period_ms=10, scenario=feed.scenario)
 
     def _pump(self, now_ns: int, pace: Pace) -> None:
         del pace

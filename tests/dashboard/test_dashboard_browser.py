@@ -14,6 +14,7 @@ from served_page import FastRun, ServedPage, serve_page
 from dashboard.feed import Feed
 from dashboard.report_page import report_page
 from protocol.messages import BarrierChain, FilterStatus
+from services.scenarios.schema import Scenario
 
 pytestmark = pytest.mark.browser
 playwright = pytest.importorskip("playwright.sync_api")
@@ -133,6 +134,24 @@ def test_a_dip_of_one_tick_is_seen_on_the_page(watched: Watched, served: ServedP
     watched.wait_for(f"Math.max(...{rows_of('ticks', 'status')}) === 6")
     watched.wait_for("document.querySelector('[data-count=INFEASIBLE]').textContent === '1'")
     assert watched.complaints == []
+
+
+def test_what_moves_is_drawn_where_it_is_now(watched: Watched) -> None:
+    values = paper_scenario().model_dump()
+    motion = {"kind": "swing", "amplitude_m": (0.5, -0.25), "frequency_hz": 0.2}
+    disk = values["filter"]["barriers"][0]
+    values["filter"]["barriers"] = [disk | {"centre": (3.0, 1.0), "motion": motion}]
+    run = FastRun(Feed(Scenario.model_validate(values)), speed=3.0, frame_hz=30.0)
+    with serve_page(run.broadcast) as served:
+        watched.page.goto(served.url)
+        watched.wait_for("globalThis.Bokeh && Bokeh.documents.length && Bokeh.documents[0].get_model_by_name('robot')")
+        p1, p2 = rows_of("moving_0", "p1_m"), rows_of("moving_0", "p2_m")
+        watched.wait_for(f"{p1}[0] > 3.4")
+        watched.wait_for(f"{p1}[0] < 2.6")
+        place = watched.page.evaluate(f"[...{p1}, ...{p2}]")
+        assert len(place) == 2
+        assert place[1] - 1.0 == pytest.approx(-(place[0] - 3.0) / 2)
+    assert watched.complaints == [] or all("WebSocket" in text for text in watched.complaints)
 
 
 def test_the_end_of_the_run_is_told(watched: Watched, served: ServedPage, run: FastRun) -> None:

@@ -1,20 +1,17 @@
 from collections.abc import Iterator
 
-import numpy as np
 import pytest
 from bokeh.models import ColumnDataSource, HBar, Line
 from bokeh.models.annotations import Legend
 from bokeh.plotting import figure
 from closed_form import paper_scenario
-from hypothesis import given
-from hypothesis import strategies as st
 
-from dashboard.columns import P1, P2, TIME, ZERO, Layout, drawn_columns, signed_log
+from dashboard.columns import P1, P2, PLACES, TIME, ZERO, Layout, drawn_columns, signed_log
 from dashboard.figures.barriers import chain_figure, h_figure, signed_log_ticks
 from dashboard.figures.energy import power_margin_figure, tank_figure
 from dashboard.figures.over_time import full_range, live_range
 from dashboard.figures.page import live_charts
-from dashboard.figures.plane import half_plane_corners, plane_figure
+from dashboard.figures.plane import plane_figure
 from dashboard.figures.timeline import age_figure, status_figure
 from dashboard.obstacles import Disk, HalfPlane
 from protocol.messages import FilterStatus
@@ -44,7 +41,7 @@ def every_chart() -> Iterator[figure]:
     yield tank_figure(ticks=ticks, x_range=x_range)
     yield age_figure(ticks=ticks, x_range=x_range)
     yield status_figure(source=ticks, x_range=x_range)
-    yield plane_figure(LAYOUT.obstacles, trail=states, robot=table(P1, P2), start=(2.0, 2.0))
+    yield plane_figure(LAYOUT.obstacles, trail=states, robot=table(P1, P2), starts=[(2.0, 2.0)])
 
 
 def chart_named(name: str) -> figure:
@@ -116,30 +113,8 @@ def test_a_live_range_follows_the_newest_sample() -> None:
     assert live_range(20.0).follow_interval == 20.0
 
 
-@given(
-    st.tuples(st.floats(-5, 5), st.floats(-5, 5)).filter(lambda n: n[0] ** 2 + n[1] ** 2 > 1e-4),
-    st.floats(-5, 5),
-)
-def test_a_wall_covers_its_forbidden_side(normal: tuple[float, float], offset: float) -> None:
-    length = float(np.hypot(*normal))
-    wall = HalfPlane(name="wall", normal=normal, offset=offset * length)
-    corners = half_plane_corners(wall)
-    on_line, behind = corners[:2], corners[2:]
-    assert all(abs(wall.h(corner)) <= 1e-9 * length * 200 for corner in on_line)
-    assert all(wall.h(corner) == pytest.approx(-100.0 * length) for corner in behind)
-    middle = np.mean(on_line, axis=0)
-    assert np.hypot(*middle) == pytest.approx(abs(offset), abs=1e-9)
-
-
-def test_obstacles_that_are_not_in_the_plane_are_not_drawn() -> None:
-    ball = Disk(name="ball", centre=(0.0, 0.0, 0.0), radius=1.0)
-    ceiling = HalfPlane(name="ceiling", normal=(0.0, 0.0, 1.0), offset=0.0)
-    chart = plane_figure((ball, ceiling), trail=table(P1, P2), robot=table(P1, P2), start=(0.0, 0.0))
-    assert legend_words(chart) == ["trail", "start", "robot"]
-
-
 def test_the_page_has_a_chart_for_everything() -> None:
-    charts = live_charts(Layout.of(paper_scenario()), start=(2.0, 2.0), window_s=20.0)
+    charts = live_charts(Layout.of(paper_scenario()), starts=((2.0, 2.0),), window_s=20.0)
     assert set(charts.divs) == {"plane", "h", "chain", "power_margin", "tank", "status", "ages"}
     for name in ("ticks", "states", "robot"):
         assert f'"name":"{name}"' in charts.script
@@ -147,5 +122,20 @@ def test_the_page_has_a_chart_for_everything() -> None:
 
 
 def test_without_barriers_there_are_no_charts_of_them() -> None:
-    charts = live_charts(Layout(obstacles=(), levels=()), start=(2.0, 2.0), window_s=20.0)
+    charts = live_charts(Layout(obstacles=(), levels=()), starts=((2.0, 2.0),), window_s=20.0)
     assert set(charts.divs) == {"plane", "power_margin", "tank", "status", "ages"}
+
+
+def test_joints_have_no_plane() -> None:
+    charts = live_charts(Layout(obstacles=(), levels=(), points=0), starts=(), window_s=20.0)
+    assert set(charts.divs) == {"power_margin", "tank", "status", "ages"}
+
+
+def test_two_robots_have_a_trail_and_a_place_each() -> None:
+    columns = [column for place in PLACES for column in place]
+    both = [(2.0, 2.0), (0.0, 1.0)]
+    chart = plane_figure((), trail=table(*columns), robot=table(*columns), starts=both)
+    assert legend_words(chart) == ["trail 1", "start", "robot 1", "trail 2", "robot 2"]
+    trails = [line for line in lines(chart) if line.x in {"p1_m", "p3_m"}]
+    assert [(line.x, line.y) for line in trails] == list(PLACES)
+    assert len({(line.line_color, tuple(line.line_dash)) for line in trails}) == 2

@@ -17,7 +17,7 @@ A, B = FilterStatus.PASSED, FilterStatus.MODIFIED
 
 def test_position_is_the_first_two_states() -> None:
     series = run_series(10)
-    assert np.array_equal(series.position, series.x[:2])
+    assert np.array_equal(series.position(0), series.x[:2])
 
 
 @pytest.mark.parametrize(

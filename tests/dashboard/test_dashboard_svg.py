@@ -4,7 +4,7 @@ from math import nan
 
 import numpy as np
 import pytest
-from bokeh.models import Annulus, ColumnDataSource, HBar, Line, Range1d, Scatter
+from bokeh.models import Annulus, ColumnDataSource, HBar, Line, Patch, Range1d, Scatter
 from closed_form_series import run_series
 from hypothesis import given
 from hypothesis import strategies as st
@@ -30,6 +30,16 @@ def chart_of(glyph: object, **columns: list[float]):  # noqa: ANN201 - a figure
 def test_a_line_is_a_path_that_gaps_interrupt() -> None:
     path = draw(Line(x="x", y="y"), [0.0, 1.0, nan, 2.0, 3.0], [0.0, 1.0, 5.0, 0.0, 0.5], SAME)
     assert 'd="M0.00 0.00L1.00 -1.00M2.00 0.00L3.00 -0.50"' in path.replace("-0.00", "0.00")
+
+
+def test_an_outline_s_dashes_have_lengths_and_no_outline_is_none() -> None:
+    places = ([0.0, 1.0, 1.0], [0.0, 0.0, 1.0], SAME)
+    assert 'stroke-dasharray="2 4"' in draw(Patch(x="x", y="y", line_dash="dotted"), *places)
+    assert 'stroke-dasharray="3 1"' in draw(Line(x="x", y="y", line_dash=[3, 1]), *places)
+    assert "dasharray" not in draw(Patch(x="x", y="y", line_dash="solid"), *places)
+    bare = draw(Patch(x="x", y="y", line_color=None), *places)
+    assert 'stroke="none"' in bare
+    assert "stroke-width" not in bare
 
 
 def test_a_dashed_line_stays_dashed() -> None:

@@ -6,11 +6,14 @@ import subprocess
 import sys
 import tomllib
 from pathlib import Path
+from typing import get_args
 
 import pytest
 
 from services.assembly import lockstep_loop
+from services.scenarios.barrier_schema import BarrierConfig, Motion
 from services.scenarios.load import scenario_from
+from services.scenarios.single_barriers import POINTS
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -18,6 +21,12 @@ PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").r
 
 def blocks(page: Path, language: str) -> list[str]:
     return re.findall(rf"```{language}\n(.*?)```", page.read_text(encoding="utf-8"), flags=re.DOTALL)
+
+
+def kinds_of(union: object) -> set[str]:
+    """Words that a discriminated union of the schema knows."""
+    members = get_args(get_args(union)[0])
+    return {kind for member in members for kind in get_args(member.model_fields["kind"].annotation)}
 
 
 def commands() -> list[str]:
@@ -38,14 +47,36 @@ def test_the_readmes_python_runs_as_it_stands() -> None:
     assert done.stdout.startswith("MODIFIED")
 
 
-def test_the_example_scenario_runs_as_it_stands() -> None:
-    [text] = blocks(ROOT / "docs" / "scenarios.md", "toml")
+@pytest.mark.parametrize(("number", "name"), [(0, "two-walls"), (1, "every-kind")])
+def test_the_example_scenarios_run_as_they_stand(number: int, name: str) -> None:
+    text = blocks(ROOT / "docs" / "scenarios.md", "toml")[number]
     scenario = scenario_from(tomllib.loads(text), "docs/scenarios.md")
 
     loop = lockstep_loop(scenario)
     loop.run(300)
 
-    assert [barrier.name for barrier in scenario.filter.barriers] == ["post", "floor"]
+    assert scenario.name == name
+
+
+def test_every_kind_of_barrier_motion_and_robot_is_in_the_examples_or_tables() -> None:
+    page = (ROOT / "docs" / "scenarios.md").read_text(encoding="utf-8")
+    example = tomllib.loads(blocks(ROOT / "docs" / "scenarios.md", "toml")[1])
+    kinds = {barrier["kind"] for barrier in example["filter"]["barriers"]}
+    motions = {barrier["motion"]["kind"] for barrier in example["filter"]["barriers"] if "motion" in barrier}
+
+    assert kinds == kinds_of(BarrierConfig)
+    assert motions == kinds_of(Motion)
+    for word in (*kinds, *motions, *POINTS):
+        assert f"| `{word}` |" in page or f"`{word}` (" in page, word
+
+
+def test_the_barrier_of_one_s_own_decides_as_it_stands() -> None:
+    [program] = blocks(ROOT / "docs" / "scenarios.md", "python")
+
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
+
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("1 MODIFIED")
 
 
 @pytest.mark.parametrize("command", commands())

@@ -5,6 +5,8 @@ from passafe import Cubic, DesignError, Law, Linear, Mode, Piecewise, SafetyPass
 from services.scenarios.design import barriers_of, design_of, robot_of, sampled_plant_of, storage_of, tank_of
 from services.scenarios.errors import ScenarioError
 from services.scenarios.load import load_scenario
+from services.scenarios.schema import Scenario
+from services.scenarios.single_barriers import POINTS
 
 NAME = "notomista-cai-2020"
 
@@ -73,3 +75,72 @@ def test_parameters_and_states_that_do_not_fit_the_model_are_named() -> None:
         robot_of(load_scenario(NAME, {"plant.x0": [1.0]}))
     with pytest.raises(DesignError, match="sigma"):
         robot_of(load_scenario(NAME, {"plant.parameters": {"sigma": -1.0}}))
+
+
+CHAIN = [{"kind": "linear", "gain": 2.0}, {"kind": "linear", "gain": 7.0}, {"kind": "linear", "gain": 1.0}]
+DISK = {"kind": "disk-keep-out", "name": "disk", "centre": [5, 0], "radius": 1, "class_k": CHAIN}
+SPEED = {"kind": "speed-limit", "name": "speed", "limit_m_per_s": 9, "class_k": [{"kind": "linear", "gain": 50.0}] * 2}
+
+
+def with_plant(model: str, states: int, *barriers: dict[str, object], **parameters: float) -> Scenario:
+    plant = {"model": model, "x0": [0.1] * states, "parameters": parameters}
+    return load_scenario(NAME, {"plant": plant, "filter.barriers": list(barriers)})
+
+
+@pytest.mark.parametrize(
+    ("model", "states", "inputs", "points"),
+    [
+        ("damped-point", 4, 2, 1),
+        ("drag-point", 4, 2, 1),
+        ("lagged-point", 6, 2, 1),
+        ("saturating-point", 4, 2, 1),
+        ("two-points", 8, 4, 2),
+        ("joint-chain", 14, 7, 0),
+        ("joint-chain", 2, 1, 0),
+    ],
+)
+def test_every_model_becomes_a_robot(model: str, states: int, inputs: int, points: int) -> None:
+    robot = robot_of(with_plant(model, states))
+
+    assert (robot.system.n, robot.system.m, robot.points) == (states, inputs, points)
+    assert POINTS[model] == points
+
+
+@pytest.mark.parametrize("states", [1, 3, 16])
+def test_joints_are_counted_by_their_starts(states: int) -> None:
+    with pytest.raises(ScenarioError, match="an angle and a speed for each of 1 to 7 joints"):
+        robot_of(with_plant("joint-chain", states))
+
+
+def test_the_fail_safe_goes_by_the_gains_of_the_barriers_of_the_position() -> None:
+    limits = {"kind": "coordinate-limits", "name": "v", "of": "velocity", "low": [-9] * 2, "high": [9] * 2}
+    others = (SPEED, limits | {"class_k": SPEED["class_k"]})
+
+    assert robot_of(with_plant("damped-point", 4, DISK, *others, sigma=0.5)).fail_safe_gain == 1.5
+    assert robot_of(with_plant("damped-point", 4, *others, sigma=0.5)).fail_safe_gain == 0.0
+    joints = limits | {"of": "position", "low": [-9], "high": [9], "class_k": CHAIN}
+    assert robot_of(with_plant("joint-chain", 2, joints, sigma=0.5)).fail_safe_gain == 1.5
+
+
+def test_a_lagging_robot_s_fail_safe_goes_by_the_second_gain_too() -> None:
+    robot = robot_of(with_plant("lagged-point", 6, DISK | {"class_k": [*CHAIN, CHAIN[0]]}, SPEED, sigma=0.5, lag_s=0.5))
+
+    assert "γ₁ ≤ 2/s and γ₁, γ₂ ≤ 7/s" in robot.fail_safe_condition
+
+
+def test_limits_of_a_coordinate_that_is_not_there_are_refused() -> None:
+    joints = {"kind": "coordinate-limits", "name": "joint", "low": [-1] * 3, "high": [1] * 3, "class_k": CHAIN}
+    scenario = with_plant("joint-chain", 4, joints)
+
+    with pytest.raises(DesignError, match="barrier 'joint 3 low': got coordinate 3, allowed 1 to 2"):
+        barriers_of(scenario, robot_of(scenario))
+
+
+def test_storage_may_be_a_spring_s() -> None:
+    scenario = load_scenario(
+        NAME, {"filter.passivity.storage": "spring", "filter.passivity.spring_stiffness_per_s2": 3.0}
+    )
+    robot = robot_of(scenario)
+    V = ca.Function("V", [robot.system.x], [storage_of(scenario, robot)])
+
+    assert float(V([1.0, 2.0, 3.0, 4.0])) == 12.5 + 1.5 * 5
