@@ -39,7 +39,7 @@ CHART_TEXTS: Final = (
     ChartText(
         "h",
         "Barriers h",
-        "h of every barrier over time with the line h = 0: below it the robot is inside the obstacle. "
+        "h of every barrier over time with the line h = 0: below it the robot is where it must not be. "
         "Each point is the lowest value in a thirtieth of a second.",
     ),
     ChartText(

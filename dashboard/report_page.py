@@ -5,11 +5,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
+import numpy as np
 from bokeh.embed import components
 from bokeh.model import Model
 from bokeh.settings import settings as bokeh_settings
 
-from dashboard.figures.run import run_charts
+from dashboard.figures.run import lowest_barriers, run_charts
 from dashboard.obstacles import Region
 from dashboard.page import TEMPLATES
 from dashboard.palette import STATUS_STYLES
@@ -148,10 +149,14 @@ def _timing_lines(timing: Mapping[str, Any]) -> list[TimingLine]:
 def descriptions(series: RunSeries) -> dict[str, str]:
     """What each chart shows, for who cannot see it."""
     names = ", ".join(obstacle.name for obstacle in series.obstacles if isinstance(obstacle, Region))
+    shown = lowest_barriers(series)
     lowest_h = "; ".join(
-        f"{obstacle.name} lowest sample {number(h.min().item())} at {series.times_s[h.argmin()]:.3f} s"
-        for obstacle, h in zip(series.obstacles, series.h, strict=True)
+        f"{series.obstacles[i].name} lowest sample {number(h.min().item())} at {series.times_s[h.argmin()]:.3f} s"
+        for i, h in ((i, series.h[i]) for i in shown)
     )
+    if len(shown) < len(series.obstacles):
+        rest = np.delete(series.h, shown, axis=0)
+        lowest_h += f"; {len(rest)} others not shown, none below {number(rest.min().item())}"
     worst = series.power_margin_w.argmin()
     margin = number(series.power_margin_w[worst].item())
     return {

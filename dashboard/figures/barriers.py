@@ -1,5 +1,8 @@
 """Charts of the barriers: h, which says whether the robot is safe, and ψ₁ … ψ_r, which lead to the input."""
 
+from collections.abc import Sequence
+from typing import Final
+
 from bokeh.models import ColumnDataSource, Range
 from bokeh.plotting import figure
 
@@ -8,14 +11,36 @@ from dashboard.figures.over_time import Trace, time_figure
 
 SUBSCRIPTS = "₀₁₂₃₄₅₆₇₈₉"
 
+MOST_SHOWN: Final = 8
+"""Barriers beyond which a chart leaves lines out: the filter's h on the page, those that stayed high in a report."""
 
-def h_figure(layout: Layout, *, ticks: ColumnDataSource | None, states: ColumnDataSource, x_range: Range) -> figure:
-    """Chart of every h: at the plant's state and, where there are ticks, as the filter predicts it."""
+
+def h_figure(
+    layout: Layout,
+    *,
+    ticks: ColumnDataSource | None,
+    states: ColumnDataSource,
+    x_range: Range,
+    shown: Sequence[int] | None = None,
+) -> figure:
+    """Chart of h: at the plant's state and, where there are ticks and few barriers, as the filter predicts it.
+
+    Args:
+        layout: Columns of the scenario.
+        ticks: Table of the filter, if there is one.
+        states: Table of the plant.
+        x_range: Time range.
+        shown: Numbers of the barriers to show; all of them unless told otherwise.
+    """
     traces = []
+    step = 2 if ticks is not None and len(layout.names) <= MOST_SHOWN else 1
     for index, name in enumerate(layout.names):
-        traces.append(Trace(source=states, column=measured_h(index), label=f"h of {name}, measured", style=2 * index))
-        if ticks is not None:
-            traces.append(Trace(source=ticks, column=psi(index, 0), label=f"h of {name}, filter", style=2 * index + 1))
+        if shown is not None and index not in shown:
+            continue
+        style = step * index if ticks is not None else 2 * index
+        traces.append(Trace(source=states, column=measured_h(index), label=f"h of {name}, measured", style=style))
+        if ticks is not None and step > 1:
+            traces.append(Trace(source=ticks, column=psi(index, 0), label=f"h of {name}, filter", style=style + 1))
     return time_figure(
         traces,
         name="h",

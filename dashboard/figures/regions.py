@@ -1,6 +1,7 @@
 """Obstacles in the plane: filled where the robot must not be, and again wherever they move to."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -23,7 +24,7 @@ EARLIER: Final = 7
 
 WAY_POINTS: Final = 200
 BORDER: Final = "_border"
-"""End of the name of the table with the border of a region to stay in; see ``dashboard/static/charts.js``."""
+"""End of the name of the table with the border of a region without an end; see ``dashboard/static/charts.js``."""
 
 
 class Drawing(NamedTuple):
@@ -56,10 +57,10 @@ class DrawnRegions(NamedTuple):
 
 
 def draw_regions(chart: figure, obstacles: Sequence[Obstacle], drawing: Drawing) -> DrawnRegions:
-    """Draw every obstacle that is a place."""
+    """Draw every obstacle that is a place, once where it holds for several points."""
     in_view: list[Model] = []
     moved = False
-    regions = [(i, one) for i, one in enumerate(obstacles) if isinstance(one, Region)]
+    regions = _distinct(obstacles)
     for i, region in regions:
         if region.motion is None or drawing.live:
             by, name = (0.0, 0.0), moving_table(i) if region.motion is not None else None
@@ -77,6 +78,15 @@ def draw_regions(chart: figure, obstacles: Sequence[Obstacle], drawing: Drawing)
     if moved:
         legend.append(key(chart, "keep out, earlier", _sample(earlier=True)))
     return DrawnRegions(tuple(legend), tuple(in_view))
+
+
+def _distinct(obstacles: Sequence[Obstacle]) -> list[tuple[int, Region]]:
+    """Return the regions with their numbers; of those that are alike but for name and point, the first one."""
+    seen: dict[Region, int] = {}
+    for i, one in enumerate(obstacles):
+        if isinstance(one, Region):
+            seen.setdefault(replace(one, name="", first=0), i)
+    return [(i, region) for region, i in seen.items()]
 
 
 def _draw_way(chart: figure, region: Region, drawing: Drawing) -> Iterator[Model]:
@@ -98,13 +108,14 @@ def _draw(
         disk = Circle(x=P1, y=P2, radius=region.radius)
         disk.update(**_fill(earlier=earlier), **_edge(earlier=earlier))
         return chart.add_glyph(_places(shifted((reference(region),), by), name), disk)
-    keep_in = not isinstance(region, HalfPlane) and region.keep_in
-    shut_off = Patch(x=P1, y=P2)
-    # The polygon of what lies outside has a cut, which must not show.
-    shut_off.update(**_fill(earlier=earlier), **({"line_color": None} if keep_in else _edge(earlier=earlier)))
-    drawn = chart.add_glyph(_places(shifted(unsafe_side(region), by), name), shut_off)
-    if not keep_in:
-        return drawn
+    unbounded = isinstance(region, HalfPlane) or region.keep_in
+    if not (unbounded and earlier):  # fills without an end would lie upon one another
+        shut_off = Patch(x=P1, y=P2)
+        # The polygon of what lies outside has a cut and sides far away, which must not show.
+        shut_off.update(**_fill(earlier=earlier), **({"line_color": None} if unbounded else _edge(earlier=earlier)))
+        drawn = chart.add_glyph(_places(shifted(unsafe_side(region), by), name), shut_off)
+        if not unbounded:
+            return drawn
     rim = Line(x=P1, y=P2)
     rim.update(**_edge(earlier=earlier))
     return chart.add_glyph(_places(shifted(border(region), by), None if name is None else name + BORDER), rim)

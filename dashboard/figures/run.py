@@ -8,7 +8,7 @@ from bokeh.plotting import figure
 
 from dashboard.columns import PLACES, POWER_MARGIN, START, STATUS, TIME, ZERO, Layout, measured_h
 from dashboard.decimation import kept_samples
-from dashboard.figures.barriers import h_figure
+from dashboard.figures.barriers import MOST_SHOWN, h_figure
 from dashboard.figures.energy import power_margin_figure
 from dashboard.figures.over_time import full_range
 from dashboard.figures.plane import plane_figure
@@ -27,11 +27,17 @@ def run_charts(series: RunSeries, *, bins: int = BINS) -> dict[str, figure]:
     x_range = full_range()
     charts = {"plane": _plane(series, bins)} if series.points else {}
     if series.obstacles:
-        charts["h"] = h_figure(layout, ticks=None, states=signals, x_range=x_range)
+        charts["h"] = h_figure(layout, ticks=None, states=signals, x_range=x_range, shown=lowest_barriers(series))
     charts["power_margin"] = power_margin_figure(source=signals, x_range=x_range, with_slack=False)
     if series.statuses:
         charts["status"] = status_figure(source=_statuses(series), x_range=x_range)
     return charts
+
+
+def lowest_barriers(series: RunSeries) -> tuple[int, ...]:
+    """Numbers of the barriers that a chart shows: all, or those that came lowest if there are many."""
+    lowest = series.h.min(axis=1)
+    return tuple(sorted(int(i) for i in np.argsort(lowest, kind="stable")[:MOST_SHOWN]))
 
 
 def _signals(series: RunSeries, bins: int) -> ColumnDataSource:

@@ -1,3 +1,4 @@
+from dataclasses import replace
 from math import inf
 
 import pytest
@@ -11,7 +12,9 @@ from dashboard.columns import (
     signed_log,
     signed_log_inverse,
 )
+from dashboard.obstacles import Disk, SpeedLimit
 from protocol.messages import BarrierChain
+from services.scenarios.barrier_schema import Swing
 
 LAYOUT = Layout.of(paper_scenario())
 
@@ -51,8 +54,29 @@ def test_a_tick_of_another_scenario_has_no_values(barriers: tuple[BarrierChain, 
     assert LAYOUT.tick_values(tick(0, barriers=barriers)) is None
 
 
-def test_a_state_without_a_plane_has_no_values() -> None:
-    assert LAYOUT.state_values(state(0, x=(1.0,))) is None
+@pytest.mark.parametrize("x", [(1.0,), (1.0, 2.0, 3.0), ()])
+def test_a_state_of_another_scenario_has_no_values(x: tuple[float, ...]) -> None:
+    assert LAYOUT.state_values(state(0, x=x)) is None
+    assert LAYOUT.state_values(state(0, x=(1.0, 2.0, 3.0, 4.0))) is not None
+
+
+def test_two_points_have_two_places_and_joints_none() -> None:
+    obstacles = (SpeedLimit(name="speed", limit=2.0, first=6),)
+    both = Layout(obstacles=obstacles, levels=(2,), points=2, states=8)
+    values = both.state_values(state(0, x=(1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 0.6, 0.8)))
+    assert list(both.state_columns) == ["p1_m", "p2_m", "p3_m", "p4_m", "h_0"]
+    assert values == [1.0, 2.0, 3.0, 4.0, pytest.approx(3.0)]
+    joints = Layout(obstacles=(), levels=(), points=0, states=2)
+    assert joints.place_columns == ()
+    assert joints.state_values(state(0, x=(1.0, 2.0))) == []
+
+
+def test_what_moves_is_where_it_is_at_the_state_s_time() -> None:
+    swing = Swing(kind="swing", amplitude_m=(2.0, 0.0), frequency_hz=0.25)
+    disk = Disk(name="disk", centre=(0.0, 0.0), radius=1.0)
+    layout = Layout(obstacles=(disk, replace(disk, motion=swing)), levels=(3, 3), states=4)
+    assert layout.moved(1.0) == {"moving_1": (2.0, 0.0)}
+    assert layout.measured(state(1000, x=(2.0, 0.0, 0.0, 0.0))) == [3.0, -1.0]
 
 
 def test_drawn_columns_add_time_zero_line_and_signed_logarithms() -> None:

@@ -7,7 +7,7 @@ from bokeh.plotting import figure
 from closed_form import paper_scenario
 
 from dashboard.columns import P1, P2, PLACES, TIME, ZERO, Layout, drawn_columns, signed_log
-from dashboard.figures.barriers import chain_figure, h_figure, signed_log_ticks
+from dashboard.figures.barriers import MOST_SHOWN, chain_figure, h_figure, signed_log_ticks
 from dashboard.figures.energy import power_margin_figure, tank_figure
 from dashboard.figures.over_time import full_range, live_range
 from dashboard.figures.page import live_charts
@@ -87,6 +87,17 @@ def test_every_barrier_has_its_own_named_lines() -> None:
     assert legend_words(chain)[1:] == ["ψ₁ of disk", "ψ₂ of disk", "ψ₁ of wall", "ψ₂ of wall"]
     drawn = [line for line in lines(chain) if line.y not in (ZERO, "y")]
     assert len({(line.line_color, tuple(line.line_dash)) for line in drawn}) == 4
+
+
+def test_where_there_are_many_barriers_some_lines_are_left_out() -> None:
+    walls = tuple(HalfPlane(name=f"wall {i}", normal=(1.0, 0.0), offset=-3.0 - i) for i in range(MOST_SHOWN + 1))
+    layout = Layout(obstacles=walls, levels=(3,) * len(walls))
+    ticks = table(*drawn_columns(tuple(layout.tick_columns), layout.log_columns))
+    states = table(*drawn_columns(tuple(layout.state_columns), ()))
+    live = h_figure(layout, ticks=ticks, states=states, x_range=full_range())
+    assert legend_words(live)[1:] == [f"h of wall {i}, measured" for i in range(MOST_SHOWN + 1)]
+    some = h_figure(layout, ticks=None, states=states, x_range=full_range(), shown=(1, 4))
+    assert legend_words(some)[1:] == ["h of wall 1, measured", "h of wall 4, measured"]
 
 
 def test_a_barrier_of_relative_degree_zero_has_no_chain() -> None:

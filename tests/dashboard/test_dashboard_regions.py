@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from bokeh.models import Circle, DataRange1d, Line, Patch
@@ -56,8 +58,15 @@ def test_every_kind_of_place_is_drawn_with_one_legend_entry() -> None:
     assert words(chart) == ["keep out", "trail", "start", "robot"]
     assert len(places(chart, Circle)) == 1
     assert len(places(chart, Patch)) == 3
-    assert len(places(chart, Line)) == 1  # the arena's border; its filled outside has no line of its own
+    assert len(places(chart, Line)) == 2  # borders of the arena and the wall; what they shut off has no line
     assert named(chart) == set()
+
+
+def test_what_holds_for_two_points_is_drawn_once() -> None:
+    both = [replace(one, name=f"{one.name} {k}", first=2 * k) for one in STILL for k in (0, 1)]
+    assert len(plane(*both).renderers) == len(plane(*STILL).renderers)
+    other = replace(STILL[0], name="another", centre=(0.0, 0.1))
+    assert len(places(plane(STILL[0], other), Circle)) == 2
 
 
 def test_barriers_that_are_no_places_are_not_drawn() -> None:
@@ -74,7 +83,7 @@ def test_a_live_page_finds_what_moves_in_tables_of_its_own() -> None:
         HalfPlane(name="piston", normal=(1.0, 0.0), offset=-3.0, motion=SWING),
     )
     chart = plane(*moving)
-    assert named(chart) == {"moving_1", "moving_2", "moving_2_border", "moving_3"}
+    assert named(chart) == {"moving_1", "moving_2", "moving_2_border", "moving_3", "moving_3_border"}
     disk = next(one for one in chart.renderers if one.data_source.name == "moving_1")
     assert dict(disk.data_source.data) == {P1: [1.0], P2: [2.0]}
 

@@ -1,10 +1,14 @@
 import re
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from closed_form_series import run_series, verdict
 
-from dashboard.report_page import inline_script, number, report_page
+from dashboard.figures.run import lowest_barriers
+from dashboard.obstacles import Disk
+from dashboard.pictures import run_picture
+from dashboard.report_page import descriptions, inline_script, number, report_page
 
 CONFIGURATION = {"name": "circle", "title": "a <b>circle</b> & </script>"}
 VERSIONS = {"passafe": "0.1.0"}
@@ -40,6 +44,27 @@ def test_properties_say_whether_they_hold_with_worst_value_and_time(page: str) -
     assert cells(page, "passive") == ["violated", "yes", "−0.2", "3.142 s", "h_u ≥ −0.05"]
     assert cells(page, "certified")[:4] == ["unknown", "no", "unknown", "–"]
     assert "A required property is violated" in page
+
+
+def test_of_many_barriers_those_that_came_lowest_are_shown() -> None:
+    series = run_series(100)
+    disks = tuple(Disk(name=f"disk {n}", centre=(0.0, 0.0), radius=1.0) for n in range(10))
+    many = replace(series, obstacles=disks, h=np.vstack([series.h + 9 - n for n in range(10)]))
+    assert lowest_barriers(many) == tuple(range(2, 10))
+    words = descriptions(many)["h"]
+    assert "disk 2 lowest sample" in words
+    assert "disk 1 lowest sample" not in words
+    assert f"2 others not shown, none below {series.h.min() + 8:.4g}" in words
+
+
+def test_two_robots_have_a_path_each_and_joints_have_none() -> None:
+    series = run_series(100)
+    assert descriptions(replace(series, points=2))["plane"].count("Path of the robot") == 2
+    joints = replace(series, points=0)
+    page = report_page(verdict(), joints, configuration=CONFIGURATION, versions=VERSIONS)
+    assert "<h2>Trajectory</h2>" not in page
+    assert "<h2>Power margin</h2>" in page
+    assert "position p₁" not in run_picture(joints, title="joints")
 
 
 def test_figures_and_timing_are_those_of_the_verdict(page: str) -> None:

@@ -45,6 +45,12 @@ def test_everything_the_page_shows_is_there() -> None:
     assert json.loads(json_text(shown))["filter"]["tick"] == 1999
 
 
+def test_a_state_of_another_scenario_shows_no_h() -> None:
+    feed = Feed(paper_scenario())
+    feed.push(header("plant", 0), state(0, x=(1.0,)), 0)
+    assert status_json(feed, 0)["plant"]["h"] == []
+
+
 def test_every_process_and_the_topics_in_the_table_s_order_are_listed() -> None:
     shown = status_json(feed_after(2_000 * MS), 2_000 * MS)
     assert [process["process"] for process in shown["processes"]] == list(REPORTING)
