@@ -3,7 +3,6 @@
 from collections import Counter
 from typing import Final
 
-import casadi as ca
 import numpy as np
 from pydantic import BaseModel, ConfigDict
 
@@ -11,16 +10,13 @@ from passafe.decision import Status
 from passafe.filter import SafetyPassivityFilter
 from passafe.workspace import Array
 from services.campaign.adversaries import ADVERSARIES, Adversary
-from services.campaign.errors import NoSafeStartError
+from services.campaign.starts import SafeStarts
 from services.review.core_mathematics import CoreMathematics
 from services.scenarios.design import design_of, robot_of, sampled_plant_of, tank_of
 from services.scenarios.schema import Scenario
 
 BETWEEN: Final = 4
 """Instants of every period at which h is looked at."""
-
-MOST_DRAWS: Final = 20_000
-START_MARGIN: Final = 1e-6
 
 
 class Outcome(BaseModel):
@@ -64,9 +60,7 @@ class Rollouts:
         self._plant = sampled_plant_of(scenario, robot)
         self._tank = tank_of(scenario)
         self._mathematics = CoreMathematics(scenario)
-        protected = [psi for chain in self._core.chains for psi in chain.psi[:-1]]
-        at_start = ca.substitute(ca.vertcat(ca.SX(0, 1), *protected), robot.system.t, 0.0)
-        self._inside = ca.Function("inside", [robot.system.x], [at_start])
+        self._starts = SafeStarts(scenario, self._core)
         self._n, self._m = robot.system.n, robot.system.m
 
     def run(self, seed: int, duration_s: float) -> Outcome:
@@ -78,21 +72,7 @@ class Rollouts:
         """
         rng = np.random.default_rng([seed, 0x9A55AFE])
         name = list(ADVERSARIES)[seed % len(ADVERSARIES)]
-        return self._roll(seed, name, ADVERSARIES[name](rng, self._m), self._start(rng), duration_s)
-
-    def _start(self, rng: np.random.Generator) -> Array:
-        """A random state inside the set that the rows protect: every ψ but the last is positive."""
-        lowest = self.scenario.plant.start_low or tuple(-3.0 for _ in range(self._n))
-        highest = self.scenario.plant.start_high or tuple(3.0 for _ in range(self._n))
-        zero = (0.0,) * self._m
-        for _ in range(MOST_DRAWS):
-            x = rng.uniform(lowest, highest)
-            if float(np.min(self._inside(x).full(), initial=np.inf)) < START_MARGIN:
-                continue
-            first = self._core.decide(x.tolist(), zero, zero, zero, self._tank.initial_j, 0.0, start=True)
-            if not first.status.is_fallback:
-                return np.asarray(x)
-        raise NoSafeStartError(self.scenario.name, lowest, highest, MOST_DRAWS)
+        return self._roll(seed, name, ADVERSARIES[name](rng, self._m), self._starts.draw(rng), duration_s)
 
     def _roll(self, seed: int, name: str, ask: Adversary, start: Array, duration_s: float) -> Outcome:
         dt_s, m = self.scenario.dt_s, self._m
