@@ -92,7 +92,7 @@ class Derivation:
         self._enforced = tuple(chains) if design.mode.enforces_safety else ()
         self._h_u = power_margin(system, design.passivity.V)
         self.has_margins = self._sampled and design.between_samples and bool(self._enforced)
-        self._held = [held_function(system, chain, design.dt_s) for chain in self._enforced]
+        self._held = [held_function(system, chain, design.held_s) for chain in self._enforced]
         self._eps = ca.vertcat(ca.SX(0, 1), *(self._margin(chain) for chain in self._enforced))
         rows = self._rows()
         self.duties = len(rows)
@@ -160,12 +160,12 @@ class Derivation:
         design = self._design
         if not (self._sampled and design.between_samples):
             return ca.SX(0)
-        r, dt_s = chain.relative_degree, design.dt_s
+        r, held_s = chain.relative_degree, design.held_s
         p = chain.psi[r - 1]
-        bound = curvature_bound(self._system, p, dt_s, self._trust, steps=max(r, 2))
-        margin = dt_s / 2 * ca.fmax(ca.substitute(bound, self._system.u, self._u_lin), 0)
+        bound = curvature_bound(self._system, p, held_s, self._trust, steps=max(r, 2))
+        margin = held_s / 2 * ca.fmax(ca.substitute(bound, self._system.u, self._u_lin), 0)
         # Outside the set there is nothing to keep between samples; on the way out the margin is given up by and by.
-        return ca.fmax(ca.fmin(margin, margin + p / dt_s), 0)
+        return ca.fmax(ca.fmin(margin, margin + p / held_s), 0)
 
     def _rows(self) -> list[Row]:
         design, system = self._design, self._system

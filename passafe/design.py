@@ -55,13 +55,16 @@ class FilterDesign:
         barriers: Any number, with unique names.
         passivity: Storage function and passivity row; the power margin is reported in every mode.
         k_i: α/2 of the tracking term, 1/s.
-        dt_s: Period over which an input is held, s.
+        dt_s: Period, s: how long an input is in force when the next one follows in time.
         input_bound: Largest magnitude of u: one number for every axis, or one for each.
         input_norm_bound: Largest ‖u‖, if that is limited too.
         input_rate_bound_per_s: Largest rate of change of u: one number for every axis, or one for each.
         law: Which rows.
         mode: Which properties.
         between_samples: Whether the sampled law's rows have the margin that keeps barriers between samples too.
+        hold_s: How long an input may stay in force where no other follows, s; one period if not given. The margin
+            between samples covers all of it.
+        held_s: The longer of ``dt_s`` and ``hold_s``.
         tolerance: Residuals up to which an answer is accepted.
         limits: What the three bounds amount to.
     """
@@ -79,8 +82,10 @@ class FilterDesign:
     law: Law = Law.SAMPLED
     mode: Mode = Mode.BOTH
     between_samples: bool = True
+    hold_s: float | None = None
     tolerance: Tolerance = field(default_factory=Tolerance)
     limits: Limits = field(init=False)
+    held_s: float = field(init=False)
 
     def __post_init__(self) -> None:
         """Refuse parts that do not fit together."""
@@ -90,6 +95,9 @@ class FilterDesign:
                 raise DesignError(part, value, "a positive finite number")
         if self.k_i * self.dt_s >= 1.0:
             raise DesignError("k_i", self.k_i, f"less than 1/dt_s = {1 / self.dt_s:g}, or the tracking oscillates")
+        if self.hold_s is not None and not 0.0 <= self.hold_s < inf:
+            raise DesignError("hold_s", self.hold_s, "a finite number, zero or more")
+        object.__setattr__(self, "held_s", max(self.dt_s, self.hold_s or 0.0))
         limits = Limits.of(self.system.m, self.input_bound, self.input_norm_bound, self.input_rate_bound_per_s)
         object.__setattr__(self, "limits", limits)
         self.system.require_state_function("u_fb", self.u_fb, self.system.m)

@@ -142,6 +142,7 @@ def design_of(scenario: Scenario, robot: Robot) -> FilterDesign:
         input_norm_bound=config.input_norm_bound,
         input_rate_bound_per_s=config.input_rate_bound_per_s,
         between_samples=config.between_samples,
+        hold_s=scenario.plant.hold_s,
         law=Law(config.law),
         mode=Mode(config.mode),
     )

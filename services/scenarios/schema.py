@@ -17,7 +17,8 @@ class PlantConfig(Config):
     """The robot: a model of the core by name, its parameters and where it starts.
 
     ``playout_s`` is how long before it takes effect an input should arrive: the buffer that absorbs jitter.
-    ``hold_s`` is how long an input is held when no other follows, before the fail-safe law takes over.
+    ``hold_s`` is how long an input stays in force when no other follows, before the fail-safe law takes over; the
+    filter's margin between samples covers it, so a long one keeps the robot further from its barriers.
     ``start_low`` and ``start_high`` span the box from which campaigns draw their starts; ±3 where they are not given.
     """
 
@@ -25,7 +26,7 @@ class PlantConfig(Config):
     parameters: dict[str, float] = Field(default_factory=dict)
     x0: Vector
     playout_s: Annotated[float, Field(ge=0, le=2)] = 0.005
-    hold_s: Annotated[float, Field(ge=0, le=2)] = 0.1
+    hold_s: Annotated[float, Field(ge=0, le=0.2)] = 0.01
     start_low: Vector | None = None
     start_high: Vector | None = None
 

@@ -14,6 +14,7 @@ from passafe.between_samples import curvature_bound, held_function
 from passafe.class_k import Cubic, Piecewise
 from passafe.decision import Status
 from passafe.design import Mode
+from passafe.errors import DesignError
 from passafe.filter import SafetyPassivityFilter
 
 PARTS = 8
@@ -85,9 +86,10 @@ def test_a_linear_gain_that_a_period_can_use_is_left_alone() -> None:
     assert held_function(design.system, chain, 0.2) is not chain.psi[2]
 
 
-def speed_limit(margin: bool, dt_s: float = 0.02) -> SafetyPassivityFilter:
+def speed_limit(margin: bool, dt_s: float = 0.02, hold_s: float | None = None) -> SafetyPassivityFilter:
     """Return a filter that keeps the paper's robot below 2 m/s: relative degree 1, p bends with ‖u‖²."""
     design = paper_design(mode=Mode.SAFE, dt_s=dt_s, k_i=20.0, input_bound=30.0, between_samples=margin)
+    design = replace(design, hold_s=hold_s)
     limit = Barrier(name="speed", h=4 - ca.sumsqr(design.system.x[2:]), class_k=gains(10.0, 10.0))
     return SafetyPassivityFilter(replace(design, barriers=(limit,)))
 
@@ -147,3 +149,30 @@ def test_a_margin_that_does_not_settle_is_not_claimed(monkeypatch: pytest.Monkey
     monkeypatch.setattr(made.design.limits.__class__, "reach", 0.0)
 
     assert made.decide(*request).status is Status.UNCERTIFIED
+
+
+@pytest.mark.parametrize("covered", [True, False])
+def test_an_input_that_is_held_for_as_long_as_it_may_be_keeps_the_barrier_too(covered: bool) -> None:
+    """At 1 kHz every input is held for 20 ms, in thought; with a margin for one period that breaks the speed limit."""
+    made = speed_limit(margin=True, dt_s=1e-3, hold_s=0.02 if covered else None)
+    flow = numeric([made.design.system.x, made.design.system.u], made.design.system.f)
+    x, u, lowest = np.array([3.0, 0.0, 0.0, 0.0]), (0.0, 0.0), np.inf
+    for k in range(600):
+        push = (60.0 * np.cos(0.01 * k), 60.0 * np.sin(0.01 * k))
+        decision = made.decide(x.tolist(), u, push, (0.0, 0.0))
+        u, held = decision.u, x
+        assert not decision.status.is_fallback
+        for part in range(20):
+            held = runge_kutta(lambda _, s, u=u: flow(s, np.array(u)), 0.0, held, 1e-3)  # type: ignore[misc]  # bound
+            lowest = min(lowest, 4 - float(held[2:] @ held[2:]))
+            x = held if part == 0 else x
+
+    assert (lowest >= 0.0) == covered
+    assert lowest > -1.0
+
+
+def test_what_is_held_is_at_least_a_period() -> None:
+    assert paper_design(hold_s=0.0).held_s == paper_design().held_s == 1e-3
+    assert paper_design(hold_s=0.02).held_s == 0.02
+    with pytest.raises(DesignError, match=r"hold_s: got -0\.1, allowed a finite number, zero or more"):
+        paper_design(hold_s=-0.1)
