@@ -6,7 +6,7 @@ from typing import Final
 from protocol.messages import Event, FilterTick, OperatorCommand, PlantPhase, PlantState, Received
 from protocol.topics import COMMAND, EVENT, STATE, TICK, Topic
 from services.operator.display import OperatorView
-from services.operator.source import Command, Source, SourceClock
+from services.operator.source import Command, Seeing, Source, SourceClock
 from services.runtime.node import Outgoing
 
 SHOW_PERIOD_NS: Final = 100_000_000
@@ -27,6 +27,8 @@ class OperatorNode:
     command of a larger epoch than its own says so in one ``Event`` and never sends again; going on would be
     in vain, as a filter refuses the smaller epoch for good once it has seen the larger.
 
+    A source that is ``Seeing`` is shown the newest state, in every step in which a newer one came, before it is asked.
+
     A step depends on its arguments and on what the source was handed, nothing else.
 
     Attributes:
@@ -46,6 +48,7 @@ class OperatorNode:
         """
         self.subscribes: tuple[Topic, ...] = (STATE, COMMAND) if show is None else (STATE, COMMAND, TICK)
         self._source = source
+        self._see = source.see if isinstance(source, Seeing) else None
         self._epoch = epoch
         self._show = show
         self._state: PlantState | None = None
@@ -87,6 +90,7 @@ class OperatorNode:
         return self._announcement(self._newer_epoch)
 
     def _read(self, inbox: Sequence[Received]) -> None:
+        known = self._state
         for received in inbox:
             body = received.body
             if isinstance(body, PlantState):
@@ -99,6 +103,8 @@ class OperatorNode:
                     self._newer_epoch = received.header.epoch
             elif isinstance(body, FilterTick):
                 self._tick, self._tick_ns = body, received.received_ns
+        if self._see is not None and self._state is not known and self._state is not None:
+            self._see(self._state)
 
     def _source_time_s(self, now_ns: int) -> float:
         if self._source.clock is LOCAL:

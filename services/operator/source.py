@@ -1,9 +1,9 @@
 """What a source of commands is: who or what plays the operator."""
 
 from enum import Enum
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, runtime_checkable
 
-from protocol.messages import Vector
+from protocol.messages import PlantState, Vector
 
 
 class Command(NamedTuple):
@@ -53,5 +53,21 @@ class Source(Protocol):
 
         Args:
             t_s: Time of ``clock``, s, never negative. A source on local time is never asked about the past.
+        """
+        ...
+
+
+@runtime_checkable
+class Seeing(Protocol):
+    """What a source has besides, if it closes the loop: a node shows it the robot, as far as the node knows."""
+
+    def see(self, state: PlantState) -> None:
+        """Take the newest state that has come: how the robot stood at that state's own plant time.
+
+        It is called before the ``command`` of the same step, and only in a step in which a newer state came: not at
+        all before the first one, and not while the way to the operator is cut.
+
+        Args:
+            state: The newest one; those that it overtook, or that came with it, are never shown.
         """
         ...

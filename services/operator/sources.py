@@ -15,7 +15,7 @@ from services.operator.piecewise import PiecewiseLinear
 from services.operator.recording import LARGEST, SPACING_S, load_recording
 from services.operator.sine import Sine
 from services.operator.source import Source
-from services.scenarios import schema
+from services.scenarios import source_schema as schema
 
 TIME_CONSTANT_MIN_S: Final = 1e-6
 """Shorter lags are jumps at every rate that a scenario may have, and their rate leaves what a float holds."""

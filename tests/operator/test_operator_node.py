@@ -45,6 +45,24 @@ class TimeTeller:
         return Command((t_s,), (1.0,), True)
 
 
+@dataclass
+class Onlooker(TimeTeller):
+    """A source that keeps what it was shown, and how much of it when it was asked."""
+
+    def __post_init__(self) -> None:
+        self.seen: list[int] = []
+        self.seen_when_asked: list[int] = []
+
+    def see(self, state: PlantState) -> None:
+        """Keep the plant time."""
+        self.seen.append(state.plant_ns // MS)
+
+    def command(self, t_s: float) -> Command:
+        """Count what was seen."""
+        self.seen_when_asked.append(len(self.seen))
+        return super().command(t_s)
+
+
 def received(body: Message, at_ns: int, *, epoch: int = 1, source: str = "plant") -> Received:
     return Received(Header(source, epoch, next(NUMBERS), at_ns, at_ns, at_ns, at_ns), body, at_ns)
 
@@ -172,6 +190,29 @@ def test_a_person_runs_on_local_time_from_the_first_step() -> None:
     node = OperatorNode(TimeTeller(clock=SourceClock.LOCAL), epoch=EPOCH)
     assert asked_for(node, 7_000 * MS) == 0.0
     assert asked_for(node, 7_250 * MS, state(3 * MS, 7_250 * MS)) == 0.25
+
+
+def test_a_source_that_sees_is_shown_the_newest_state_before_it_is_asked() -> None:
+    source = Onlooker()
+    node = OperatorNode(source, epoch=EPOCH)
+    node.step(0, ())
+    node.step(1 * MS, [state(1 * MS, 1 * MS), state(2 * MS, 1 * MS)])
+    node.step(2 * MS, ())
+    node.step(3 * MS, [command_of(EPOCH), tick(3 * MS, {})])
+    node.step(4 * MS, [state(3 * MS, 4 * MS)])
+
+    assert source.seen == [2, 3]
+    assert source.seen_when_asked == [0, 1, 1, 1, 2]
+
+
+def test_a_state_that_was_overtaken_is_not_shown() -> None:
+    source = Onlooker()
+    node = OperatorNode(source, epoch=EPOCH)
+    older, newer = state(5 * MS, 7 * MS), state(6 * MS, 6 * MS)  # numbered in this order
+    node.step(6 * MS, [newer])
+    node.step(7 * MS, [older])
+
+    assert source.seen == [6]
 
 
 def test_keys_reach_the_wire() -> None:

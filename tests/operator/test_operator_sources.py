@@ -9,7 +9,7 @@ from services.operator.errors import OperatorError, RecordingError, SourceConfig
 from services.operator.keys import Key
 from services.operator.source import Source, SourceClock
 from services.operator.sources import build_source
-from services.scenarios import schema
+from services.scenarios import source_schema as schema
 
 SOURCE: TypeAdapter[schema.Source] = TypeAdapter(schema.Source)
 

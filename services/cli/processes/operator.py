@@ -9,7 +9,7 @@ from services.operator.node import OperatorNode
 from services.operator.sources import build_source
 from services.operator.terminal import Terminal
 from services.scenarios.design import robot_of
-from services.scenarios.schema import KeyboardSource
+from services.scenarios.source_schema import KeyboardSource
 
 
 def start(options: ProcessOptions) -> None:
