@@ -36,7 +36,7 @@ from rich.console import Console
 from rich.table import Table
 
 from passafe.decision import Status
-from services.operator.sources import build_source
+from services.operator.scenario_source import source_of
 from services.scenarios.design import robot_of, sampled_plant_of
 from services.scenarios.load import load_scenario
 from services.scenarios.schema import Scenario
@@ -111,7 +111,7 @@ def sample_requests(scenario: Scenario, ours: Ours, states: int) -> tuple[list[R
     """Return requests at equal intervals along a closed loop, and the share of them with an active row."""
     plant = sampled_plant_of(scenario, robot_of(scenario))
     m = plant.system.m
-    source = build_source(scenario.operator.source, m)
+    source = source_of(scenario)
     x, u = tuple(scenario.plant.x0), (0.0,) * m
     steps = round(scenario.duration_s * scenario.rate_hz)
     chosen = set(np.linspace(0, steps - 1, states, dtype=int).tolist())

@@ -7,7 +7,7 @@ from services.filter.node import FilterNode
 from services.filter.request import AsSent, Estimated
 from services.filter.wording import Wording
 from services.operator.node import OperatorNode
-from services.operator.sources import build_source
+from services.operator.scenario_source import source_of
 from services.plant.node import PlantNode
 from services.runtime.lockstep import Lockstep, Observer
 from services.scenarios.design import design_of, limits_of, robot_of, sampled_plant_of, tank_of
@@ -82,8 +82,8 @@ def request_of(scenario: Scenario, inputs: int) -> AsSent:
 
 
 def operator_node(scenario: Scenario, epoch: int) -> OperatorNode:
-    """Return the scripted operator of a scenario, its session stamped with ``epoch``."""
-    return OperatorNode(build_source(scenario.operator.source, robot_of(scenario).system.m), epoch=epoch)
+    """Return the operator of a scenario, script or simulated person, its session stamped with ``epoch``."""
+    return OperatorNode(source_of(scenario), epoch=epoch)
 
 
 def _whole_periods(duration_s: float, scenario: Scenario) -> int:

@@ -23,7 +23,7 @@ KEYBOARD_INPUTS_MAX: Final = 2
 
 
 def build_source(
-    config: schema.Source,
+    config: schema.ScriptSource,
     inputs: int,
     *,
     folder: Path | None = None,

@@ -1,11 +1,14 @@
 """Who or what drives: the ``operator.source`` of a scenario file."""
 
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
 from services.scenarios.fields import Config, NonNegative, Positive, Vector
+
+Seed = Annotated[int, Field(ge=0, lt=2**63)]
 
 
 class LagSource(Config):
@@ -48,9 +51,7 @@ class WaypointSource(Config):
 
     @model_validator(mode="after")
     def _times_increase(self) -> Self:
-        times = [point.at_s for point in self.points]
-        if any(later <= earlier for earlier, later in pairwise(times)):
-            raise ValueError(f"points: got at_s {times}, allowed strictly increasing times")
+        _require_increasing("points", [point.at_s for point in self.points])
         return self
 
 
@@ -68,7 +69,47 @@ class KeyboardSource(Config):
     authority: Positive = 15.0
 
 
-Source = Annotated[
-    LagSource | ConstantSource | SineSource | WaypointSource | RecordedSource | KeyboardSource,
-    Field(discriminator="kind"),
-]
+class Target(Config):
+    """From plant time ``at_s`` on the person wants the robot to be at ``position``."""
+
+    at_s: NonNegative
+    position: Vector
+
+
+class HumanSource(Config):
+    """A simulated person who steers the robot to one target after another by what there is to see.
+
+    McRuer's crossover model, see ``docs/operators.md``. ``reaction_s`` passes from eye to muscle, ``neuromuscular_s``
+    is the lag of the arm, ``crossover_rad_per_s`` the gain of person and robot together, ``glance_s`` the time between
+    two looks at the screen. ``remnant`` is the density of what the person makes of it at random, relative to the
+    variance of what is seen and per rad/s, ``remnant_bandwidth_rad_per_s`` its bandwidth. ‖u_h‖ ≤ ``authority``.
+    A target counts as reached within ``tolerance_m``.
+    """
+
+    kind: Literal["human"]
+    targets: Annotated[tuple[Target, ...], Field(min_length=1)]
+    crossover_rad_per_s: Annotated[float, Field(ge=0.1, le=10)] = 2.0
+    reaction_s: Annotated[float, Field(ge=0.02, le=2)] = 0.2
+    neuromuscular_s: Annotated[float, Field(ge=0.01, le=1)] = 0.1
+    glance_s: Annotated[float, Field(ge=0.005, le=0.25)] = 0.02
+    remnant: Annotated[float, Field(ge=0, le=0.1)] = 0.01
+    remnant_bandwidth_rad_per_s: Annotated[float, Field(ge=1, le=1000)] = 20.0
+    authority: Positive = 15.0
+    tolerance_m: Positive = 0.1
+    seed: Seed = 1
+
+    @model_validator(mode="after")
+    def _times_increase(self) -> Self:
+        _require_increasing("targets", [target.at_s for target in self.targets])
+        return self
+
+
+ScriptSource = LagSource | ConstantSource | SineSource | WaypointSource | RecordedSource | KeyboardSource
+"""Sources that need to know no more of the robot than how many inputs it has."""
+
+Source = Annotated[ScriptSource | HumanSource, Field(discriminator="kind")]
+
+
+def _require_increasing(field: str, times_s: Sequence[float]) -> None:
+    if any(later <= earlier for earlier, later in pairwise(times_s)):
+        raise ValueError(f"{field}: got at_s {list(times_s)}, allowed strictly increasing times")
