@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from services.operator.adversary import adversary_of
 from services.operator.crossover import CrossoverLoop
 from services.operator.errors import SourceConfigError
 from services.operator.human import Human
@@ -11,7 +12,7 @@ from services.operator.sources import build_source
 from services.operator.steered_robot import SteeredRobot
 from services.scenarios.design import robot_of
 from services.scenarios.schema import Scenario
-from services.scenarios.source_schema import HumanSource
+from services.scenarios.source_schema import AdversarySource, HumanSource
 
 
 def source_of(scenario: Scenario, *, folder: Path | None = None) -> Source:
@@ -28,6 +29,8 @@ def source_of(scenario: Scenario, *, folder: Path | None = None) -> Source:
     config = scenario.operator.source
     if isinstance(config, HumanSource):
         return _human(config, scenario)
+    if isinstance(config, AdversarySource):
+        return adversary_of(config, scenario)
     return build_source(config, robot_of(scenario).system.m, folder=folder)
 
 

@@ -104,10 +104,24 @@ class HumanSource(Config):
         return self
 
 
+class AdversarySource(Config):
+    """An operator who wants the robot to fail, as in a campaign: |u_h| ≤ ``strength`` in each axis.
+
+    ``piecewise-constant`` asks for something else about once a second, ``chirp`` swings from 0.1 to 50 Hz,
+    ``against-h`` pushes into the tightest barrier, ``bang-bang`` does so to and fro, ``against-the-tank`` pushes where
+    energy is drawn fastest. The last three go by the newest state that reached the operator.
+    """
+
+    kind: Literal["adversary"]
+    strategy: Literal["piecewise-constant", "chirp", "bang-bang", "against-h", "against-the-tank"]
+    strength: Positive = 20.0
+    seed: Seed = 1
+
+
 ScriptSource = LagSource | ConstantSource | SineSource | WaypointSource | RecordedSource | KeyboardSource
 """Sources that need to know no more of the robot than how many inputs it has."""
 
-Source = Annotated[ScriptSource | HumanSource, Field(discriminator="kind")]
+Source = Annotated[ScriptSource | HumanSource | AdversarySource, Field(discriminator="kind")]
 
 
 def _require_increasing(field: str, times_s: Sequence[float]) -> None:
