@@ -75,6 +75,7 @@ def test_a_chirp_swings_from_its_lowest_to_its_highest_frequency_and_knows_its_r
         slope = (np.array(after.u_h) - np.array(before.u_h)) / (2 * step_s)
         bend = (np.array(after.u_h) - 2 * np.array(now.u_h) + np.array(before.u_h)) / step_s**2
         assert now.u_h_rate == pytest.approx(slope, rel=1e-4, abs=1e-2 * np.abs(bend).max() * step_s + 1e-6)
+    assert chirp.command(1.0 + 3 * SWEEP_S).u_h == pytest.approx(chirp.command(1.0).u_h)
     fine = np.array([chirp.command(t_s).u_h[0] for t_s in np.linspace(SWEEP_S - 0.1, SWEEP_S - 1e-6, 10_000)])
     crossings = np.count_nonzero(np.diff(np.sign(fine)))
     assert crossings == pytest.approx(2 * HIGHEST_HZ * 0.1, abs=1.5)  # r·0.1 s = 6 % lower at its beginning
