@@ -5,6 +5,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
+from services.review.steering import Steering
 from services.review.verdict import Verdict
 
 
@@ -27,6 +28,8 @@ def print_verdict(verdict: Verdict, log: Path) -> None:
             "" if entry.at_s is None else f"{entry.at_s:.3f} s",
         )
     console.print(table)
+    if verdict.steering is not None:
+        _print_steering(console, verdict.steering)
     final = "none" if verdict.final_x is None else ", ".join(f"{value:.4f}" for value in verdict.final_x)
     counts = ", ".join(f"{name} {count}" for name, count in verdict.status_counts.items())
     console.print(f"final x   {final}")
@@ -39,6 +42,24 @@ def print_verdict(verdict: Verdict, log: Path) -> None:
         )
     console.print(f"verdict   [bold]{verdict.verdict}[/]")
     console.print(f"log       {log}", highlight=False, soft_wrap=True)
+
+
+def _print_steering(console: Console, steering: Steering) -> None:
+    table = Table("target", "at", "reached after", "overshoot", "rms error", title="steering", title_justify="left")
+    for leg in steering.legs:
+        table.add_row(
+            ", ".join(f"{value:g}" for value in leg.target),
+            f"{leg.at_s:g} s",
+            "not" if leg.time_to_target_s is None else f"{leg.time_to_target_s:.2f} s",
+            f"{leg.overshoot:.3f}",
+            f"{leg.rms_error:.3f}",
+        )
+    console.print(table)
+    console.print(
+        f"effort    {_number(steering.effort) or 'unknown'}, held back {_number(steering.held_back) or 'unknown'}; "
+        f"{steering.collisions} collisions, {steering.collided_s:.2f} s",
+        highlight=False,
+    )
 
 
 def _number(value: float | None) -> str:

@@ -13,6 +13,8 @@ from services.review.log import RunLog
 from services.review.margins import Extremum, Margins
 from services.review.mathematics import PlantMathematics
 from services.review.properties import Property, Tolerances, judge_properties
+from services.review.steering import Steering
+from services.review.steering_of_log import steering_of
 from services.review.timing import Spread, Timing, ticks_missed
 from services.review.trajectory import NS_PER_S, Trajectory
 
@@ -57,6 +59,7 @@ class Verdict(BaseModel):
         command_age_ms_p99: The same, 99th percentile.
         timing: More percentiles of these, of every process, and of the way from operator to plant.
         final_x: Last state of the plant.
+        steering: How well the robot was steered; ``None`` where no simulated person did.
         points_per_period: Instants judged in every period, besides the samples.
         tolerances: What still counts as kept.
         properties: What the run must keep, by name.
@@ -92,6 +95,7 @@ class Verdict(BaseModel):
     command_age_ms_p99: float | None
     timing: Timing
     final_x: tuple[float, ...] | None
+    steering: Steering | None
     points_per_period: int
     tolerances: Tolerances
     properties: dict[str, Property]
@@ -154,6 +158,7 @@ class Verdict(BaseModel):
             command_age_ms_p99=command_age_ms_p99,
             timing=timing,
             final_x=tuple(trajectory.x[:, -1].tolist()) if trajectory.samples else None,
+            steering=steering_of(log, trajectory, mathematics),
             points_per_period=points_per_period,
             tolerances=tolerances,
             properties=properties,

@@ -115,6 +115,17 @@ def test_review_of_a_run_that_breaks_its_promise_exits_with_one(tmp_path: Path) 
     assert passafe("review", str(log)).returncode == 1
 
 
+def test_a_run_with_a_simulated_person_shows_how_well_it_was_steered(tmp_path: Path) -> None:
+    log = tmp_path / "steered.mcap"
+    done = passafe("simulate", "--scenario", "human-steers", "--duration", "4", "--rate", "200", "--out", str(log))
+    again = passafe("review", str(log), "--json")
+
+    assert done.returncode == 0, done.stderr
+    assert "reached after" in done.stdout
+    assert "held back" in done.stdout
+    assert json.loads(again.stdout)["steering"]["reached"] == 1
+
+
 def test_replay_of_a_simulated_run_is_exact(simulated: Path) -> None:
     done = passafe("replay", str(simulated))
 
