@@ -5,15 +5,18 @@ import shlex
 import subprocess
 import sys
 import tomllib
+from math import degrees
 from pathlib import Path
 from typing import get_args
 
 import pytest
 
 from services.assembly import lockstep_loop
+from services.operator.scenario_source import crossover_loop
 from services.scenarios.barrier_schema import BarrierConfig, Motion
 from services.scenarios.load import scenario_from
 from services.scenarios.single_barriers import POINTS
+from services.scenarios.source_schema import AdversarySource, HumanSource, Source
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -68,6 +71,27 @@ def test_every_kind_of_barrier_motion_and_robot_is_in_the_examples_or_tables() -
     assert motions == kinds_of(Motion)
     for word in (*kinds, *motions, *POINTS):
         assert f"| `{word}` |" in page or f"`{word}` (" in page, word
+
+
+def test_every_source_of_commands_and_every_parameter_of_the_person_is_in_the_tables() -> None:
+    scenarios = (ROOT / "docs" / "scenarios.md").read_text(encoding="utf-8")
+    operators = (ROOT / "docs" / "operators.md").read_text(encoding="utf-8")
+
+    for kind in kinds_of(Source):
+        assert f"| `{kind}` |" in scenarios, kind
+    for name, field in HumanSource.model_fields.items():
+        if name not in ("kind", "targets"):
+            assert f"| `{name}` | {field.default:g} |" in operators, name
+    for strategy in get_args(AdversarySource.model_fields["strategy"].annotation):
+        assert f"| `{strategy}` |" in operators, strategy
+
+
+def test_the_margins_on_the_page_of_operators_are_the_model_s() -> None:
+    text = (ROOT / "docs" / "operators.md").read_text(encoding="utf-8")
+    for omega, said in ((2.0, "it is {} s ({}°)"), (1.5, "for ω_c = 1.5 {} s ({}°)"), (3.0, "for ω_c = 3\n{} s ({}°)")):
+        config = {"kind": "human", "targets": [{"at_s": 0, "position": [0]}], "crossover_rad_per_s": omega}
+        loop = crossover_loop(HumanSource.model_validate(config))
+        assert said.format(f"{loop.delay_margin_s:.2f}", f"{degrees(loop.phase_margin_rad):.0f}") in text
 
 
 def test_the_barrier_of_one_s_own_decides_as_it_stands() -> None:
