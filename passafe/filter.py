@@ -57,6 +57,7 @@ class SafetyPassivityFilter:
         row_names: Names of the N rows, in the order of ``margins`` and ``lam``: duties first, then limits.
         duties: Number of rows that are duties.
         layout: Places of the parts in a decision's block.
+        derivation: The functions that it evaluates.
     """
 
     def __init__(self, design: FilterDesign) -> None:
@@ -68,7 +69,7 @@ class SafetyPassivityFilter:
         self.design = design
         system = design.system
         self.chains = tuple(derive_chain(system, barrier) for barrier in design.barriers)
-        derivation = Derivation(design, self.chains)
+        self.derivation = derivation = Derivation(design, self.chains)
         self.row_names, self.duties, self._hard = derivation.row_names, derivation.duties, derivation.hard
         N, k, n, m = len(self.row_names), derivation.k, system.n, system.m
         given, derived = derivation.sizes_given, derivation.sizes_derived

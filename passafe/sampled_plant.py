@@ -45,6 +45,7 @@ class SampledPlant:
         system: The plant.
         dt_s: Period, s.
         exact: Whether the steps are exact: f linear in (x, u) and g linear in x, up to constants.
+        step: (x, u, h) → (x, y, V, ∫yᵀu, estimated error of x) after h seconds; ``dt_s`` where the steps are exact.
     """
 
     def __init__(self, system: System, V: ca.SX, dt_s: float) -> None:
@@ -66,8 +67,8 @@ class SampledPlant:
         h = ca.SX.sym("h")
         x_next, energy, error = held_flow(system, dt_s if self.exact else h)
         y, stored = ca.substitute([system.y, V], [system.x], [x_next])
-        whole = dense_function("advance", [system.x, system.u, h], [x_next, y, stored, energy, error])
-        self._advance = self._space.bind(whole, ["x", "u", "h"], ["x_next", "y", "stored", "energy", "error"])
+        self.step = dense_function("advance", [system.x, system.u, h], [x_next, y, stored, energy, error])
+        self._advance = self._space.bind(self.step, ["x", "u", "h"], ["x_next", "y", "stored", "energy", "error"])
         self._observe = dense_function("observe", [system.x], [system.y, V])
         self._take = struct.Struct(f"{n + m + 1}d").pack_into
         parts = self._space.layout.parts

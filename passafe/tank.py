@@ -3,7 +3,10 @@
 from dataclasses import dataclass
 from math import inf
 
+import numpy as np
+
 from passafe.errors import DesignError
+from passafe.workspace import Array
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -42,3 +45,14 @@ class Tank:
         """
         level_j += energy_in_j - stored_change_j
         return min(self.max_j, level_j)
+
+    def balance_many(self, level_j: Array, energy_in_j: Array, stored_change_j: Array) -> Array:
+        """Return ``balance`` of many ledgers, J; what is no number stays none.
+
+        Args:
+            level_j: E of each before the period, J.
+            energy_in_j: ∫yᵀu dt over the period, J.
+            stored_change_j: V after minus V before, J.
+        """
+        after: Array = np.minimum(self.max_j, level_j + (energy_in_j - stored_change_j))
+        return after

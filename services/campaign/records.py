@@ -6,7 +6,7 @@ from pathlib import Path
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from services.campaign.errors import RecordsError
-from services.campaign.rollout import Outcome
+from services.campaign.outcome import Outcome
 from services.scenarios.schema import Scenario
 
 
@@ -40,14 +40,14 @@ class Records:
         else:
             path.write_text(heading.model_dump_json() + "\n", encoding="utf-8")
 
-    def add(self, outcomes: Iterator[Outcome]) -> Iterator[Outcome]:
+    def add(self, batches: Iterator[list[Outcome]]) -> Iterator[list[Outcome]]:
         """Write outcomes down as they come, and pass them on."""
         with self.path.open("a", encoding="utf-8") as file:
-            for outcome in outcomes:
-                file.write(outcome.model_dump_json() + "\n")
+            for batch in batches:
+                file.writelines(outcome.model_dump_json() + "\n" for outcome in batch)
                 file.flush()
-                self.outcomes[outcome.seed] = outcome
-                yield outcome
+                self.outcomes |= {outcome.seed: outcome for outcome in batch}
+                yield batch
 
     def _read(self, heading: Heading) -> None:
         text = self.path.read_text(encoding="utf-8")

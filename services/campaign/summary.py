@@ -6,7 +6,7 @@ from typing import Self
 
 from pydantic import BaseModel, ConfigDict
 
-from services.campaign.rollout import Outcome
+from services.campaign.outcome import Outcome
 
 ROUNDING = 1e-12
 """By how much an input may be beyond its limits through rounding, units of u."""
@@ -37,6 +37,7 @@ class Summary(BaseModel):
         unsafe: Rollouts with h < 0.
         drained: Rollouts with a tank below zero.
         between_samples_unproven: Certified ticks without their margin between samples.
+        decided_singly: Ticks that the filter took one by one; the others were decided in batches.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -52,6 +53,7 @@ class Summary(BaseModel):
     unsafe: int
     drained: int
     between_samples_unproven: int
+    decided_singly: int
 
     @classmethod
     def of(cls, scenario: str, outcomes: Sequence[Outcome]) -> Self:
@@ -73,6 +75,7 @@ class Summary(BaseModel):
             unsafe=sum(not outcome.h_min >= 0 for outcome in outcomes),
             drained=sum(not outcome.tank_min_j >= 0 for outcome in outcomes),
             between_samples_unproven=sum(outcome.between_samples_unproven for outcome in outcomes),
+            decided_singly=sum(outcome.decided_singly for outcome in outcomes),
         )
 
     @property

@@ -1,42 +1,64 @@
-"""Rollouts in worker processes, one derived filter in each."""
+"""Batches of rollouts in worker processes, one derived filter in each."""
 
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from functools import partial
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from multiprocessing import get_context
+from typing import Final
 
-from services.campaign.rollout import Outcome, Rollouts
+from threadpoolctl import threadpool_limits
+
+from services.campaign.outcome import Outcome
+from services.campaign.rollout import Rollouts
 from services.scenarios.schema import Scenario
 
-CHUNK = 4
-"""Rollouts that a worker takes at a time."""
+BATCH: Final = 1000
+"""Rollouts in lock step, at most: with more an operation costs each of them hardly less, and outcomes come later."""
+
+BATCH_SINGLY: Final = 16
+"""The same where the filter takes every decision one by one."""
 
 _of_this_process: list[Rollouts] = []
 
 
-def outcomes(scenario: Scenario, seeds: Sequence[int], duration_s: float, workers: int) -> Iterator[Outcome]:
-    """Yield the outcome of every seed, in their order.
+def outcomes(
+    scenario: Scenario, seeds: Sequence[int], duration_s: float, workers: int, *, singly: bool = False
+) -> Iterator[list[Outcome]]:
+    """Yield the outcomes of every seed, batch by batch as they are done.
 
     Args:
         scenario: What is run.
         seeds: Each decides one rollout's start and adversary.
         duration_s: Plant time of each, s.
         workers: Processes; with one, everything happens in this process.
+        singly: Whether the filter takes every decision one by one.
     """
+    batches = _batches(seeds, workers, BATCH_SINGLY if singly else BATCH)
     if workers == 1:
-        rollouts = Rollouts(scenario)
-        yield from (rollouts.run(seed, duration_s) for seed in seeds)
+        with threadpool_limits(1):
+            rollouts = Rollouts(scenario, singly=singly)
+            yield from (rollouts.run(batch, duration_s) for batch in batches)
         return
-    pool = ProcessPoolExecutor(workers, get_context("spawn"), initializer=_prepare, initargs=(scenario,))
+    pool = ProcessPoolExecutor(workers, get_context("spawn"), initializer=_prepare, initargs=(scenario, singly))
     try:
-        yield from pool.map(partial(_run, duration_s=duration_s), seeds, chunksize=CHUNK)
+        running = [pool.submit(_run, batch, duration_s) for batch in batches]
+        yield from (done.result() for done in as_completed(running))
     finally:
         pool.shutdown(cancel_futures=True)
 
 
-def _prepare(scenario: Scenario) -> None:
-    _of_this_process[:] = [Rollouts(scenario)]
+def _batches(seeds: Sequence[int], workers: int, most: int) -> list[Sequence[int]]:
+    """Return the seeds in batches of nearly the same size, as many for one worker as for another if possible."""
+    count = max(-(-len(seeds) // most), min(workers, len(seeds)))
+    if count > workers:
+        count = -(-count // workers) * workers
+    edges = [len(seeds) * i // max(count, 1) for i in range(count + 1)]
+    return [seeds[edges[i] : edges[i + 1]] for i in range(count)]
 
 
-def _run(seed: int, *, duration_s: float) -> Outcome:
-    return _of_this_process[0].run(seed, duration_s)
+def _prepare(scenario: Scenario, singly: bool) -> None:
+    threadpool_limits(1)  # as many processes as cores: threads of theirs would only wait for one another
+    _of_this_process[:] = [Rollouts(scenario, singly=singly)]
+
+
+def _run(seeds: Sequence[int], duration_s: float) -> list[Outcome]:
+    return _of_this_process[0].run(seeds, duration_s)

@@ -25,14 +25,16 @@ def campaign(
     first_seed: Annotated[int, typer.Option("--first-seed", min=0, help="Seed of the first; the others follow.")] = 0,
     duration: Annotated[float, typer.Option("--duration", "-d", min=0.01, help="Seconds of plant time each.")] = 10.0,
     workers: Annotated[int, typer.Option("--workers", "-w", min=0, help="Processes; 0: one for each core.")] = 0,
+    singly: Annotated[bool, typer.Option("--singly", help="Let the filter take every decision one by one.")] = False,
 ) -> None:
     """Let adversaries drive a scenario from random safe starts and report the worst that happens.
 
     Filter and plant alone, without network and delay. Five adversaries take turns: piecewise constant, chirp,
     bang-bang at the barrier, always against the tightest row, always against the tank. h is looked at between
-    samples too. Outcomes are written as they come; the same command goes on where it was interrupted. Exits with 0
-    only if h and tank stayed at or above zero, every input within its limits and every answer certified or in a
-    defined fallback.
+    samples too. A thousand rollouts advance in lock step, and the filter's certificate judges each decision; what it
+    does not accept, the filter itself decides, as it does everything with --singly, many times slower. Outcomes are
+    written batch by batch; the same command goes on where it was interrupted. Exits with 0 only if h and tank stayed at
+    or above zero, every input within its limits and every answer certified or in a defined fallback.
 
     Example: `passafe campaign notomista-cai-2020 --rollouts 1000 --out runs/campaign`
     """
@@ -51,9 +53,10 @@ def campaign(
             lowest = min((outcome.h_min for outcome in known), default=float("inf"))
             task = bar.add_task(scenario.name, total=rollouts, completed=len(known), h=f"{lowest:.3g}")
             missing = [seed for seed in seeds if seed not in records.outcomes]
-            for outcome in records.add(outcomes(scenario, missing, duration, workers or (os.cpu_count() or 1))):
-                lowest = min(lowest, outcome.h_min)
-                bar.update(task, advance=1, h=f"{lowest:.3g}")
+            processes = workers or (os.cpu_count() or 1)
+            for batch in records.add(outcomes(scenario, missing, duration, processes, singly=singly)):
+                lowest = min(lowest, *(outcome.h_min for outcome in batch))
+                bar.update(task, advance=len(batch), h=f"{lowest:.3g}")
             summary = Summary.of(scenario.name, [records.outcomes[seed] for seed in seeds])
             (folder / f"{scenario.name}.summary.json").write_text(summary.model_dump_json(indent=2), encoding="utf-8")
             summaries.append(summary)
@@ -72,6 +75,7 @@ def show(summaries: list[Summary]) -> None:
         "ticks": lambda of: f"{of.ticks}",
         **{name: _count_of(name) for name in ("RELAXED", "INFEASIBLE", "UNCERTIFIED")},
         "without margin": lambda of: f"{of.between_samples_unproven}",
+        "decided one by one": lambda of: f"{of.decided_singly / of.ticks:.2%}",
         "holds": lambda of: "yes" if of.holds else "[bold red]NO[/]",
     }
     for name, figure in rows.items():

@@ -1,15 +1,18 @@
 """Campaigns: a short, seeded slice of what ``make campaign`` runs, and what surrounds it."""
 
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from passafe import SafetyPassivityFilter
+from passafe.many_decisions import ManyDecisions
 from services.campaign.adversaries import ADVERSARIES, STRENGTH
 from services.campaign.errors import NoSafeStartError, RecordsError
+from services.campaign.outcome import Outcome
 from services.campaign.records import Heading, Records
-from services.campaign.rollout import Outcome, Rollouts
+from services.campaign.rollout import Rollouts
 from services.campaign.summary import Summary
 from services.campaign.workers import outcomes
 from services.scenarios.design import design_of, robot_of
@@ -29,6 +32,7 @@ def outcome(seed: int, **changes: object) -> Outcome:
         "ticks": 10,
         "statuses": {"PASSED": 8, "MODIFIED": 2},
         "between_samples_unproven": 0,
+        "decided_singly": 1,
     }
     return Outcome.model_validate(parts | changes)
 
@@ -38,29 +42,32 @@ def rollouts(request: pytest.FixtureRequest) -> Rollouts:
     return Rollouts(load_scenario(request.param))
 
 
-@pytest.mark.parametrize("seed", range(len(ADVERSARIES)))
-def test_every_shipped_scenario_holds_against_every_adversary(rollouts: Rollouts, seed: int) -> None:
-    result = rollouts.run(seed, SLICE_S)
+def test_every_shipped_scenario_holds_against_every_adversary(rollouts: Rollouts) -> None:
+    results = rollouts.run(range(20), SLICE_S)
 
-    assert result.h_min >= 0
-    assert result.tank_min_j >= 0
-    assert result.overreach <= 1e-12
-    assert result.between_samples_unproven == 0
-    assert result.ticks == sum(result.statuses.values()) == round(SLICE_S * rollouts.scenario.rate_hz)
+    assert [result.seed for result in results] == list(range(20))
+    assert {result.adversary for result in results} == set(ADVERSARIES)
+    for result in results:
+        assert result.h_min >= 0
+        assert result.tank_min_j >= 0
+        assert result.overreach <= 1e-12
+        assert result.between_samples_unproven == 0
+        assert result.ticks == sum(result.statuses.values()) == round(SLICE_S * rollouts.scenario.rate_hz)
+        assert 1 <= result.decided_singly < result.ticks / 2
 
 
 def test_a_seed_decides_everything() -> None:
     first, second = Rollouts(load_scenario(NAME)), Rollouts(load_scenario(NAME))
-    one = first.run(3, 0.5)
-    first.run(1, 0.1)
+    one = first.run([3], 0.5)
+    first.run([1], 0.1)
 
-    assert first.run(3, 0.5) == one == second.run(3, 0.5)
-    assert first.run(8, 0.5).h_min != one.h_min
+    assert first.run([3], 0.5) == one == second.run([3], 0.5)
+    assert first.run([8], 0.5)[0].h_min != one[0].h_min
 
 
 def test_without_the_filter_the_campaign_sees_what_happens() -> None:
     unprotected = Rollouts(load_scenario(NAME, {"filter.mode": "off"}))
-    summary = Summary.of(NAME, [unprotected.run(seed, 3.0) for seed in range(5)])
+    summary = Summary.of(NAME, [*unprotected.run(range(5), 3.0)])
 
     assert not summary.holds
     assert summary.unsafe > 0
@@ -70,44 +77,82 @@ def test_without_the_filter_the_campaign_sees_what_happens() -> None:
 def test_the_adversary_against_h_finds_what_is_wrong_without_a_margin() -> None:
     """At 50 Hz the rows alone leave a hole between samples; the margin closes it."""
     slow: dict[str, object] = {"rate_hz": 50.0, "filter.k_i": 20.0}
-    holes = [Rollouts(load_scenario(NAME, slow | {"filter.between_samples": on})).run(3, 10.0) for on in (True, False)]
+    with_margin, without = (
+        Rollouts(load_scenario(NAME, slow | {"filter.between_samples": on})).run([3], 10.0)[0] for on in (True, False)
+    )
 
-    assert holes[0].h_min >= 0 > holes[1].h_min
+    assert with_margin.h_min >= 0 > without.h_min
 
 
 def test_a_box_without_a_safe_start_is_refused() -> None:
     inside = {"plant.start_low": [-0.1, -0.1, 0.0, 0.0], "plant.start_high": [0.1, 0.1, 0.0, 0.0]}
     with pytest.raises(NoSafeStartError, match=r"plant\.start_low"):
-        Rollouts(load_scenario(NAME, inside)).run(0, 0.1)
+        Rollouts(load_scenario(NAME, inside)).run([0], 0.1)
+
+
+def decided(x: tuple[float, ...], count: int) -> ManyDecisions:
+    """The reference scenario's filter at rest in one state, in every lane."""
+    scenario = load_scenario(NAME)
+    many = ManyDecisions(SafetyPassivityFilter(design_of(scenario, robot_of(scenario))), count)
+    zero = np.zeros((2, count))
+    many.decide(np.tile(np.array(x)[:, None], count), zero, zero, zero)
+    return many
 
 
 @pytest.mark.parametrize("name", ADVERSARIES)
 def test_adversaries_ask_for_no_more_than_their_strength(name: str) -> None:
-    core = SafetyPassivityFilter(design_of(load_scenario(NAME), robot_of(load_scenario(NAME))))
-    ask = ADVERSARIES[name](np.random.default_rng(4), 2)
-    decision = None
-    asked = []
-    for k in range(500):
-        asked.append(ask(k * 0.01, decision))
-        decision = core.decide((1.2, 0.3, -0.5, 0.1), (0.0, 0.0), asked[-1].tolist(), (0.0, 0.0))
+    many, asked, none = decided((1.2, 0.3, -0.5, 0.1), 3), [], np.zeros((2, 3))
+    ask = ADVERSARIES[name]([np.random.default_rng(4 + i) for i in range(3)], 2, slice(0, 3))
+    for k in range(300):
+        asked.append(ask(k * 0.01, many if k else None).copy())
+        many.decide(np.tile(np.array([[1.2], [0.3], [-0.5], [0.1]]), 3), none, asked[-1], none)
 
+    assert np.shape(asked) == (300, 2, 3)
     assert np.abs(asked).max() <= STRENGTH * (1 + 1e-12)
-    assert np.abs(asked).max() > 1.0
+    assert np.abs(asked).max(axis=(0, 1)).min() > 1.0
 
 
 def test_against_h_pushes_into_the_tightest_row() -> None:
-    core = SafetyPassivityFilter(design_of(load_scenario(NAME), robot_of(load_scenario(NAME))))
-    decision = core.decide((1.2, 0.0, -0.5, 0.0), (0.0, 0.0), (0.0, 0.0), (0.0, 0.0))
+    many, rngs = decided((1.2, 0.0, -0.5, 0.0), 4), [np.random.default_rng(0)] * 2
+    against_h, against_tank = (
+        ADVERSARIES[name](rngs, 2, slice(1, 3))(0.0, many) for name in ("against-h", "against-the-tank")
+    )
 
-    assert ADVERSARIES["against-h"](np.random.default_rng(0), 2)(0.0, decision) == pytest.approx([-STRENGTH, 0.0])
-    into_the_tank = ADVERSARIES["against-the-tank"](np.random.default_rng(0), 2)(0.0, decision)
-    assert into_the_tank[0] == pytest.approx(-STRENGTH)  # power margin falls with yᵀu − ∇Vᵀf
+    np.testing.assert_allclose(against_h, [[-STRENGTH, -STRENGTH], [0.0, 0.0]], atol=1e-12)
+    assert against_tank[0] == pytest.approx([-STRENGTH] * 2)  # power margin falls with yᵀu − ∇Vᵀf
+
+
+def test_rows_that_are_equally_tight_are_pushed_in_their_order() -> None:
+    """Whichever of them rounding leaves a hair tighter: or the solver would decide what a seed stands for."""
+    many = decided((1.2, 0.0, -0.5, 0.0), 3)
+    many.hard = 2
+    many.part("margins")[:2, :3] = [[1e-9, 0.0, 1e-3], [0.0, 1e-9, 0.0]]
+    many.gradients[:, :2] = np.array([[1.0, 0.0], [0.0, 1.0]])[:, :, None]
+    asked = ADVERSARIES["against-h"]([np.random.default_rng(0)] * 3, 2, slice(0, 3))(0.0, many)
+
+    assert asked.T.tolist() == [[-STRENGTH, 0.0], [-STRENGTH, 0.0], [0.0, -STRENGTH]]
+
+
+@pytest.mark.parametrize("mode", ["off", "safe", "passive"])
+def test_adversaries_without_the_row_that_they_want_take_the_first_axis(mode: str) -> None:
+    scenario = load_scenario(NAME, {"filter.mode": mode})
+    many = ManyDecisions(SafetyPassivityFilter(design_of(scenario, robot_of(scenario))), 1)
+    zero = np.zeros((2, 1))
+    many.decide(np.array([[1.2], [0.3], [-0.5], [0.1]]), zero, zero, zero)
+    first_axis = {
+        name: np.array_equal(ADVERSARIES[name]([np.random.default_rng(0)], 2, slice(0, 1))(0.0, many), [[20.0], [0.0]])
+        for name in ("against-h", "against-the-tank")
+    }
+
+    assert first_axis == {"against-h": mode != "safe", "against-the-tank": mode != "passive"}
 
 
 def test_worker_processes_give_what_one_process_gives() -> None:
     scenario = load_scenario(NAME)
 
-    assert list(outcomes(scenario, range(6), 0.2, 2)) == list(outcomes(scenario, range(6), 0.2, 1))
+    one, two = ([*chain.from_iterable(outcomes(scenario, range(7), 0.2, workers))] for workers in (1, 2))
+
+    assert sorted(two, key=lambda outcome: outcome.seed) == one
 
 
 def test_the_summary_names_the_seed_of_each_worst() -> None:
@@ -124,6 +169,7 @@ def test_the_summary_names_the_seed_of_each_worst() -> None:
     assert (summary.rollouts, summary.ticks) == (3, 30)
     assert summary.statuses == {"PASSED": 25, "MODIFIED": 4, "INFEASIBLE": 1}
     assert summary.rollouts_with["INFEASIBLE"] == 1
+    assert summary.decided_singly == 3
     assert summary.holds
 
 
@@ -136,14 +182,14 @@ def test_one_bad_rollout_is_enough(changes: dict[str, object]) -> None:
 
 def test_an_interrupted_campaign_goes_on(tmp_path: Path) -> None:
     path, heading = tmp_path / "a.jsonl", Heading(scenario=load_scenario(NAME), duration_s=1.0)
-    assert len(list(Records(path, heading).add(iter([outcome(0), outcome(1)])))) == 2
+    assert len(list(Records(path, heading).add(iter([[outcome(0)], [outcome(1), outcome(3)]])))) == 2
     with path.open("a", encoding="utf-8") as file:
         file.write('{"seed": 2, "adv')  # killed while it wrote
 
     again = Records(path, heading)
-    assert sorted(again.outcomes) == [0, 1]
-    list(again.add(iter([outcome(2)])))
-    assert sorted(Records(path, heading).outcomes) == [0, 1, 2]
+    assert sorted(again.outcomes) == [0, 1, 3]
+    list(again.add(iter([[outcome(2)]])))
+    assert sorted(Records(path, heading).outcomes) == [0, 1, 2, 3]
 
 
 def test_another_campaign_s_outcomes_are_not_mixed_in(tmp_path: Path) -> None:

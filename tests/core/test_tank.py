@@ -1,6 +1,7 @@
 from itertools import accumulate
 from math import inf, nan
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -79,3 +80,19 @@ def test_rates_are_positive_and_finite(rate: float) -> None:
         Tank(rate_per_s=rate)
 
     assert str(refused.value) == f"tank rate_per_s: got {rate}, allowed a positive finite number, 1/s"
+
+
+@given(tank=tanks, flows=periods)
+def test_many_ledgers_are_kept_as_one_is(tank: Tank, flows: list[tuple[float, float]]) -> None:
+    before = np.array([tank.initial_j] * len(flows))
+    supplied, stored = (np.array([flow[i] for flow in flows]) for i in range(2))
+    expected = [tank.balance(tank.initial_j, *flow) for flow in flows]
+
+    assert tank.balance_many(before, supplied, stored).tolist() == expected
+
+
+def test_a_ledger_that_is_no_number_is_not_taken_for_a_full_one() -> None:
+    after = Tank().balance_many(np.array([1.0, nan, 1.0]), np.array([nan, 0.0, 50.0]), np.zeros(3))
+
+    assert np.isnan(after).tolist() == [True, True, False]
+    assert after[2] == Tank().max_j
