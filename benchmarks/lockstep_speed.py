@@ -121,7 +121,7 @@ def measure(scenario: Scenario, mode: str, repetitions: int) -> Speed:
 
 def loop_nodes(scenario: Scenario) -> list[Node]:
     """Return the nodes of the loop in the order in which they step."""
-    return [plant_node(scenario), operator_node(scenario, 1), filter_node(scenario, "lockstep")]
+    return [plant_node(scenario), operator_node(scenario, 1), filter_node(scenario, "lockstep", 1)]
 
 
 def timed_run_ns(scenario: Scenario, steps: int) -> tuple[int, int]:

@@ -12,6 +12,9 @@ from msgspec import Struct
 SCHEMA_VERSION = 1
 """Version of ``passafe.proto``; a reader refuses every other."""
 
+UNARMED = -1
+"""Plant time where there is none: an input of no arming, a plant that was never disarmed."""
+
 Vector: TypeAlias = tuple[float, ...]
 
 
@@ -64,12 +67,20 @@ class OperatorCommand(Record, frozen=True):
 
 
 class PlantInput(Record, frozen=True):
-    """What the filter lets the robot do, from ``effective_plant_ns`` on."""
+    """What the filter lets the robot do, from ``effective_plant_ns`` on.
+
+    An *arming* is an unbroken series of inputs, one for every period from ``armed_from_ns`` on, each made for the
+    state to which the ones before it lead. ``earlier`` repeats the newest of those, so that one lost message is none
+    missing.
+    """
 
     tick: int
     u: Vector
     effective_plant_ns: int
     hold_ns: int
+    armed_from_ns: int = UNARMED
+    basis_ns: int = UNARMED
+    earlier: Vector = ()
 
 
 class PlantState(Record, frozen=True):
@@ -88,6 +99,10 @@ class PlantState(Record, frozen=True):
     inputs_refused: int
     integration_error: float
     received_tick: int
+    disarmed_ns: int = UNARMED
+    since_ns: int = 0
+    input_transit_ns: int = 0
+    input_epoch: int = 0
 
 
 class BarrierChain(Record, frozen=True):
@@ -162,6 +177,7 @@ class FilterTick(Record, frozen=True):
     state_age_ns: int
     command_age_ns: int
     override: Override = Override()
+    horizon_ns: int = 0
 
 
 class LinkConfig(Record, frozen=True):

@@ -72,21 +72,27 @@ class OperatorCommand(_message.Message):
     def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., u_h: _Optional[_Iterable[float]] = ..., u_h_rate: _Optional[_Iterable[float]] = ..., enabled: _Optional[bool] = ..., device: _Optional[str] = ...) -> None: ...
 
 class PlantInput(_message.Message):
-    __slots__ = ("header", "tick", "u", "effective_plant_ns", "hold_ns")
+    __slots__ = ("header", "tick", "u", "effective_plant_ns", "hold_ns", "armed_from_ns", "basis_ns", "earlier")
     HEADER_FIELD_NUMBER: _ClassVar[int]
     TICK_FIELD_NUMBER: _ClassVar[int]
     U_FIELD_NUMBER: _ClassVar[int]
     EFFECTIVE_PLANT_NS_FIELD_NUMBER: _ClassVar[int]
     HOLD_NS_FIELD_NUMBER: _ClassVar[int]
+    ARMED_FROM_NS_FIELD_NUMBER: _ClassVar[int]
+    BASIS_NS_FIELD_NUMBER: _ClassVar[int]
+    EARLIER_FIELD_NUMBER: _ClassVar[int]
     header: Header
     tick: int
     u: _containers.RepeatedScalarFieldContainer[float]
     effective_plant_ns: int
     hold_ns: int
-    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., tick: _Optional[int] = ..., u: _Optional[_Iterable[float]] = ..., effective_plant_ns: _Optional[int] = ..., hold_ns: _Optional[int] = ...) -> None: ...
+    armed_from_ns: int
+    basis_ns: int
+    earlier: _containers.RepeatedScalarFieldContainer[float]
+    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., tick: _Optional[int] = ..., u: _Optional[_Iterable[float]] = ..., effective_plant_ns: _Optional[int] = ..., hold_ns: _Optional[int] = ..., armed_from_ns: _Optional[int] = ..., basis_ns: _Optional[int] = ..., earlier: _Optional[_Iterable[float]] = ...) -> None: ...
 
 class PlantState(_message.Message):
-    __slots__ = ("header", "plant_ns", "x", "y", "u", "applied_tick", "phase", "energy_in_j", "energy_stored_j", "input_slack_ns", "inputs_late", "inputs_refused", "integration_error", "received_tick")
+    __slots__ = ("header", "plant_ns", "x", "y", "u", "applied_tick", "phase", "energy_in_j", "energy_stored_j", "input_slack_ns", "inputs_late", "inputs_refused", "integration_error", "received_tick", "disarmed_ns", "since_ns", "input_transit_ns", "input_epoch")
     HEADER_FIELD_NUMBER: _ClassVar[int]
     PLANT_NS_FIELD_NUMBER: _ClassVar[int]
     X_FIELD_NUMBER: _ClassVar[int]
@@ -101,6 +107,10 @@ class PlantState(_message.Message):
     INPUTS_REFUSED_FIELD_NUMBER: _ClassVar[int]
     INTEGRATION_ERROR_FIELD_NUMBER: _ClassVar[int]
     RECEIVED_TICK_FIELD_NUMBER: _ClassVar[int]
+    DISARMED_NS_FIELD_NUMBER: _ClassVar[int]
+    SINCE_NS_FIELD_NUMBER: _ClassVar[int]
+    INPUT_TRANSIT_NS_FIELD_NUMBER: _ClassVar[int]
+    INPUT_EPOCH_FIELD_NUMBER: _ClassVar[int]
     header: Header
     plant_ns: int
     x: _containers.RepeatedScalarFieldContainer[float]
@@ -115,7 +125,11 @@ class PlantState(_message.Message):
     inputs_refused: int
     integration_error: float
     received_tick: int
-    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., plant_ns: _Optional[int] = ..., x: _Optional[_Iterable[float]] = ..., y: _Optional[_Iterable[float]] = ..., u: _Optional[_Iterable[float]] = ..., applied_tick: _Optional[int] = ..., phase: _Optional[_Union[PlantPhase, str]] = ..., energy_in_j: _Optional[float] = ..., energy_stored_j: _Optional[float] = ..., input_slack_ns: _Optional[int] = ..., inputs_late: _Optional[int] = ..., inputs_refused: _Optional[int] = ..., integration_error: _Optional[float] = ..., received_tick: _Optional[int] = ...) -> None: ...
+    disarmed_ns: int
+    since_ns: int
+    input_transit_ns: int
+    input_epoch: int
+    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., plant_ns: _Optional[int] = ..., x: _Optional[_Iterable[float]] = ..., y: _Optional[_Iterable[float]] = ..., u: _Optional[_Iterable[float]] = ..., applied_tick: _Optional[int] = ..., phase: _Optional[_Union[PlantPhase, str]] = ..., energy_in_j: _Optional[float] = ..., energy_stored_j: _Optional[float] = ..., input_slack_ns: _Optional[int] = ..., inputs_late: _Optional[int] = ..., inputs_refused: _Optional[int] = ..., integration_error: _Optional[float] = ..., received_tick: _Optional[int] = ..., disarmed_ns: _Optional[int] = ..., since_ns: _Optional[int] = ..., input_transit_ns: _Optional[int] = ..., input_epoch: _Optional[int] = ...) -> None: ...
 
 class BarrierChain(_message.Message):
     __slots__ = ("name", "psi", "eps")
@@ -182,7 +196,7 @@ class Consumed(_message.Message):
     def __init__(self, topic: _Optional[str] = ..., sequence: _Optional[int] = ..., received_ns: _Optional[int] = ..., epoch: _Optional[int] = ...) -> None: ...
 
 class FilterTick(_message.Message):
-    __slots__ = ("header", "tick", "status", "mode", "law", "effective_plant_ns", "x_hat", "u_h", "u_h_rate", "u_nominal", "phi", "v", "u", "barriers", "power_margin", "tank_j", "slack", "rows", "certificate", "consumed", "state_age_ns", "command_age_ns", "override")
+    __slots__ = ("header", "tick", "status", "mode", "law", "effective_plant_ns", "x_hat", "u_h", "u_h_rate", "u_nominal", "phi", "v", "u", "barriers", "power_margin", "tank_j", "slack", "rows", "certificate", "consumed", "state_age_ns", "command_age_ns", "override", "horizon_ns")
     HEADER_FIELD_NUMBER: _ClassVar[int]
     TICK_FIELD_NUMBER: _ClassVar[int]
     STATUS_FIELD_NUMBER: _ClassVar[int]
@@ -206,6 +220,7 @@ class FilterTick(_message.Message):
     STATE_AGE_NS_FIELD_NUMBER: _ClassVar[int]
     COMMAND_AGE_NS_FIELD_NUMBER: _ClassVar[int]
     OVERRIDE_FIELD_NUMBER: _ClassVar[int]
+    HORIZON_NS_FIELD_NUMBER: _ClassVar[int]
     header: Header
     tick: int
     status: FilterStatus
@@ -229,7 +244,8 @@ class FilterTick(_message.Message):
     state_age_ns: int
     command_age_ns: int
     override: Override
-    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., tick: _Optional[int] = ..., status: _Optional[_Union[FilterStatus, str]] = ..., mode: _Optional[str] = ..., law: _Optional[str] = ..., effective_plant_ns: _Optional[int] = ..., x_hat: _Optional[_Iterable[float]] = ..., u_h: _Optional[_Iterable[float]] = ..., u_h_rate: _Optional[_Iterable[float]] = ..., u_nominal: _Optional[_Iterable[float]] = ..., phi: _Optional[_Iterable[float]] = ..., v: _Optional[_Iterable[float]] = ..., u: _Optional[_Iterable[float]] = ..., barriers: _Optional[_Iterable[_Union[BarrierChain, _Mapping]]] = ..., power_margin: _Optional[float] = ..., tank_j: _Optional[float] = ..., slack: _Optional[float] = ..., rows: _Optional[_Iterable[_Union[Row, _Mapping]]] = ..., certificate: _Optional[_Union[Certificate, _Mapping]] = ..., consumed: _Optional[_Iterable[_Union[Consumed, _Mapping]]] = ..., state_age_ns: _Optional[int] = ..., command_age_ns: _Optional[int] = ..., override: _Optional[_Union[Override, _Mapping]] = ...) -> None: ...
+    horizon_ns: int
+    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., tick: _Optional[int] = ..., status: _Optional[_Union[FilterStatus, str]] = ..., mode: _Optional[str] = ..., law: _Optional[str] = ..., effective_plant_ns: _Optional[int] = ..., x_hat: _Optional[_Iterable[float]] = ..., u_h: _Optional[_Iterable[float]] = ..., u_h_rate: _Optional[_Iterable[float]] = ..., u_nominal: _Optional[_Iterable[float]] = ..., phi: _Optional[_Iterable[float]] = ..., v: _Optional[_Iterable[float]] = ..., u: _Optional[_Iterable[float]] = ..., barriers: _Optional[_Iterable[_Union[BarrierChain, _Mapping]]] = ..., power_margin: _Optional[float] = ..., tank_j: _Optional[float] = ..., slack: _Optional[float] = ..., rows: _Optional[_Iterable[_Union[Row, _Mapping]]] = ..., certificate: _Optional[_Union[Certificate, _Mapping]] = ..., consumed: _Optional[_Iterable[_Union[Consumed, _Mapping]]] = ..., state_age_ns: _Optional[int] = ..., command_age_ns: _Optional[int] = ..., override: _Optional[_Union[Override, _Mapping]] = ..., horizon_ns: _Optional[int] = ...) -> None: ...
 
 class LinkConfig(_message.Message):
     __slots__ = ("header", "link", "delay_s", "jitter_s", "loss", "seed")

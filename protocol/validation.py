@@ -13,6 +13,7 @@ from msgspec.structs import astuple
 from protocol.errors import InvalidMessageError
 from protocol.link import MAX_DELAY_S
 from protocol.messages import (
+    UNARMED,
     BarrierChain,
     Certificate,
     Consumed,
@@ -69,6 +70,10 @@ def _age(field: str) -> Rule:
     return Rule(field, "≥ 0, or −1 if none came yet", lambda m: getattr(m, field) >= UNKNOWN_AGE_NS)
 
 
+def _plant_time(field: str) -> Rule:
+    return Rule(field, "≥ 0, or −1 for none", lambda m: getattr(m, field) >= UNARMED)
+
+
 def _vector(field: str) -> Rule:
     return Rule(field, f"1 to {MAX_VECTOR} numbers", lambda m: len(getattr(m, field)) > 0)
 
@@ -88,12 +93,18 @@ def _empty_or_as_long_as(field: str, other: str) -> Rule:
 RULES: Final[dict[RecordType, tuple[Rule, ...]]] = {
     Header: (_text("source"),),
     OperatorCommand: (_vector("u_h"), _empty_or_as_long_as("u_h_rate", "u_h"), _text("device")),
-    PlantInput: (_vector("u"),),
+    PlantInput: (
+        _vector("u"),
+        _plant_time("armed_from_ns"),
+        _plant_time("basis_ns"),
+        Rule("earlier", "as many numbers as u, or a multiple", lambda m: len(m.earlier) % len(m.u) == 0),
+    ),
     PlantState: (
         _vector("x"),
         _vector("y"),
         _as_long_as("u", "y"),
         _not_negative("integration_error"),
+        _plant_time("disarmed_ns"),
     ),
     BarrierChain: (_text("name"), _vector("psi")),
     Row: (_text("name"), _not_negative("relaxed")),

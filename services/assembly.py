@@ -2,9 +2,15 @@
 
 from passafe.filter import SafetyPassivityFilter
 from passafe.human_input import HandModel, HumanInputEstimator
+from passafe.models.robot import Robot
 from protocol.link import LinkSettings
+from protocol.validation import MAX_VECTOR
+from services.arming.fail_safe import FailSafe
+from services.filter.arming import Arming, Loose
 from services.filter.node import FilterNode
+from services.filter.prediction import NoPrediction, Predictor
 from services.filter.request import AsSent, Estimated
+from services.filter.schedule import EffectSchedule
 from services.filter.wording import Wording
 from services.operator.node import OperatorNode
 from services.operator.scenario_source import source_of
@@ -33,32 +39,41 @@ def plant_node(scenario: Scenario) -> PlantNode:
     """Return the plant of a scenario."""
     robot = robot_of(scenario)
     return PlantNode(
-        robot,
         sampled_plant_of(scenario, robot),
+        fail_safe_of(scenario, robot),
         x0=scenario.plant.x0,
         period_ns=period_ns(scenario),
         playout_ns=_whole_periods(scenario.plant.playout_s, scenario),
-        hold_ns=round(scenario.plant.hold_s * 1e9),
         limits=limits_of(scenario, robot),
     )
 
 
-def filter_node(scenario: Scenario, driver: str) -> FilterNode:
+def fail_safe_of(scenario: Scenario, robot: Robot) -> FailSafe:
+    """Return what is in force at the scenario's plant where no input follows."""
+    hold_ns = round(scenario.plant.hold_s * 1e9)
+    return FailSafe(robot, limits_of(scenario, robot), period_ns=period_ns(scenario), hold_ns=hold_ns)
+
+
+def filter_node(scenario: Scenario, driver: str, epoch: int) -> FilterNode:
     """Return the filter of a scenario.
 
     Args:
         scenario: What to build.
         driver: ``live`` or ``lockstep``, for the log.
+        epoch: Its session, as the driver stamps it on what it sends.
     """
     robot = robot_of(scenario)
     core = SafetyPassivityFilter(design_of(scenario, robot))
+    tick_ns = period_ns(scenario)
+    foresight, series = _foresight_of(scenario, robot)
     return FilterNode(
         core,
-        sampled_plant_of(scenario, robot),
-        tank_of(scenario),
-        period_ns=period_ns(scenario),
-        playout_ns=_whole_periods(scenario.plant.playout_s, scenario),
-        hold_ns=round(scenario.plant.hold_s * 1e9),
+        period_ns=tick_ns,
+        foresight=foresight,
+        series=series,
+        schedule=EffectSchedule(
+            period_ns=tick_ns, playout_ns=_whole_periods(scenario.plant.playout_s, scenario), epoch=epoch
+        ),
         request=request_of(scenario, robot.system.m),
         state_stale_ns=round(scenario.filter.stale_s * 1e9),
         starts_nearest=scenario.filter.start == "nearest",
@@ -67,18 +82,29 @@ def filter_node(scenario: Scenario, driver: str) -> FilterNode:
     )
 
 
+def _foresight_of(scenario: Scenario, robot: Robot) -> tuple[Predictor | NoPrediction, Arming | Loose]:
+    """Return what tells the state for which an input is made, and how inputs are sent."""
+    tick_ns, hold_ns = period_ns(scenario), round(scenario.plant.hold_s * 1e9)
+    tank = tank_of(scenario)
+    if not scenario.filter.prediction:
+        return NoPrediction(tank), Loose(period_ns=tick_ns, hold_ns=hold_ns)
+    repeats = min(scenario.filter.repeats, MAX_VECTOR // robot.system.m)
+    predictor = Predictor(sampled_plant_of(scenario, robot), fail_safe_of(scenario, robot), tank, tick_ns)
+    return predictor, Arming(period_ns=tick_ns, hold_ns=hold_ns, repeats=repeats)
+
+
 def request_of(scenario: Scenario, inputs: int) -> AsSent:
     """Return how the scenario's filter reads the operator's commands.
 
     Raises:
         DesignError: An agility out of proportion to the resolution.
     """
-    stale_ns = round(scenario.operator.stale_s * 1e9)
+    stale_ns, fade_ns = round(scenario.operator.stale_s * 1e9), round(scenario.operator.fade_s * 1e9)
     config = scenario.operator.estimator
     if not isinstance(config, WhiteAccelerationEstimator):
-        return AsSent(inputs, stale_ns)
+        return AsSent(inputs, stale_ns, fade_ns)
     model = HandModel(**config.model_dump(exclude={"kind"}))
-    return Estimated(inputs, stale_ns, HumanInputEstimator(model, inputs))
+    return Estimated(inputs, stale_ns, fade_ns, HumanInputEstimator(model, inputs))
 
 
 def operator_node(scenario: Scenario, epoch: int) -> OperatorNode:
@@ -104,7 +130,7 @@ def lockstep_loop(scenario: Scenario, observer: Observer | None = None) -> Locks
     """
     epoch = 1
     return Lockstep(
-        [plant_node(scenario), operator_node(scenario, epoch), filter_node(scenario, "lockstep")],
+        [plant_node(scenario), operator_node(scenario, epoch), filter_node(scenario, "lockstep", epoch)],
         period_ns=period_ns(scenario),
         links=link_settings(scenario),
         wall_offset_ns=VIRTUAL_WALL_NS,

@@ -1,17 +1,16 @@
 """The state that the plant will have when the next input takes effect."""
 
 from collections import deque
+from typing import Protocol
 
 from msgspec import Struct
 
 from passafe.sampled_plant import Sample, SampledPlant
 from passafe.tank import Tank
-from protocol.messages import PlantPhase, PlantState, Vector
+from protocol.messages import UNARMED, PlantPhase, PlantState, Vector
+from services.arming.fail_safe import FailSafe
 
-_WAITING = PlantPhase.WAITING
-
-TANK_TOLERANCE_J = 1e-9
-"""By how much a confirmed tank level may differ from the predicted one and still count as the same."""
+WAITING, RUNNING = PlantPhase.WAITING, PlantPhase.RUNNING
 
 
 class Predicted(Struct, gc=False):
@@ -22,94 +21,223 @@ class Predicted(Struct, gc=False):
         sample: The plant then.
         tank_j: Energy in the tank then.
         u: Input in force from then on, as far as it is known: the one before until another is sent.
+        phase: What decides it.
+        since_ns: Plant time from which the last input has been in force.
+        disarmed_ns: Plant time at which an input was missing last.
     """
 
     plant_ns: int
     sample: Sample
     tank_j: float
     u: Vector
+    phase: PlantPhase
+    since_ns: int
+    disarmed_ns: int
+
+
+class Foresight(Protocol):
+    """What a filter knows of the plant at the time of its next input."""
+
+    def confirm(self, state: PlantState) -> None:
+        """Take a plant state in; one older than the newest changes nothing."""
+        ...
+
+    def begin(self, first_ns: int) -> None:
+        """Note that a new series of inputs begins at a plant time; those sent before are void."""
+        ...
+
+    def at(self, plant_ns: int) -> Predicted:
+        """Return the plant at a time, and what is in force until then."""
+        ...
+
+    def sent(self, effective_plant_ns: int, u: Vector) -> None:
+        """Note an input that was sent for the time that ``at`` was asked about last."""
+        ...
 
 
 class Predictor:
     """Rolls the model forward from the newest plant state through every input sent and not yet in that state.
 
+    What the plant does where an input is missing is part of the model: it holds the last one, then follows its
+    fail-safe law. Since no input takes effect unless all before it did, the prediction for an input that does is
+    exact, however bad the network, if the model is.
+
     A plant that does what the model says confirms the prediction to the last bit; then nothing is rolled again and
     a tick costs one step of the model, however long the delay. Otherwise the roll starts afresh from the new state.
     """
 
-    def __init__(self, plant: SampledPlant, tank: Tank, period_ns: int) -> None:
+    def __init__(self, plant: SampledPlant, fail_safe: FailSafe, tank: Tank, period_ns: int) -> None:
+        """Start with nothing heard.
+
+        Args:
+            plant: The model.
+            fail_safe: The plant's rule for missing inputs.
+            tank: Energy ledger.
+            period_ns: Period of the plant, ns.
+        """
         self._plant = plant
+        self._fail_safe = fail_safe
         self._tank = tank
         self._period_ns = period_ns
         self._path: deque[Predicted] = deque()
         self._sent: dict[int, Vector] = {}
+        self._first_ns = 0
+        self._open = False  # whether what is in force from the end of the path on is not decided yet
         self._confirmed: PlantState | None = None
         self._tank_j = tank.initial_j
-
-    @property
-    def confirmed(self) -> PlantState | None:
-        """The newest plant state taken in."""
-        return self._confirmed
 
     @property
     def horizon_ns(self) -> int:
         """How far the prediction reaches beyond the newest plant state, ns."""
         return 0 if self._confirmed is None else self._path[-1].plant_ns - self._confirmed.plant_ns
 
+    def restart(self) -> None:
+        """Forget everything: the plant is another one."""
+        self._path.clear()
+        self._sent.clear()
+        self._confirmed = None
+        self._tank_j = self._tank.initial_j
+
     def confirm(self, state: PlantState) -> None:
-        """Take a plant state in; one older than the newest changes nothing."""
+        """See ``Foresight``."""
+        before = self._confirmed
+        if before is not None and state.plant_ns < before.plant_ns:
+            return
+        self._confirmed = state
+        path, plant_ns = self._path, state.plant_ns
+        if state.phase is WAITING and path:
+            return  # it rests until the first input of what was sent
+        while path and path[0].plant_ns < plant_ns:
+            self._sent.pop(path.popleft().plant_ns, None)
+        foreseen = path[0] if path else None
+        if (
+            foreseen is not None
+            and foreseen.plant_ns == plant_ns
+            and foreseen.sample.x == state.x
+            and foreseen.u == state.u
+            and foreseen.disarmed_ns == state.disarmed_ns
+            and foreseen.phase is state.phase
+        ):
+            self._tank_j = foreseen.tank_j
+            return
+        if before is not None:
+            energy_in_j = state.energy_in_j - before.energy_in_j
+            self._tank_j = self._tank.balance(self._tank_j, energy_in_j, state.energy_stored_j - before.energy_stored_j)
+        self._start_from(state)
+
+    def begin(self, first_ns: int) -> None:
+        """See ``Foresight``."""
+        self._sent.clear()
+        self._first_ns = first_ns
+        state = self._confirmed
+        if state is not None:
+            self._start_from(state)
+            if state.phase is WAITING:  # the first input sets plant time
+                self._path[0].plant_ns = self._path[0].since_ns = first_ns
+                self._open = True
+
+    def sent(self, effective_plant_ns: int, u: Vector) -> None:
+        """See ``Foresight``."""
+        self._sent[effective_plant_ns] = u
+        last = self._path[-1]
+        if last.plant_ns == effective_plant_ns:
+            last.u, last.phase, last.since_ns = u, RUNNING, effective_plant_ns
+            self._open = False
+
+    def at(self, plant_ns: int) -> Predicted:
+        """See ``Foresight``.
+
+        Args:
+            plant_ns: Plant time, a whole number of periods after the newest state's.
+        """
+        path, period_ns = self._path, self._period_ns
+        last = path[-1]
+        while last.plant_ns < plant_ns:
+            if self._open:
+                self._close(last)
+            before = last.sample
+            sample = self._plant.advance(before.x, last.u)
+            tank_j = self._tank.balance(last.tank_j, sample.energy_in_j, sample.stored_j - before.stored_j)
+            last = Predicted(
+                last.plant_ns + period_ns, sample, tank_j, last.u, last.phase, last.since_ns, last.disarmed_ns
+            )
+            path.append(last)
+            self._open = True
+        return last
+
+    def _close(self, last: Predicted) -> None:
+        """Decide what is in force from the end of the path on, as the plant will."""
+        now_ns = last.plant_ns
+        u = self._sent.get(now_ns)
+        if u is not None and (last.phase is RUNNING or now_ns == self._first_ns):
+            last.u, last.phase, last.since_ns = u, RUNNING, now_ns
+            return
+        if last.phase is RUNNING:
+            last.disarmed_ns = now_ns
+        last.phase, last.u = self._fail_safe.without_input(last.u, last.since_ns, now_ns, last.sample.x)
+
+    def _start_from(self, state: PlantState) -> None:
+        self._path.clear()
+        for time_ns in [time_ns for time_ns in self._sent if time_ns < state.plant_ns]:
+            del self._sent[time_ns]
+        sample = Sample(state.x, state.y, state.energy_stored_j, 0.0, state.integration_error)
+        self._path.append(
+            Predicted(state.plant_ns, sample, self._tank_j, state.u, state.phase, state.since_ns, state.disarmed_ns)
+        )
+        self._open = False
+
+
+class NoPrediction:
+    """The newest plant state, as old as it is: what a filter acts on that does not know of delay."""
+
+    def __init__(self, tank: Tank) -> None:
+        """Start with nothing heard.
+
+        Args:
+            tank: Energy ledger.
+        """
+        self._tank = tank
+        self.restart()
+
+    def restart(self) -> None:
+        """Forget everything: the plant is another one."""
+        self._confirmed: PlantState | None = None
+        self._tank_j = self._tank.initial_j
+        self._u: Vector | None = None
+
+    @property
+    def horizon_ns(self) -> int:
+        """Zero: it looks no further than the newest plant state."""
+        return 0
+
+    def confirm(self, state: PlantState) -> None:
+        """See ``Foresight``."""
         before = self._confirmed
         if before is not None:
             if state.plant_ns < before.plant_ns:
                 return
             energy_in_j = state.energy_in_j - before.energy_in_j
-            stored_change_j = state.energy_stored_j - before.energy_stored_j
-            self._tank_j = self._tank.balance(self._tank_j, energy_in_j, stored_change_j)
+            stored_j = state.energy_stored_j - before.energy_stored_j
+            self._tank_j = self._tank.balance(self._tank_j, energy_in_j, stored_j)
         self._confirmed = state
-        path, plant_ns = self._path, state.plant_ns
-        while path and path[0].plant_ns < plant_ns:
-            self._sent.pop(path.popleft().plant_ns, None)
-        u = state.u
-        if state.phase is _WAITING:
-            u = self._sent.get(plant_ns, u)
-        foreseen = path[0] if path else None
-        if (
-            foreseen is None
-            or foreseen.plant_ns != plant_ns
-            or foreseen.sample.x != state.x
-            or foreseen.u != u
-            or abs(foreseen.tank_j - self._tank_j) > TANK_TOLERANCE_J
-        ):
-            self._start_from(state, u)
 
-    def sent(self, effective_plant_ns: int, u: Vector) -> None:
-        """Note an input that was sent to take effect at a plant time not before the prediction's end."""
-        self._sent[effective_plant_ns] = u
-        path = self._path
-        if path and path[-1].plant_ns == effective_plant_ns:
-            path[-1].u = u
+    def begin(self, first_ns: int) -> None:
+        """See ``Foresight``: there is no series."""
 
     def at(self, plant_ns: int) -> Predicted:
-        """Return the plant at a time not before the newest state, as inputs sent so far will have made it.
+        """Return the newest state, whatever the time, and the input that was sent last.
 
-        Before ``sent`` is called for that time, the prediction's ``u`` is the input in force until then.
-
-        Args:
-            plant_ns: Plant time, a whole number of periods after the newest state's.
+        Raises:
+            RuntimeError: No state was taken in.
         """
-        last = self._path[-1]
-        while last.plant_ns < plant_ns:
-            before = last.sample
-            sample = self._plant.advance(before.x, last.u)
-            tank_j = self._tank.balance(last.tank_j, sample.energy_in_j, sample.stored_j - before.stored_j)
-            time_ns = last.plant_ns + self._period_ns
-            last = Predicted(time_ns, sample, tank_j, self._sent.get(time_ns, last.u))
-            self._path.append(last)
-        return last
-
-    def _start_from(self, state: PlantState, u: Vector) -> None:
-        self._path.clear()
-        for time_ns in [time_ns for time_ns in self._sent if time_ns < state.plant_ns]:
-            del self._sent[time_ns]
+        state = self._confirmed
+        if state is None:
+            raise RuntimeError("at: got no plant state, allowed only after confirm")
         sample = Sample(state.x, state.y, state.energy_stored_j, 0.0, state.integration_error)
-        self._path.append(Predicted(state.plant_ns, sample, self._tank_j, u))
+        u = state.u if self._u is None else self._u
+        return Predicted(plant_ns, sample, self._tank_j, u, state.phase, state.since_ns, UNARMED)
+
+    def sent(self, effective_plant_ns: int, u: Vector) -> None:
+        """See ``Foresight``."""
+        del effective_plant_ns
+        self._u = u

@@ -1,52 +1,77 @@
-"""Which plant time a filter tick works for."""
+"""Which plant time a filter step works for."""
+
+from typing import Final
 
 from protocol.messages import PlantPhase, PlantState
 
 _WAITING = PlantPhase.WAITING
 
+SLEW_STEPS: Final = 16
+"""The schedule moves back by one period in so many steps, where the network got quicker."""
+
 
 class EffectSchedule:
-    """Gives every tick the plant time at which its input takes effect, ahead of the plant by the play-out time.
+    """Gives every step the plant time at which its input is to take effect.
 
-    The filter's clock only counts ticks; how far ahead they are is told by the plant, which reports by how much the
-    newest input came before its time. When one comes late, all later ones are moved forward.
+    The plant tells how long inputs took to come, the largest of the last second or two: plant time of arrival minus
+    this filter's clock. Inputs are made for so much later, and the play-out time on top, which absorbs what is worse
+    than that. Lost inputs that a later message repeats count as having come with that one, so loss is covered too. The
+    schedule moves forward at once and back by and by.
 
     Attributes:
         moved: How often the schedule was moved forward since the start.
     """
 
-    def __init__(self, *, period_ns: int, playout_ns: int) -> None:
-        self._period_ns = period_ns
-        self._playout_ns = playout_ns
-        self._offset_ns: int | None = None
-        self._first_tick_since_move = 0
-        self.moved = 0
-
-    def effective_ns(self, now_ns: int, state: PlantState, tick: int) -> int:
-        """Return the plant time for which the tick at ``now_ns`` makes an input.
+    def __init__(self, *, period_ns: int, playout_ns: int, epoch: int) -> None:
+        """Start without a schedule.
 
         Args:
-            now_ns: When the tick is due, monotonic, ns; ticks lie on a grid of the period.
-            state: The newest plant state.
-            tick: Number of the tick.
+            period_ns: Period of plant and filter, ns.
+            playout_ns: What is kept in hand beyond the longest transit seen, ns, whole periods.
+            epoch: This filter's session: transit times of another one say nothing.
         """
-        if self._offset_ns is None:
-            waiting = state.phase is _WAITING
-            first_ns = state.plant_ns if waiting else self._ahead_of(state)
-            self._offset_ns = first_ns - now_ns
-        effective_ns = now_ns + self._offset_ns
-        if state.phase is _WAITING:
-            return effective_ns
-        missing_ns = state.plant_ns + self._period_ns - effective_ns
-        if state.input_slack_ns < 0 and state.received_tick >= self._first_tick_since_move:
-            missing_ns = max(missing_ns, self._playout_ns - state.input_slack_ns)
-        if missing_ns > 0:
-            forward_ns = -(-missing_ns // self._period_ns) * self._period_ns
-            self._offset_ns += forward_ns
-            effective_ns += forward_ns
-            self._first_tick_since_move = tick
-            self.moved += 1
-        return effective_ns
+        self._period_ns = period_ns
+        self._playout_ns = playout_ns
+        self._epoch = epoch
+        self._offset_ns = 0
+        self._has_offset = False
+        self._slack_steps = 0
+        self.moved = 0
 
-    def _ahead_of(self, state: PlantState) -> int:
-        return state.plant_ns + self._period_ns + self._playout_ns
+    def restart(self) -> None:
+        """Forget the schedule: the plant is another one."""
+        self._has_offset = False
+        self._slack_steps = 0
+
+    def effective_ns(self, now_ns: int, state: PlantState) -> int:
+        """Return the plant time for which the step at ``now_ns`` makes an input.
+
+        Args:
+            now_ns: When the step is due, monotonic, ns; steps lie on a grid of the period.
+            state: The newest plant state.
+        """
+        if not self._has_offset:
+            first_ns = state.plant_ns
+            if state.phase is not _WAITING:
+                first_ns += self._period_ns + self._playout_ns
+            self._offset_ns, self._has_offset = first_ns - now_ns, True
+        if state.phase is not _WAITING:
+            self._follow(now_ns, state)
+        return now_ns + self._offset_ns
+
+    def _follow(self, now_ns: int, state: PlantState) -> None:
+        """Move the schedule to where the transit time puts it, and never to a time that the plant has passed."""
+        period_ns, is_own = self._period_ns, state.input_epoch == self._epoch
+        wanted_ns = state.plant_ns + period_ns - now_ns
+        if is_own:
+            wanted_ns = max(wanted_ns, state.input_transit_ns + self._playout_ns)
+        missing_ns = wanted_ns - self._offset_ns
+        if missing_ns > 0:
+            self._offset_ns += -(-missing_ns // period_ns) * period_ns
+            self._slack_steps = 0
+            self.moved += 1
+        elif is_own and missing_ns <= -2 * period_ns:
+            self._slack_steps += 1
+            if self._slack_steps == SLEW_STEPS:
+                self._offset_ns -= period_ns
+                self._slack_steps = 0

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from msgspec import Struct
+from msgspec.structs import replace
 
 from passafe.decision import Decision, Status
 from passafe.design import FilterDesign
@@ -39,6 +40,7 @@ class TickRecord(Struct, frozen=True, eq=False):
         inbox: Messages that the step consumed.
         state_age_ns: Age of the newest state; −1 if none came yet.
         command_age_ns: Age of the newest command; −1 if none came yet.
+        horizon_ns: How far the decision's state lies ahead of the newest plant state.
     """
 
     telemetry: "Telemetry"
@@ -50,6 +52,13 @@ class TickRecord(Struct, frozen=True, eq=False):
     inbox: Sequence[Received]
     state_age_ns: int
     command_age_ns: int
+    horizon_ns: int
+
+    def again(
+        self, status: FilterStatus, inbox: Sequence[Received], state_age_ns: int, command_age_ns: int
+    ) -> "TickRecord":
+        """Return the account of a step that decided nothing new."""
+        return replace(self, status=status, inbox=inbox, state_age_ns=state_age_ns, command_age_ns=command_age_ns)
 
     def __call__(self) -> FilterTick:
         """Return the message."""
@@ -130,4 +139,5 @@ class Telemetry:
                 override.unavoidable,
                 self._distance.of(decision).lower,
             ),
+            horizon_ns=record.horizon_ns,
         )

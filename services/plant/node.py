@@ -2,22 +2,23 @@
 
 from collections.abc import Sequence
 from math import hypot, inf
-from struct import Struct
 from typing import Final
 
-import casadi as ca
-
 from passafe.limits import Limits
-from passafe.models.robot import Robot
 from passafe.sampled_plant import SampledPlant
-from passafe.workspace import Layout, Workspace, dense_function
-from protocol.messages import Event, PlantInput, PlantPhase, PlantState, Received, Vector
+from protocol.messages import UNARMED, Event, Header, PlantInput, PlantPhase, PlantState, Received, Vector
 from protocol.topics import EVENT, INPUT, STATE, Topic
+from services.arming.fail_safe import FailSafe
+from services.plant.armed_inputs import REFUSED, ArmedInputs
 from services.plant.playout import PlayoutBuffer
+from services.plant.transit import Transit
 from services.runtime.node import Outgoing
 
 ROUNDING: Final = 1e-12
 """By how much an input shortened to its norm's limit may still be longer, relative."""
+
+FAR_NS: Final = 2**61
+"""73 years: no clock shows more."""
 
 # Members by name: reaching one through its enumeration takes 0.7 µs on Python 3.11.
 WAITING, RUNNING, HOLDING, FAIL_SAFE = PlantPhase
@@ -27,9 +28,11 @@ class PlantNode:
     """Integrates the robot, one period a step, under the inputs of the filter.
 
     Until the first input arrives the robot rests at x0 (``WAITING``). That input takes effect ``playout`` later
-    than it arrived, which sets plant time; every other takes effect at the plant time it names. When one is
-    missing the last is held (``HOLDING``); held for longer than the input allows, or than the plant allows, the
-    model's own law takes over (``FAIL_SAFE``) until an input is due again.
+    than it arrived, which sets plant time; every other takes effect at the plant time it names, or not at all:
+    inputs come in armings (``services.plant.armed_inputs``). When one is missing, the last is held for as long as
+    it may be in force (``HOLDING``), then the model's own law takes over (``FAIL_SAFE``), until an arming begins
+    that was made for this. Inputs of no arming are of a filter that does not predict: they are applied when they are
+    due, or late.
 
     A driver that skipped steps gets one state for every period that passed: time does not stop for a robot.
 
@@ -44,40 +47,44 @@ class PlantNode:
 
     def __init__(
         self,
-        robot: Robot,
         plant: SampledPlant,
+        fail_safe: FailSafe,
         *,
         x0: Sequence[float],
         period_ns: int,
         playout_ns: int,
-        hold_ns: int,
         limits: Limits,
     ) -> None:
         """Put the robot at rest at x0.
 
         Args:
-            robot: The model and its fail-safe law.
-            plant: The same model, stepped with the same period.
+            plant: The model, stepped with the period.
+            fail_safe: What is in force where no input follows.
             x0: Initial state, n numbers.
             period_ns: Period of a step, ns.
             playout_ns: How long before its effect the first input should have arrived, ns.
-            hold_ns: Longest time for which any input may be held, ns.
             limits: Inputs beyond their magnitudes or their norm are refused; how fast u changes is not looked at.
         """
-        m = robot.system.m
+        m = plant.system.m
         self._plant = plant
-        self._fail_safe = _BoundedLaw(robot, limits)
+        self._fail_safe = fail_safe
         self._sample = plant.at(x0)
         self._period_ns = period_ns
         self._playout_ns = playout_ns
-        self._hold_ns = hold_ns
         self._m, self._bounds, self._least_bound = m, limits.magnitude, min(limits.magnitude)
         self._norm = inf if limits.norm is None else limits.norm * (1 + ROUNDING)
-        self._buffer = PlayoutBuffer(period_ns)
-        self._origin_ns: int | None = None
+        self._armed = ArmedInputs(period_ns, self._is_applicable)
+        self._loose = PlayoutBuffer(period_ns)
+        self._has_loose = False
+        self._transit = Transit()
+        self._origin_ns = 0
+        self._has_origin = False
         self.plant_ns = 0
-        self._in_force: PlantInput | None = None
         self._u: Vector = (0.0,) * m
+        self._applied_tick = 0
+        self._received_tick = 0
+        self._since_ns = 0
+        self._hold_ns = 0
         self._phase = WAITING
         self._energy_in_j = 0.0
         self._slack_ns = 0
@@ -93,13 +100,16 @@ class PlantNode:
         """
         for received in inbox:
             if type(received.body) is PlantInput:
-                self._receive(received.body, received.received_ns)
-        if self._origin_ns is None or now_ns < self._origin_ns + self.plant_ns:
+                self._receive(received.header, received.body, received.received_ns)
+        if not self._has_origin or now_ns < self._origin_ns + self.plant_ns:
             return ((STATE, self._state()),)
-        outgoing = []
+        outgoing: list[Outgoing] = []
         if self._phase is WAITING:
             outgoing += self._choose_input()
             outgoing.append((STATE, self._state()))
+            if self._phase is WAITING:  # the first input was none after all
+                self._has_origin = False
+                return outgoing
         while self._origin_ns + self.plant_ns + self._period_ns <= now_ns:
             self._sample = self._plant.advance(self._sample.x, self._u)
             self._energy_in_j += self._sample.energy_in_j
@@ -108,18 +118,55 @@ class PlantNode:
             outgoing.append((STATE, self._state()))
         return outgoing or ((STATE, self._state()),)
 
-    def _receive(self, plant_input: PlantInput, received_ns: int) -> None:
-        if not self._is_applicable(plant_input.u) or not self._buffer.put(plant_input):
+    def _receive(self, header: Header, plant_input: PlantInput, received_ns: int) -> None:
+        foreign = header.epoch < self._transit.epoch
+        if foreign or not self._is_applicable(plant_input.u) or not self._is_plausible(header, plant_input):
             self._refused += 1
             return
+        if header.epoch > self._transit.epoch:  # another filter: its ticks begin anew
+            self._received_tick = self._applied_tick = 0
         due_ns = plant_input.effective_plant_ns
-        if self._origin_ns is None:
-            self.plant_ns = due_ns
-            # Steps come on a grid: the first one after the buffer has filled is plant time `due_ns`.
-            self._origin_ns = received_ns + self._playout_ns - due_ns
-        if self._phase is not WAITING and due_ns <= self.plant_ns:
+        if plant_input.armed_from_ns == UNARMED:
+            admission = self._put_loose(plant_input)
+        else:
+            admission = self._armed.put(header, plant_input)
+        if admission is REFUSED:
+            self._refused += 1
+        if self._phase is WAITING:
+            if admission is REFUSED:
+                return
+            self._set_plant_time(plant_input, received_ns)
+        elif due_ns <= self.plant_ns:
             self._late += 1
-        self._slack_ns = due_ns - (received_ns - self._origin_ns)
+        arrival_ns = received_ns - self._origin_ns
+        back = self._armed.missed(header, plant_input) if admission is REFUSED else max(admission, 0)
+        self._transit.note(header.epoch, arrival_ns, header.scheduled_ns - back * self._period_ns)
+        if plant_input.tick >= self._received_tick:
+            self._received_tick = plant_input.tick
+            self._slack_ns = due_ns - arrival_ns
+
+    def _put_loose(self, plant_input: PlantInput) -> int:
+        """Keep an input of no arming until it is due; while one of an arming is in force, none is wanted."""
+        if self._armed.armed or not self._loose.put(plant_input):
+            return REFUSED
+        self._has_loose = True
+        return 0
+
+    def _set_plant_time(self, plant_input: PlantInput, received_ns: int) -> None:
+        """Let the first input take effect one play-out time after it came, unless that is settled already."""
+        first_ns = self._armed.first_ns
+        if first_ns == UNARMED:
+            first_ns = self.plant_ns if self._has_origin else plant_input.effective_plant_ns
+        if not self._has_origin or first_ns != self.plant_ns:
+            self.plant_ns, self._has_origin = first_ns, True
+            # Steps come on a grid: the first one after the buffer has filled is plant time `first_ns`.
+            self._origin_ns = received_ns + self._playout_ns - first_ns
+
+    def _is_plausible(self, header: Header, plant_input: PlantInput) -> bool:
+        """Tell whether the numbers beside u could be a filter's; what the plant says of them has to fit a message."""
+        earlier, rest = divmod(len(plant_input.earlier), self._m)
+        times = header.scheduled_ns, plant_input.effective_plant_ns
+        return not rest and earlier <= plant_input.tick and all(-FAR_NS <= time <= FAR_NS for time in times)
 
     def _is_applicable(self, u: Vector) -> bool:
         """Tell whether an input has the plant's shape and lies within the limits; a NaN does not."""
@@ -133,21 +180,29 @@ class PlantNode:
                 )
         return self._norm == inf or hypot(*u) <= self._norm
 
-    def _choose_input(self) -> list[Outgoing]:
+    def _choose_input(self) -> Sequence[Outgoing]:
         """Decide what is in force from the present plant time on; return an event when that changes in kind."""
         before = self._phase
-        due = self._buffer.take(self.plant_ns)
-        if due is not None and (self._in_force is None or due.tick > self._in_force.tick):
-            self._in_force, self._u, self._phase = due, due.u, RUNNING
-        elif self._in_force is not None:
-            held_ns = self.plant_ns - self._in_force.effective_plant_ns
-            if held_ns > self._hold_ns or held_ns > self._in_force.hold_ns:
-                self._phase = FAIL_SAFE
-            elif self._phase is not FAIL_SAFE:
-                self._phase = HOLDING
-        if self._phase is FAIL_SAFE:
-            self._u = self._fail_safe(self._sample.x)
-        return [] if self._phase is before else self._announce(before)
+        due = self._armed.take(self.plant_ns)
+        if due is not None:
+            self._u, self._applied_tick, self._hold_ns = due
+            self._since_ns, self._phase = self.plant_ns, RUNNING
+        elif not (self._has_loose and self._take_loose()) and before is not WAITING:
+            self._phase, self._u = self._fail_safe.without_input(
+                self._u, self._since_ns, self.plant_ns, self._sample.x, self._hold_ns
+            )
+        return () if self._phase is before else self._announce(before)
+
+    def _take_loose(self) -> bool:
+        """Put an input of no arming in force, if a newer one than before is due."""
+        due = self._loose.take(self.plant_ns)
+        if due is None or due.tick <= self._applied_tick:
+            return False
+        if self._phase is not RUNNING:  # a filter that predicts has to know of this before its inputs count
+            self._armed.break_off(self.plant_ns)
+        self._u, self._applied_tick, self._hold_ns = due.u, due.tick, due.hold_ns
+        self._since_ns, self._phase = due.effective_plant_ns, RUNNING
+        return True
 
     def _announce(self, before: PlantPhase) -> list[Outgoing]:
         if before is not FAIL_SAFE and self._phase is not FAIL_SAFE:
@@ -158,13 +213,13 @@ class PlantNode:
         return [(EVENT, Event("info", f"inputs are back: fail-safe law released at {at}"))]
 
     def _state(self) -> PlantState:
-        sample, in_force = self._sample, self._in_force
+        sample, transit = self._sample, self._transit
         return PlantState(
             self.plant_ns,
             sample.x,
             sample.y,
             self._u,
-            0 if in_force is None else in_force.tick,
+            self._applied_tick,
             self._phase,
             self._energy_in_j,
             sample.stored_j,
@@ -172,23 +227,9 @@ class PlantNode:
             self._late,
             self._refused,
             sample.integration_error,
-            self._buffer.received_tick,
+            self._received_tick,
+            self._armed.disarmed_ns,
+            self._since_ns,
+            transit.largest_ns,
+            transit.epoch,
         )
-
-
-class _BoundedLaw:
-    """The robot's fail-safe law, clipped to the limits of the input."""
-
-    def __init__(self, robot: Robot, limits: Limits) -> None:
-        system = robot.system
-        self._space = Workspace(Layout.of({"x": system.n, "u": system.m}))
-        bound = ca.DM(list(limits.magnitude))
-        clipped = limits.clip(robot.fail_safe, ca.DM.zeros(system.m), -bound, bound)
-        self._evaluate = self._space.bind(dense_function("fail_safe", [system.x], [clipped]), ["x"], ["u"])
-        self._give = Struct(f"{system.m}d").unpack_from
-        self._offset = system.n * 8
-
-    def __call__(self, x: Vector) -> Vector:
-        self._space.part("x")[:] = x
-        self._evaluate()
-        return self._give(self._space.memory, self._offset)

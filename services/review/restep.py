@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import groupby, zip_longest
 
 from msgspec.structs import astuple
 
@@ -40,28 +41,30 @@ def restep(log: RunLog) -> Restep:
     Returns:
         How far the second stepping agrees with the log.
     """
-    node = filter_node(log.identity.scenario, log.identity.driver)
     sent = dict(_consumable(log))
     ticks = identical = missing = 0
     first_difference = ""
-    for logged in log.of(FilterTick):
-        keys = [(c.topic, c.epoch, c.sequence) for c in logged.body.consumed]
-        missing = sum(key not in sent for key in keys)
-        if missing:
-            break
-        inbox = [
-            Received(sent[key].header, sent[key].body, consumed.received_ns)
-            for key, consumed in zip(keys, logged.body.consumed, strict=True)
-        ]
-        again = None
-        for topic, made in node.step(logged.header.scheduled_ns, inbox):
-            if topic is TICK:
-                again = made() if callable(made) else made
-        ticks += 1
-        if again == logged.body:
-            identical += 1
-        elif not first_difference:
-            first_difference = f"tick {logged.body.tick}: {_differing_fields(logged.body, again)}"
+    for epoch, session in groupby(log.of(FilterTick), key=lambda logged: logged.header.epoch):
+        node = filter_node(log.identity.scenario, log.identity.driver, epoch)
+        # A step that made several inputs tells of each.
+        for due_ns, step in groupby(session, key=lambda logged: logged.header.scheduled_ns):
+            told = list(step)
+            consumed = [each for logged in told for each in logged.body.consumed]
+            keys = [(each.topic, each.epoch, each.sequence) for each in consumed]
+            missing = sum(key not in sent for key in keys)
+            if missing:
+                return Restep(ticks=ticks, identical=identical, first_difference=first_difference, missing=missing)
+            inbox = [
+                Received(sent[key].header, sent[key].body, each.received_ns)
+                for key, each in zip(keys, consumed, strict=True)
+            ]
+            again = [made() if callable(made) else made for topic, made in node.step(due_ns, inbox) if topic is TICK]
+            for logged, found in zip_longest(told, again):
+                ticks += 1
+                if logged is not None and found == logged.body:
+                    identical += 1
+                elif not first_difference:
+                    first_difference = _difference(logged, found)
     return Restep(ticks=ticks, identical=identical, first_difference=first_difference, missing=missing)
 
 
@@ -72,8 +75,11 @@ def _consumable(log: RunLog) -> Iterator[tuple[tuple[str, int, int], Logged[Mess
             yield (topic, logged.header.epoch, logged.header.sequence), logged
 
 
-def _differing_fields(logged: FilterTick, again: Message | None) -> str:
+def _difference(logged: Logged[FilterTick] | None, again: Message | None) -> str:
+    if logged is None:
+        return "a tick came out that the log does not hold"
+    number = f"tick {logged.body.tick}"
     if not isinstance(again, FilterTick):
-        return "no tick came out"
-    pairs = zip(logged.__struct_fields__, astuple(logged), astuple(again), strict=True)
-    return ", ".join(field for field, before, after in pairs if before != after)
+        return f"{number}: no tick came out"
+    pairs = zip(FilterTick.__struct_fields__, astuple(logged.body), astuple(again), strict=True)
+    return f"{number}: " + ", ".join(field for field, before, after in pairs if before != after)

@@ -12,6 +12,9 @@ Observer = Callable[[Topic, Header, Message], None]
 START_NS = 1_000_000_000
 """Virtual monotonic time of the first step; not zero, so that no time is mistaken for a missing one."""
 
+_FAR_NS = 2**62
+"""Later than everything."""
+
 
 class Lockstep:
     """Steps every node once a period, in a fixed order; messages arrive through the links of the topic table.
@@ -47,9 +50,8 @@ class Lockstep:
         self.now_ns = START_NS
         self._period_ns = period_ns
         self._wall_offset_ns = wall_offset_ns
-        self._epoch = epoch
         self._observer = observer
-        self._seats = [_Seat(node) for node in nodes]
+        self._seats = [_Seat(node, epoch) for node in nodes]
         self._readers: dict[Topic, list[_Reader]] = {}
         for seat in self._seats:
             for topic in seat.node.subscribes:
@@ -64,6 +66,38 @@ class Lockstep:
                 self._step(seat)
             self.now_ns += self._period_ns
 
+    def kill(self, name: str) -> None:
+        """End a node as a process is killed: it steps no more, and what is under way to it is lost with it.
+
+        Args:
+            name: The node's.
+        """
+        self._seat_of(name).dead = True
+
+    def revive(self, node: Node, epoch: int) -> None:
+        """Put a new node in the place of the one of the same name: a process that was started again.
+
+        Args:
+            node: The node; it subscribes to what the one before did.
+            epoch: Its session, greater than all before.
+        """
+        seat = self._seat_of(node.name)
+        for link in seat.links:
+            link.take(_FAR_NS)
+        seat.node, seat.dead, seat.epoch = node, False, epoch
+        seat.inbox, seat.routes = [], {}
+
+    def _seat_of(self, name: str) -> "_Seat":
+        """Return the place of a node.
+
+        Raises:
+            ValueError: There is none of that name.
+        """
+        for seat in self._seats:
+            if seat.name == name:
+                return seat
+        raise ValueError(f"node: got {name!r}, allowed {', '.join(seat.name for seat in self._seats)}")
+
     @staticmethod
     def _link(topic: Topic, reader: str, settings: Mapping[str, LinkSettings]) -> Link[tuple[Header, Message]] | None:
         """Return the injected link on the way of a topic to a reader, if it has settings."""
@@ -74,6 +108,8 @@ class Lockstep:
     def _step(self, seat: "_Seat") -> None:
         now_ns, observer = self.now_ns, self._observer
         inbox, seat.inbox = seat.inbox, []
+        if seat.dead:
+            return
         if seat.links:
             for link in seat.links:
                 inbox += [Received(header, body, at_ns) for at_ns, (header, body) in link.take(now_ns)]
@@ -88,7 +124,7 @@ class Lockstep:
     def _send(self, sender: "_Seat", route: "_Route", body: Message) -> None:
         now_ns = self.now_ns
         wall_ns = now_ns + self._wall_offset_ns
-        header = Header(sender.name, self._epoch, route.sent, now_ns, now_ns, now_ns, wall_ns)
+        header = Header(sender.name, sender.epoch, route.sent, now_ns, now_ns, now_ns, wall_ns)
         route.sent += 1
         if self._observer is not None:
             self._observer(route.topic, header, body)
@@ -109,8 +145,10 @@ class Lockstep:
 class _Seat:
     """A node, what has come in for it, the links on its way and where what it sends goes."""
 
-    def __init__(self, node: Node) -> None:
+    def __init__(self, node: Node, epoch: int) -> None:
         self.node = node
+        self.epoch = epoch
+        self.dead = False
         self.name = node.name
         self.inbox: list[Received] = []
         self.links: list[Link[tuple[Header, Message]]] = []

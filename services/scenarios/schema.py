@@ -16,7 +16,8 @@ LinkName = Literal["operator-to-filter", "filter-to-plant", "plant-to-filter"]
 class PlantConfig(Config):
     """The robot: a model of the core by name, its parameters and where it starts.
 
-    ``playout_s`` is how long before it takes effect an input should arrive: the buffer that absorbs jitter.
+    ``playout_s`` is how long before it takes effect an input should arrive, beyond the longest time that one took
+    lately: the buffer that absorbs jitter and loss.
     ``hold_s`` is how long an input stays in force when no other follows, before the fail-safe law takes over; the
     filter's margin between samples covers it, so a long one keeps the robot further from its barriers.
     ``start_low`` and ``start_high`` span the box from which campaigns draw their starts; ±3 where they are not given.
@@ -64,10 +65,15 @@ Estimator = Annotated[AsSentEstimator | WhiteAccelerationEstimator, Field(discri
 
 
 class OperatorConfig(Config):
-    """Who drives, and what the filter makes of it. A command older than ``stale_s`` counts as zero at the filter."""
+    """Who drives, and what the filter makes of it.
+
+    A command older than ``stale_s`` is stale at the filter. Then, and when the dead-man is released, what it asked for
+    fades to zero within ``fade_s``.
+    """
 
     source: Source
     stale_s: Positive = 0.2
+    fade_s: Annotated[float, Field(ge=0, le=5)] = 0.1
     estimator: Estimator = AsSentEstimator()
 
 
@@ -102,7 +108,9 @@ class FilterConfig(Config):
     ``k_i`` is α/2 of the tracking term. ``input_bound`` limits every axis of u, ``input_norm_bound`` its length and
     ``input_rate_bound_per_s`` how fast every axis may change. ``start`` is the input before the first one:
     ``nearest`` lets the first one be the nearest to û that keeps every row, ``zero`` begins at u = 0 as the paper
-    does. ``between_samples`` keeps barriers between samples too.
+    does. ``between_samples`` keeps barriers between samples too. ``prediction`` lets the filter decide for the state at
+    which its input will take effect; without it, for the newest state that came, however old. ``repeats`` is how many
+    earlier inputs each message repeats, as far as 64 numbers hold them.
     """
 
     law: Literal["sampled", "continuous"] = "sampled"
@@ -117,6 +125,8 @@ class FilterConfig(Config):
     passivity: PassivityConfig = PassivityConfig()
     barriers: tuple[BarrierConfig, ...] = ()
     stale_s: Positive = 0.2
+    prediction: bool = True
+    repeats: Annotated[int, Field(ge=0, le=64)] = 16
 
 
 class LinkConfig(Config):

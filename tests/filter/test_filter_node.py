@@ -1,6 +1,10 @@
+from math import exp
+
 import pytest
+from msgspec.structs import replace
 
 from passafe import SafetyPassivityFilter
+from protocol.codec import decode, encode
 from protocol.messages import (
     Event,
     FilterStatus,
@@ -13,8 +17,10 @@ from protocol.messages import (
     Received,
     ScenarioInfo,
 )
+from protocol.topics import TICK
 from services.assembly import filter_node
-from services.filter.node import FilterNode
+from services.filter.arming import MOST_AT_ONCE
+from services.filter.node import MOST_UNACCOUNTED, FilterNode
 from services.filter.telemetry import Telemetry
 from services.runtime.node import Outgoing
 from services.scenarios.design import design_of, robot_of
@@ -22,19 +28,30 @@ from services.scenarios.load import load_scenario
 
 MS = 1_000_000
 SCENARIO = load_scenario("notomista-cai-2020")
+X0 = (2.0, 2.0, -1.0, -1.0)
 
 
 def make_node() -> FilterNode:
-    return filter_node(SCENARIO, "lockstep")
+    return filter_node(SCENARIO, "lockstep", 1)
 
 
 def head(source: str, sequence: int, epoch: int = 1) -> Header:
     return Header(source, epoch, sequence, 0, 0, 0, 0)
 
 
-def plant_state(at_ms: int, plant_ms: int = 0, x: tuple[float, ...] = (2.0, 2.0, -1.0, -1.0)) -> Received:
-    body = PlantState(plant_ms * MS, x, x[2:], (0.0, 0.0), 0, PlantPhase.WAITING, 0.0, 10.0, 0, 0, 0, 0.0, 0)
-    return Received(head("plant", at_ms), body, at_ms * MS)
+def plant_state(
+    at_ms: int,
+    plant_ms: int = 0,
+    x: tuple[float, ...] = X0,
+    *,
+    phase: PlantPhase = PlantPhase.WAITING,
+    epoch: int = 1,
+    sequence: int | None = None,
+    **fields: object,
+) -> Received:
+    body = PlantState(plant_ms * MS, x, x[2:], (0.0, 0.0), 0, phase, 0.0, 10.0, 0, 0, 0, 0.0, 0)
+    number = at_ms if sequence is None else sequence
+    return Received(head("plant", number, epoch), replace(body, **fields), at_ms * MS)
 
 
 def command(
@@ -55,10 +72,17 @@ def sent(outgoing: list[Outgoing], kind: type) -> list[object]:
     return [body for body in made if isinstance(body, kind)]
 
 
+def ticks_of(node: FilterNode, at_ms: int, *inbox: Received) -> list[FilterTick]:
+    return [tick for tick in sent(list(node.step(at_ms * MS, inbox)), FilterTick) if isinstance(tick, FilterTick)]
+
+
 def tick_of(node: FilterNode, at_ms: int, *inbox: Received) -> FilterTick:
-    [tick] = sent(list(node.step(at_ms * MS, inbox)), FilterTick)
-    assert isinstance(tick, FilterTick)
+    [tick] = ticks_of(node, at_ms, *inbox)
     return tick
+
+
+def inputs_of(node: FilterNode, at_ms: int, *inbox: Received) -> list[PlantInput]:
+    return [made for made in sent(list(node.step(at_ms * MS, inbox)), PlantInput) if isinstance(made, PlantInput)]
 
 
 def test_before_the_first_state_it_says_what_it_runs_and_nothing_else() -> None:
@@ -90,6 +114,7 @@ def test_a_tick_sends_the_input_that_it_tells_of() -> None:
     assert isinstance(plant_input, PlantInput)
     assert isinstance(tick, FilterTick)
     assert (plant_input.tick, plant_input.u, plant_input.effective_plant_ns) == (1, tick.u, 0)
+    assert (plant_input.armed_from_ns, plant_input.basis_ns, plant_input.earlier) == (0, -1, ())
     assert tick.u_h == (-3.0, 0.5)
     assert tick.x_hat == (2.0, 2.0, -1.0, -1.0)
     assert [chain.name for chain in tick.barriers] == ["disk"]
@@ -97,7 +122,17 @@ def test_a_tick_sends_the_input_that_it_tells_of() -> None:
     assert [row.name for row in tick.rows] == ["disk", "passivity"]
 
 
-def test_a_released_dead_man_counts_as_zero_and_is_not_stale() -> None:
+def test_a_released_dead_man_fades_and_is_not_stale() -> None:
+    node = make_node()
+    tick_of(node, 1, plant_state(1), command(1))
+    half = ticks_of(node, 52, plant_state(52), command(2, enabled=False))[-1]
+
+    assert half.u_h == (-1.5, 0.25)
+    assert half.status is not FilterStatus.STALE
+    assert ticks_of(node, 102, plant_state(102))[-1].u_h == (0.0, 0.0)
+
+
+def test_a_dead_man_that_was_never_pressed_counts_as_zero_and_is_not_stale() -> None:
     node = make_node()
 
     tick = tick_of(node, 1, plant_state(1), command(1, enabled=False))
@@ -106,14 +141,17 @@ def test_a_released_dead_man_counts_as_zero_and_is_not_stale() -> None:
     assert tick.status is not FilterStatus.STALE
 
 
-def test_an_old_command_counts_as_zero_and_is_stale_until_a_new_one_comes() -> None:
+def test_an_old_command_fades_and_is_stale_until_a_new_one_comes() -> None:
     node = make_node()
     tick_of(node, 1, plant_state(1), command(1))
 
-    old = tick_of(node, 202, plant_state(202))
-    fresh = tick_of(node, 203, plant_state(203), command(203))
+    old = ticks_of(node, 251, plant_state(251))[-1]
+    older = ticks_of(node, 301, plant_state(301))[-1]
+    fresh = ticks_of(node, 302, plant_state(302), command(302))[-1]
 
-    assert (old.status, old.u_h, old.command_age_ns) == (FilterStatus.STALE, (0.0, 0.0), 201 * MS)
+    assert (old.status, old.u_h, old.command_age_ns) == (FilterStatus.STALE, (-1.5, 0.25), 250 * MS)
+    assert old.u_h_rate == pytest.approx((30.0, -5.0))
+    assert (older.status, older.u_h) == (FilterStatus.STALE, (0.0, 0.0))
     assert fresh.status is not FilterStatus.STALE
     assert fresh.u_h == (-3.0, 0.5)
 
@@ -178,3 +216,111 @@ def test_telemetry_agrees_with_the_decision() -> None:
     assert tick.power_margin == decision.power_margin
     assert [row.margin for row in tick.rows] == list(decision.margins[:2])
     assert isinstance(Telemetry(core), Telemetry)
+
+
+def test_a_step_makes_the_inputs_of_all_periods_that_were_left_out_each_for_what_the_one_before_leads_to() -> None:
+    node = make_node()
+    tick_of(node, 1, plant_state(1), command(1))
+
+    outgoing = list(node.step(5 * MS, [plant_state(5), command(5)]))
+    inputs, ticks = sent(outgoing, PlantInput), sent(outgoing, FilterTick)
+
+    assert [made.effective_plant_ns for made in inputs if isinstance(made, PlantInput)] == [MS, 2 * MS, 3 * MS, 4 * MS]
+    assert [(tick.tick, tick.u) for tick in ticks if isinstance(tick, FilterTick)] == [
+        (made.tick, made.u) for made in inputs if isinstance(made, PlantInput)
+    ]
+    assert [len(tick.consumed) for tick in ticks if isinstance(tick, FilterTick)] == [2, 0, 0, 0]
+    assert [tick.horizon_ns for tick in ticks if isinstance(tick, FilterTick)] == [MS, 2 * MS, 3 * MS, 4 * MS]
+
+
+def test_a_step_makes_so_many_inputs_at_most_and_the_next_goes_on() -> None:
+    node = make_node()
+    tick_of(node, 1, plant_state(1), command(1))
+
+    many = inputs_of(node, 101, plant_state(101))
+    rest = inputs_of(node, 102, plant_state(102))
+
+    assert [made.effective_plant_ns // MS for made in many] == list(range(1, 1 + MOST_AT_ONCE))
+    assert [made.effective_plant_ns // MS for made in rest] == list(range(1 + MOST_AT_ONCE, 102))
+
+
+def test_where_nothing_is_due_what_was_decided_last_stands_and_is_told_again() -> None:
+    node = make_node()
+    first = tick_of(node, 1, plant_state(1), command(1))
+    ahead = plant_state(2, 0, phase=PlantPhase.RUNNING, u=first.u, input_epoch=1, input_transit_ns=4 * MS)
+    assert len(inputs_of(node, 2, ahead)) == 11  # up to 2 + 4 + 5 ms, play-out time included, instead of 1 ms
+    last = ticks_of(node, 3, plant_state(3, 0, phase=PlantPhase.RUNNING, u=first.u))[-1]
+
+    outgoing = list(node.step(3 * MS, [plant_state(4, 0, phase=PlantPhase.RUNNING, u=first.u), command(4)]))
+
+    assert sent(outgoing, PlantInput) == []
+    [again] = sent(outgoing, FilterTick)
+    assert isinstance(again, FilterTick)
+    assert (again.tick, again.u, again.effective_plant_ns) == (last.tick, last.u, last.effective_plant_ns)
+    assert [(each.topic, each.sequence) for each in again.consumed] == [("state", 4), ("command", 4)]
+
+
+def test_while_the_plant_runs_on_anothers_inputs_nothing_is_sent_and_the_first_tick_accounts_for_all() -> None:
+    node = make_node()
+    for k in range(1, 4):
+        assert sent(list(node.step(k * MS, [plant_state(k, k, phase=PlantPhase.RUNNING)])), FilterTick) == []
+
+    tick = tick_of(node, 4, plant_state(4, 4, phase=PlantPhase.HOLDING, disarmed_ns=4 * MS, since_ns=3 * MS))
+
+    assert [each.sequence for each in tick.consumed] == [1, 2, 3, 4]
+    assert tick.effective_plant_ns == (4 + 1 + 5) * MS
+
+
+def test_a_wait_without_end_fills_no_memory_and_no_message() -> None:
+    node = make_node()
+    held = 0
+    for k in range(1, MOST_UNACCOUNTED + 500):
+        node.step(k * MS, [plant_state(k, k, phase=PlantPhase.RUNNING), command(k)])
+        held = max(held, len(node._unaccounted))
+    at_ms = MOST_UNACCOUNTED + 500
+    broken = plant_state(at_ms, at_ms, phase=PlantPhase.HOLDING, disarmed_ns=at_ms * MS, since_ns=at_ms * MS)
+    tick = tick_of(node, at_ms, broken)
+
+    assert held <= MOST_UNACCOUNTED + 2
+    assert tick.u_h == (-3.0, 0.5)
+    assert decode(TICK, encode(head("filter", 1), tick))[1] == tick
+
+
+def test_a_plant_that_was_started_again_gets_a_series_of_its_own_and_the_old_one_is_heard_no_more() -> None:
+    node = make_node()
+    tick_of(node, 1, plant_state(1), command(1))
+    running = plant_state(2, 700, phase=PlantPhase.RUNNING, x=(9.0, 9.0, 0.0, 0.0), disarmed_ns=5)
+    node.step(2 * MS, [running])
+
+    [fresh] = inputs_of(node, 3, plant_state(3, 0, epoch=2, sequence=0))
+    [after] = inputs_of(node, 4, plant_state(4, 800, phase=PlantPhase.RUNNING, epoch=1))
+
+    assert (fresh.effective_plant_ns, fresh.armed_from_ns, fresh.basis_ns) == (0, 0, -1)
+    assert (after.effective_plant_ns, after.armed_from_ns) == (MS, 0)
+
+
+def test_a_state_that_comes_twice_is_no_sign_of_life() -> None:
+    node = make_node()
+    tick_of(node, 1, plant_state(1, sequence=5), command(1))
+
+    tick = tick_of(node, 250, plant_state(250, sequence=5), command(250))
+
+    assert tick.status is FilterStatus.STALE
+    assert tick.state_age_ns == 249 * MS
+
+
+def test_only_a_plant_at_rest_gets_a_first_input_of_its_own() -> None:
+    """The first input of all may be far from zero; a plant that moves has one in force, and u⁺ = u + dt(φ + v)."""
+    values = {"filter.start": "nearest", "filter.mode": "off"}
+    at_rest, moving = (filter_node(load_scenario(SCENARIO.name, values), "lockstep", 1) for _ in range(2))
+    braking = {"phase": PlantPhase.FAIL_SAFE, "u": (9.0, 9.0), "disarmed_ns": 0}
+
+    first = tick_of(at_rest, 1, plant_state(1), command(1))
+    joined = tick_of(moving, 1, plant_state(1, 40, **braking), command(1))
+
+    assert first.u == pytest.approx(first.u_nominal)
+    decay = exp(-1e-3) - 9 * (1 - exp(-1e-3))  # of the velocity in one period under u = −9 x₂
+    in_force = 9.0 * decay**5
+    assert joined.effective_plant_ns == 46 * MS
+    assert [u - in_force for u in joined.u] == pytest.approx([1e-3 * phi for phi in joined.phi], abs=1e-9)
+    assert max(abs(u - in_force) for u in joined.u) < 5.0 < max(abs(u) for u in first.u)

@@ -1,51 +1,87 @@
+"""The prediction against a plant that follows the rule: the next input of the series, or hold and fail-safe."""
+
 import random
+from itertools import pairwise
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from passafe import SampledPlant, Tank, damped_point
-from protocol.messages import PlantPhase, PlantState
-from services.filter.prediction import Predictor
+from passafe.limits import Limits
+from passafe.sampled_plant import Sample
+from protocol.messages import UNARMED, PlantPhase, PlantState, Vector
+from services.arming.fail_safe import FailSafe
+from services.filter.prediction import NoPrediction, Predictor
 
 MS = 1_000_000
+HOLD_MS = 3
+WAITING, RUNNING, HOLDING, FAIL_SAFE = PlantPhase
+ROBOT = damped_point(sigma=1.0, gamma_1=10.0)
 
 
-def make_plant() -> SampledPlant:
-    robot = damped_point(sigma=1.0)
-    return SampledPlant(robot.system, robot.system.x.T @ robot.system.x, 1e-3)
+class CountedPlant(SampledPlant):
+    """The model, and how often it was stepped."""
+
+    steps = 0
+
+    def advance(self, x: Vector, u: Vector) -> Sample:
+        self.steps += 1
+        return super().advance(x, u)
+
+
+def make_plant() -> CountedPlant:
+    return CountedPlant(ROBOT.system, ROBOT.system.x.T @ ROBOT.system.x, 1e-3)
+
+
+def fail_safe() -> FailSafe:
+    return FailSafe(ROBOT, Limits(magnitude=(100.0, 100.0)), period_ns=MS, hold_ns=HOLD_MS * MS)
+
+
+def make_predictor(tank: Tank | None = None) -> Predictor:
+    return Predictor(make_plant(), fail_safe(), tank or Tank(), MS)
 
 
 class TruePlant:
-    """The plant itself, with inputs by the period in which they are applied."""
+    """The plant, armed from its beginning, with the input of every period or None where it is missing."""
 
     def __init__(self) -> None:
-        self.model = make_plant()
+        self.model, self.rule = make_plant(), fail_safe()
         self.sample = self.model.at((1.0, -0.5, 0.3, 0.2))
         self.energy_in_j = 0.0
-        self.k = 0
-        self.u = (0.0, 0.0)
+        self.k = self.since = 0
+        self.u: Vector = (0.0, 0.0)
+        self.phase, self.disarmed_ns = RUNNING, UNARMED
 
-    def advance(self, u: tuple[float, ...]) -> None:
+    def advance(self, u: Vector | None) -> None:
         self.sample = self.model.advance(self.sample.x, self.u)
         self.energy_in_j += self.sample.energy_in_j
         self.k += 1
-        self.u = u
+        if u is not None:
+            self.u, self.phase, self.since = u, RUNNING, self.k
+            return
+        if self.phase is RUNNING:
+            self.disarmed_ns = self.k * MS
+        self.phase, self.u = self.rule.without_input(self.u, self.since * MS, self.k * MS, self.sample.x)
 
-    def state(self) -> PlantState:
+    def state(self, phase: PlantPhase | None = None) -> PlantState:
         sample = self.sample
         return PlantState(
-            self.k * MS,
-            sample.x,
-            sample.y,
-            self.u,
-            self.k,
-            PlantPhase.RUNNING,
-            self.energy_in_j,
-            sample.stored_j,
-            0,
-            0,
-            0,
-            0.0,
-            self.k,
+            plant_ns=self.k * MS,
+            x=sample.x,
+            y=sample.y,
+            u=self.u,
+            applied_tick=self.k,
+            phase=phase or self.phase,
+            energy_in_j=self.energy_in_j,
+            energy_stored_j=sample.stored_j,
+            input_slack_ns=0,
+            inputs_late=0,
+            inputs_refused=0,
+            integration_error=0.0,
+            received_tick=self.k,
+            disarmed_ns=self.disarmed_ns,
+            since_ns=self.since * MS,
         )
 
 
@@ -54,14 +90,20 @@ def random_inputs(count: int) -> list[tuple[float, float]]:
     return [(rng.uniform(-9, 9), rng.uniform(-9, 9)) for _ in range(count)]
 
 
-@pytest.mark.parametrize("delay", [1, 5, 40])
-def test_the_prediction_is_what_the_plant_does_to_the_last_bit(delay: int) -> None:
-    inputs = random_inputs(120)
-    truth, tank = TruePlant(), Tank()
-    predictor = Predictor(make_plant(), tank, MS)
-    predictor.confirm(truth.state())
-    for k in range(1, delay):
+def sent_ahead(predictor: Predictor, inputs: list[tuple[float, float]], first: int, last: int) -> dict[int, Vector]:
+    """Send the inputs of some periods, as a filter does; return the state that each was decided for."""
+    predicted = {}
+    for k in range(first, last + 1):
+        predicted[k] = predictor.at(k * MS).sample.x
         predictor.sent(k * MS, inputs[k])
+    return predicted
+
+
+@pytest.mark.parametrize("delay", [1, 5, 40])
+def test_the_prediction_is_what_the_plant_does_to_the_last_bit_at_one_step_of_the_model_a_tick(delay: int) -> None:
+    inputs, truth, predictor = random_inputs(120), TruePlant(), make_predictor()
+    predictor.confirm(truth.state())
+    sent_ahead(predictor, inputs, 1, delay - 1)
     foreseen = {}
     for k in range(delay, 120):
         foreseen[k] = predictor.at(k * MS)
@@ -70,29 +112,105 @@ def test_the_prediction_is_what_the_plant_does_to_the_last_bit(delay: int) -> No
         predictor.confirm(truth.state())
         if truth.k in foreseen:
             assert foreseen[truth.k].sample.x == truth.sample.x
+            assert foreseen[truth.k].u == truth.u
     assert predictor.horizon_ns == (delay - 1) * MS
+    assert predictor._plant.steps == 119
 
 
-def test_a_lost_input_is_corrected_by_the_next_state() -> None:
-    truth = TruePlant()
-    predictor = Predictor(make_plant(), Tank(), MS)
+@pytest.mark.parametrize("missing", [1, 2, 7])
+@pytest.mark.parametrize("told", [0, 1, 4, 9])
+def test_an_arming_that_broke_is_followed_through_hold_and_fail_safe_to_the_next_one(missing: int, told: int) -> None:
+    """The plant lacks the input of one period; the filter hears of it later and begins anew at period 20."""
+    inputs, truth, predictor = random_inputs(40), TruePlant(), make_predictor()
     predictor.confirm(truth.state())
-    for k in range(1, 10):
-        predictor.at(k * MS)
-        predictor.sent(k * MS, (5.0, 5.0))
-    truth.advance((0.0, 0.0))  # the plant held the old input instead
+    sent_ahead(predictor, inputs, 1, 12)
+    for k in range(1, missing):
+        truth.advance(inputs[k])
+    for _ in range(1 + told):
+        truth.advance(None)
     predictor.confirm(truth.state())
 
-    found = predictor.at(3 * MS)
+    predictor.begin(20 * MS)
+    foreseen = predictor.at(20 * MS)
+    before_u, phase = foreseen.u, foreseen.phase
+    predicted = sent_ahead(predictor, inputs, 20, 25)
+    while truth.k < 19:
+        truth.advance(None)
+        predictor.confirm(truth.state())
 
-    expected = truth.model.advance(truth.sample.x, (0.0, 0.0))
-    expected = truth.model.advance(expected.x, (5.0, 5.0))
-    assert found.sample.x == expected.x
+    assert (before_u, phase, foreseen.disarmed_ns) == (truth.u, FAIL_SAFE, missing * MS)
+    for k in range(20, 26):
+        truth.advance(inputs[k])
+        assert predicted[k] == truth.sample.x
+        predictor.confirm(truth.state())
+
+
+def test_a_series_with_a_hole_is_predicted_to_be_disarmed_there_for_good() -> None:
+    truth, predictor = TruePlant(), make_predictor()
+    predictor.confirm(truth.state())
+    for k in (1, 2, 4, 5):  # 3 is never sent
+        predictor._sent[k * MS] = (1.0, 1.0)
+
+    found = predictor.at(12 * MS)
+    for u in ((1.0, 1.0), (1.0, 1.0), *[None] * 10):
+        truth.advance(u)
+
+    assert found.sample.x == truth.sample.x
+    assert (found.phase, found.disarmed_ns) == (FAIL_SAFE, 3 * MS)
+
+
+@given(st.sets(st.integers(1, 40)), st.integers(1, 12))
+def test_whatever_is_missing_an_input_that_takes_effect_meets_the_state_that_was_predicted(
+    lost: set[int], delay: int
+) -> None:
+    """States come at once, inputs ``delay`` periods later; after a break the filter begins anew as soon as it can."""
+    inputs, truth, predictor = random_inputs(60), TruePlant(), SHARED
+    predictor.restart()
+    predictor.confirm(truth.state())
+    predicted: dict[int, Vector] = {}
+    first, next_k, basis = 1, 1, truth.disarmed_ns
+    arrived: dict[int, int] = {}  # period → plant time of the arming's beginning
+    for now in range(40):
+        if truth.disarmed_ns != basis or (truth.phase is not RUNNING and now >= first):
+            first = next_k = now + delay
+            basis = truth.disarmed_ns
+            predictor.begin(first * MS)
+        while next_k <= now + delay:
+            predicted[next_k] = predictor.at(next_k * MS).sample.x
+            predictor.sent(next_k * MS, inputs[next_k])
+            if next_k not in lost:
+                arrived[next_k] = first
+            next_k += 1
+        k = truth.k + 1
+        follows = truth.phase is RUNNING or (k == first and truth.disarmed_ns == basis)
+        truth.advance(inputs[k] if follows and arrived.get(k) == first else None)
+        predictor.confirm(truth.state())
+        if truth.phase is RUNNING:
+            assert truth.sample.x == predicted[truth.k]
+
+
+SHARED = make_predictor()
+
+
+def test_a_plant_at_rest_is_predicted_from_the_plant_time_that_the_first_input_sets() -> None:
+    inputs, truth, predictor = random_inputs(20), TruePlant(), make_predictor()
+    predictor.confirm(truth.state(WAITING))
+    predictor.begin(0)
+    sent_ahead(predictor, inputs, 0, 4)
+    for _ in range(3):
+        predictor.confirm(truth.state(WAITING))
+    truth.u = inputs[0]
+    for k in range(1, 5):
+        predictor.confirm(truth.state())
+        truth.advance(inputs[k])
+
+    assert predictor.at(4 * MS).sample.x == truth.sample.x
+    assert predictor._plant.steps == 4
 
 
 def test_the_tank_follows_the_plants_energies() -> None:
     truth, tank = TruePlant(), Tank(initial_j=1.0, reserve_j=0.5, max_j=1.5)
-    predictor = Predictor(make_plant(), tank, MS)
+    predictor = make_predictor(tank)
     level, before = tank.initial_j, truth.sample.stored_j
     predictor.confirm(truth.state())
     for k, u in enumerate(random_inputs(200), start=1):
@@ -105,14 +223,90 @@ def test_the_tank_follows_the_plants_energies() -> None:
         predictor.confirm(truth.state())
 
 
+def test_after_a_break_the_tank_is_what_the_plants_own_energies_say() -> None:
+    inputs, truth, tank = random_inputs(40), TruePlant(), Tank(initial_j=5.0, max_j=1000.0)
+    predictor = make_predictor(tank)
+    states = [truth.state()]
+    predictor.confirm(states[0])
+    sent_ahead(predictor, inputs, 1, 12)
+    for k in range(1, 20):
+        truth.advance(inputs[k] if k < 4 else None)
+        states.append(truth.state())
+        if k in {2, 9, 15, 19}:  # the others were lost
+            predictor.confirm(states[-1])
+            predictor.begin((k + 5) * MS)
+    supplied = states[-1].energy_in_j - states[0].energy_in_j
+    stored = states[-1].energy_stored_j - states[0].energy_stored_j
+
+    assert predictor.at(19 * MS).tank_j == pytest.approx(5.0 + supplied - stored, abs=1e-9)
+    for before, after in pairwise(states):
+        assert after.plant_ns == before.plant_ns + MS
+
+
 def test_an_older_state_changes_nothing() -> None:
-    truth = TruePlant()
+    truth, predictor = TruePlant(), make_predictor()
     first = truth.state()
-    predictor = Predictor(make_plant(), Tank(), MS)
     predictor.confirm(first)
     truth.advance((1.0, 1.0))
     predictor.confirm(truth.state())
 
     predictor.confirm(first)
 
-    assert predictor.confirmed == truth.state()
+    assert predictor._confirmed == truth.state()
+    assert predictor.at(MS).sample.x == truth.sample.x
+
+
+def test_what_lies_behind_the_plant_is_forgotten() -> None:
+    inputs, truth, predictor = random_inputs(200), TruePlant(), make_predictor()
+    predictor.confirm(truth.state())
+    sent_ahead(predictor, inputs, 1, 10)
+    for k in range(1, 190):
+        truth.advance(inputs[k])
+        predictor.confirm(truth.state())
+        sent_ahead(predictor, inputs, k + 10, k + 10)
+
+    assert len(predictor._sent) <= 11
+    assert len(predictor._path) == 11
+
+
+def test_a_restart_forgets_everything() -> None:
+    truth, predictor = TruePlant(), make_predictor()
+    predictor.confirm(truth.state())
+    sent_ahead(predictor, random_inputs(5), 1, 4)
+
+    predictor.restart()
+    assert predictor.horizon_ns == 0
+    predictor.begin(0)
+    predictor.confirm(truth.state())
+
+    assert predictor.at(0).sample.x == truth.sample.x
+    assert predictor._sent == {}
+
+
+class TestNoPrediction:
+    def test_it_tells_the_newest_state_whatever_the_time_and_the_input_that_was_sent_last(self) -> None:
+        truth, blind = TruePlant(), NoPrediction(Tank(initial_j=5.0, max_j=1000.0))
+        blind.confirm(truth.state())
+        blind.begin(0)
+        at_first = blind.at(50 * MS)
+        blind.sent(50 * MS, (4.0, 2.0))
+        old = truth.state()
+        truth.advance((1.0, 2.0))
+        truth.advance((3.0, 0.0))
+        blind.confirm(truth.state())
+        blind.confirm(old)
+
+        assert (at_first.u, at_first.sample.x) == ((0.0, 0.0), old.x)
+        found = blind.at(51 * MS)
+        assert (found.sample.x, found.u, found.plant_ns) == (truth.sample.x, (4.0, 2.0), 51 * MS)
+        gained = truth.energy_in_j - (truth.sample.stored_j - old.energy_stored_j)
+        assert found.tank_j == pytest.approx(5.0 + gained, abs=1e-12)
+        assert blind.horizon_ns == 0
+
+    def test_without_a_state_it_has_nothing_to_tell(self) -> None:
+        blind = NoPrediction(Tank())
+        blind.confirm(TruePlant().state())
+        blind.restart()
+
+        with pytest.raises(RuntimeError, match="no plant state"):
+            blind.at(0)

@@ -9,17 +9,18 @@ from services.filter.sender_clock import SenderClock
 
 MS = 1_000_000
 STALE_NS = 200 * MS
+FADE_NS = 100 * MS
 CLOCK_AHEAD_NS = 77_000_000 * MS
 ZERO = ((0.0,), (0.0,))
 
 
-def as_sent() -> AsSent:
-    return AsSent(1, STALE_NS)
+def as_sent(fade_ns: int = FADE_NS) -> AsSent:
+    return AsSent(1, STALE_NS, fade_ns)
 
 
 def estimated() -> Estimated:
     model = HandModel(agility=10.0, resolution=2 / 64, horizon_s=0.05, fade_s=0.1)
-    return Estimated(1, STALE_NS, HumanInputEstimator(model, 1))
+    return Estimated(1, STALE_NS, FADE_NS, HumanInputEstimator(model, 1))
 
 
 def hear(
@@ -50,14 +51,88 @@ def test_without_a_command_it_is_zero_and_stale(make: type) -> None:
 
 
 @pytest.mark.parametrize("make", [as_sent, estimated])
-def test_a_stale_command_and_a_released_dead_man_are_zero_at_once(make: type) -> None:
+def test_a_stale_command_fades_from_what_was_asked_for_last_to_zero_along_a_line(make: type) -> None:
     request = make()
     ramp(request)
 
-    assert request.at(700 * MS)[2:] == (200 * MS, False)
-    assert request.at(701 * MS) == (*ZERO, 201 * MS, True)
-    hear(request, 720, (3.0,), enabled=False)
-    assert request.at(720 * MS) == (*ZERO, 0, False)
+    (last,), _, *rest = request.at(700 * MS)
+
+    assert rest == [200 * MS, False]
+    assert 0.5 <= last <= 0.601
+    for age_ms in (201, 220, 260, 299):
+        share = (300 - age_ms) / 100
+        (u_h,), (rate,), age_ns, stale = request.at((500 + age_ms) * MS)
+        assert (u_h, rate) == (pytest.approx(share * last, abs=1e-12), pytest.approx(-last / 0.1, rel=1e-12))
+        assert (age_ns, stale) == (age_ms * MS, True)
+    assert request.at(800 * MS) == (*ZERO, 300 * MS, True)
+    assert request.at(9_000 * MS)[:2] == ZERO
+
+
+@pytest.mark.parametrize("make", [as_sent, estimated])
+def test_a_released_dead_man_fades_and_is_not_stale(make: type) -> None:
+    request = make()
+    ramp(request)
+    (last,), *_ = request.at(510 * MS)
+    for at_ms in range(520, 700, 20):  # a device says it again and again
+        hear(request, at_ms, (3.0,), enabled=False)
+
+    assert request.at(520 * MS)[0] == (last,)
+    assert request.at(570 * MS) == ((pytest.approx(last / 2),), (pytest.approx(-last / 0.1),), 0, False)
+    assert request.at(620 * MS)[:2] == ZERO
+    assert request.at(690 * MS) == (*ZERO, 10 * MS, False)
+
+
+def test_a_dead_man_that_is_released_when_the_command_is_stale_already_does_not_begin_the_fade_anew() -> None:
+    request = as_sent()
+    hear(request, 0, (1.0,))
+    request.at(200 * MS)
+    hear(request, 250, (1.0,), enabled=False)
+
+    assert request.at(260 * MS)[0] == (pytest.approx(0.4),)
+    assert request.at(300 * MS)[:2] == ZERO
+
+
+def test_a_dead_man_that_is_pressed_again_counts_at_once() -> None:
+    request = as_sent()
+    hear(request, 0, (1.0,))
+    request.at(0)
+    hear(request, 10, (1.0,), enabled=False)
+    request.at(50 * MS)
+    hear(request, 60, (2.0,))
+
+    assert request.at(60 * MS) == ((2.0,), (0.0,), 0, False)
+
+
+def test_a_dead_man_that_was_never_pressed_asks_for_nothing() -> None:
+    request = as_sent()
+    hear(request, 0, (1.0,), enabled=False)
+
+    assert request.at(10 * MS) == (*ZERO, 10 * MS, False)
+
+
+def test_without_a_time_to_fade_it_is_zero_at_once() -> None:
+    request = as_sent(fade_ns=0)
+    hear(request, 0, (1.0,))
+    request.at(200 * MS)
+
+    assert request.at(201 * MS) == (*ZERO, 201 * MS, True)
+    hear(request, 210, (1.0,))
+    request.at(210 * MS)
+    hear(request, 220, (1.0,), enabled=False)
+    assert request.at(220 * MS) == (*ZERO, 0, False)
+
+
+@pytest.mark.parametrize("make", [as_sent, estimated])
+def test_after_a_restart_nothing_was_heard(make: type) -> None:
+    request = make()
+    ramp(request)
+    request.at(500 * MS)
+
+    request.restart()
+
+    assert request.at(510 * MS) == (*ZERO, -1, True)
+    hear(request, 0, (0.25,))
+    assert request.at(10 * MS) == ((0.25,), (0.0,), 10 * MS, False)
 
 
 @pytest.mark.parametrize("make", [as_sent, estimated])

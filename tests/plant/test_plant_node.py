@@ -1,32 +1,62 @@
+from collections.abc import Callable
+
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from passafe import SampledPlant, damped_point
 from passafe.limits import Limits
-from protocol.messages import Event, Header, PlantInput, PlantPhase, PlantState, Received
-from services.plant.node import PlantNode
+from protocol.codec import encode
+from protocol.messages import UNARMED, Event, Header, PlantInput, PlantPhase, PlantState, Received
+from services.arming.fail_safe import FailSafe
+from services.plant.node import FAR_NS, PlantNode
 
 MS = 1_000_000
 X0 = (2.0, 2.0, -1.0, -1.0)
-HEADER = Header("filter", 1, 0, 0, 0, 0, 0)
+U = (1.0, 0.0)
+BOUND = 100.0
+WAITING, RUNNING, HOLDING, FAIL_SAFE = PlantPhase
 
 
-def make_node(*, playout_ns: int = 0, hold_ns: int = 3 * MS) -> PlantNode:
+def make_node(*, playout_ns: int = 0, hold_ns: int = 3 * MS, norm: float | None = None) -> PlantNode:
     robot = damped_point(sigma=1.0, gamma_1=10.0)
-    V = robot.system.x.T @ robot.system.x
+    limits = Limits(magnitude=(BOUND, BOUND), norm=norm)
     return PlantNode(
-        robot,
-        SampledPlant(robot.system, V, 1e-3),
+        SampledPlant(robot.system, robot.system.x.T @ robot.system.x, 1e-3),
+        FailSafe(robot, limits, period_ns=MS, hold_ns=hold_ns),
         x0=X0,
         period_ns=MS,
         playout_ns=playout_ns,
-        hold_ns=hold_ns,
-        limits=Limits(magnitude=(100.0, 100.0)),
+        limits=limits,
     )
 
 
-def received(tick: int, due_ms: int, at_ms: int, u: tuple[float, ...] = (1.0, 0.0), hold_ns: int = 10 * MS) -> Received:
-    return Received(HEADER, PlantInput(tick, u, due_ms * MS, hold_ns), at_ms * MS)
+def head(epoch: int = 1, scheduled_ns: int = 0) -> Header:
+    return Header("filter", epoch, 0, scheduled_ns, 0, 0, 0)
+
+
+def loose(tick: int, due_ms: int, at_ms: int, u: tuple[float, ...] = U, hold_ns: int = 10 * MS) -> Received:
+    """An input of no arming."""
+    return Received(head(), PlantInput(tick, u, due_ms * MS, hold_ns), at_ms * MS)
+
+
+def armed(
+    due_ms: int,
+    at_ms: int,
+    u: tuple[float, ...] = U,
+    *,
+    first: int = 0,
+    basis: int | None = None,
+    earlier: tuple[float, ...] = (),
+    epoch: int = 1,
+    made_ms: int = 0,
+    hold_ns: int = 10 * MS,
+) -> Received:
+    """An input of the arming that begins at ``first``; its tick is the one that made the input of that period."""
+    basis_ns = UNARMED if basis is None else basis * MS
+    body = PlantInput(due_ms + 1, u, due_ms * MS, hold_ns, first * MS, basis_ns, earlier)
+    return Received(head(epoch, made_ms * MS), body, at_ms * MS)
 
 
 def states(node: PlantNode, at_ms: int, *inbox: Received) -> list[PlantState]:
@@ -38,32 +68,55 @@ def test_it_rests_at_x0_until_an_input_comes() -> None:
 
     found = [states(node, k)[0] for k in range(3)]
 
-    assert {state.phase for state in found} == {PlantPhase.WAITING}
-    assert {(state.plant_ns, state.x) for state in found} == {(0, X0)}
+    assert {state.phase for state in found} == {WAITING}
+    assert {(state.plant_ns, state.x, state.disarmed_ns) for state in found} == {(0, X0, UNARMED)}
 
 
-def test_plant_time_begins_one_playout_after_the_first_input_arrived() -> None:
+@pytest.mark.parametrize("kind", [armed, lambda due_ms, at_ms: loose(1, due_ms, at_ms)])
+def test_plant_time_begins_one_playout_after_the_first_input_arrived(kind: Callable[[int, int], Received]) -> None:
     node = make_node(playout_ns=5 * MS)
 
-    assert states(node, 10, received(1, 0, 10))[0].phase is PlantPhase.WAITING
-    assert states(node, 14)[0].phase is PlantPhase.WAITING
+    assert states(node, 10, kind(0, 10))[0].phase is WAITING
+    assert states(node, 14)[0].phase is WAITING
     [first] = states(node, 15)
     [second] = states(node, 16)
 
-    assert (first.phase, first.plant_ns, first.u, first.x) == (PlantPhase.RUNNING, 0, (1.0, 0.0), X0)
+    assert (first.phase, first.plant_ns, first.u, first.x) == (RUNNING, 0, (1.0, 0.0), X0)
     assert second.plant_ns == MS
     assert first.input_slack_ns == 5 * MS
 
 
+def test_plant_time_begins_with_the_arming_that_came_last_before_it_did() -> None:
+    node = make_node(playout_ns=5 * MS)
+    states(node, 10, armed(0, 10))
+    assert states(node, 12, armed(3000, 12, (2.0, 0.0), first=3000, epoch=2))[0].plant_ns == 3000 * MS
+
+    assert states(node, 16, armed(1, 16))[0].phase is WAITING
+    [first] = states(node, 17)
+
+    assert (first.phase, first.plant_ns, first.u, first.inputs_refused) == (RUNNING, 3000 * MS, (2.0, 0.0), 1)
+
+
+def test_a_first_input_that_is_none_after_all_leaves_the_plant_at_rest() -> None:
+    node = make_node(playout_ns=2 * MS)
+    states(node, 1, armed(1, 1, earlier=(float("nan"), 0.0)))
+
+    found = [states(node, k)[-1] for k in range(2, 9)]
+    assert {(state.phase, state.plant_ns, state.x) for state in found} == {(WAITING, 0, X0)}
+    states(node, 9, armed(7, 9, first=7))
+    assert states(node, 11)[-1].phase is RUNNING
+
+
 def test_the_motion_is_the_closed_form_of_the_damped_point() -> None:
     node = make_node()
-    states(node, 1, *(received(k + 1, k, 1, u=(3.0, -1.0)) for k in range(100)))
+    states(node, 1, *(armed(k, 1, u=(3.0, -1.0)) for k in range(101)))
 
-    [state] = [states(node, 1 + k)[-1] for k in range(1, 101)][-1:]
+    state = states(node, 101)[-1]
 
     t, x1, x2, u = 0.1, np.array([2.0, 2.0]), np.array([-1.0, -1.0]), np.array([3.0, -1.0])
     velocity = u + (x2 - u) * np.exp(-t)
     position = x1 + u * t + (x2 - u) * (1 - np.exp(-t))
+    assert state.phase is RUNNING
     assert state.x == pytest.approx([*position, *velocity], abs=1e-12)
     assert state.energy_in_j == pytest.approx(float(u @ (position - x1)), abs=1e-12)
     assert state.energy_stored_j == pytest.approx(float(position @ position + velocity @ velocity), abs=1e-12)
@@ -71,64 +124,290 @@ def test_the_motion_is_the_closed_form_of_the_damped_point() -> None:
 
 def test_a_driver_that_skipped_steps_gets_one_state_for_every_period() -> None:
     node = make_node()
-    states(node, 1, *(received(k + 1, k, 1) for k in range(10)))
+    states(node, 1, *(armed(k, 1) for k in range(10)))
 
     found = states(node, 6)
 
     assert [state.plant_ns // MS for state in found] == [1, 2, 3, 4, 5]
     assert [state.applied_tick for state in found] == [2, 3, 4, 5, 6]
+    assert [state.since_ns // MS for state in found] == [1, 2, 3, 4, 5]
 
 
-def test_a_missing_input_is_held_then_the_fail_safe_takes_over_and_gives_back() -> None:
+def test_a_missing_input_is_held_then_the_fail_safe_takes_over_until_an_arming_that_knows_of_it_begins() -> None:
     node = make_node(hold_ns=3 * MS)
-    states(node, 1, received(1, 0, 1))
+    states(node, 1, armed(0, 1), armed(1, 1), armed(3, 1))
 
-    held = [states(node, 1 + k)[-1] for k in range(1, 4)]
+    found = [states(node, 1 + k)[-1] for k in range(1, 4)]
     sent = node.step(5 * MS, ())
     [failed] = [body for _, body in sent if isinstance(body, PlantState)]
     [event] = [body for _, body in sent if isinstance(body, Event)]
-    back = states(node, 6, received(7, 5, 6, u=(0.5, 0.5)))[-1]
+    states(node, 6, armed(6, 6), armed(6, 6, first=6, basis=1), armed(6, 6, (0.5, 0.5), first=6, basis=2))
+    back = node.step(7 * MS, ())
 
-    assert [state.phase for state in held] == [PlantPhase.HOLDING] * 3
-    assert failed.phase is PlantPhase.FAIL_SAFE
+    assert [state.phase for state in found] == [RUNNING, HOLDING, HOLDING]
+    assert [state.disarmed_ns for state in found] == [UNARMED, 2 * MS, 2 * MS]
+    assert {state.since_ns for state in found} == {MS}
+    assert (failed.phase, failed.disarmed_ns) == (FAIL_SAFE, 2 * MS)
     assert failed.u == pytest.approx([-9.0 * value for value in failed.x[2:]])
     assert "fail-safe" in event.text
-    assert (back.phase, back.u) == (PlantPhase.RUNNING, (0.5, 0.5))
+    [state] = [body for _, body in back if isinstance(body, PlantState)]
+    assert (state.phase, state.u, state.inputs_refused) == (RUNNING, (0.5, 0.5), 2)
+    assert ["released" in body.text for _, body in back if isinstance(body, Event)] == [True]
 
 
-def test_an_input_may_ask_for_a_shorter_hold_than_the_plants() -> None:
-    node = make_node(hold_ns=100 * MS)
-    states(node, 1, received(1, 0, 1, hold_ns=MS))
+@pytest.mark.parametrize(("hold_ns", "held"), [(0, 0), (MS, 0), (2 * MS, 1), (2 * MS + 1, 1), (5 * MS, 4), (9 * MS, 4)])
+def test_an_input_may_ask_for_a_shorter_hold_than_the_plants(hold_ns: int, held: int) -> None:
+    node = make_node(hold_ns=5 * MS)
+    states(node, 1, armed(0, 1, hold_ns=hold_ns))
+    phases = [states(node, 1 + k)[-1].phase for k in range(1, 8)]
 
-    assert states(node, 2)[-1].phase is PlantPhase.HOLDING
-    assert states(node, 3)[-1].phase is PlantPhase.FAIL_SAFE
+    assert phases == [HOLDING] * held + [FAIL_SAFE] * (7 - held)
 
 
-def test_a_late_input_is_applied_at_once_and_counted() -> None:
+def test_what_came_late_or_never_leaves_the_arming_broken_whatever_else_of_it_comes() -> None:
+    node = make_node(hold_ns=2 * MS)
+    states(node, 1, armed(0, 1))
+    states(node, 2)
+
+    found = [states(node, at_ms, armed(at_ms - 2, at_ms), armed(at_ms + 3, at_ms))[-1] for at_ms in range(3, 9)]
+
+    assert {state.disarmed_ns for state in found} == {MS}
+    assert {state.phase for state in found} == {FAIL_SAFE}
+    assert [state.inputs_refused for state in found] == [2, 4, 6, 8, 10, 12]
+    assert [state.inputs_late for state in found] == [1, 2, 3, 4, 5, 6]
+
+
+def test_one_lost_message_is_none_missing_if_the_next_repeats_it_in_time() -> None:
     node = make_node()
-    states(node, 1, received(1, 0, 1))
-    states(node, 4)
+    states(node, 1, armed(0, 1), armed(3, 1, (4.0, 4.0), earlier=(3.0, 3.0, 2.0, 2.0)))
 
-    state = states(node, 5, received(2, 1, 5, u=(7.0, 0.0)))[-1]
+    found = [states(node, k)[-1] for k in range(2, 6)]
 
-    assert (state.applied_tick, state.u, state.inputs_late) == (2, (7.0, 0.0), 1)
-    assert state.input_slack_ns == -3 * MS
-    assert state.received_tick == 2
+    assert [(state.phase, state.u) for state in found] == [
+        (RUNNING, (2.0, 2.0)),
+        (RUNNING, (3.0, 3.0)),
+        (RUNNING, (4.0, 4.0)),
+        (HOLDING, (4.0, 4.0)),
+    ]
+    assert [state.applied_tick for state in found] == [2, 3, 4, 4]
 
 
-@pytest.mark.parametrize("u", [(float("nan"), 0.0), (float("inf"), 0.0), (101.0, 0.0), (0.0,), (0.0, 0.0, 0.0), ()])
-def test_an_input_that_cannot_be_applied_is_refused_and_counted(u: tuple[float, ...]) -> None:
+@pytest.mark.parametrize(
+    "u",
+    [
+        (float("nan"), 0.0),
+        (float("inf"), 0.0),
+        (BOUND + 1.0, 0.0),
+        (0.0,),
+        (0.0, 0.0, 0.0),
+        (),
+    ],
+)
+@pytest.mark.parametrize("kind", [armed, lambda due_ms, at_ms, u: loose(1, due_ms, at_ms, u)])
+def test_an_input_that_cannot_be_applied_is_refused_and_counted(
+    kind: Callable[[int, int, tuple[float, ...]], Received], u: tuple[float, ...]
+) -> None:
     node = make_node()
 
-    state = states(node, 1, received(1, 0, 1, u=u))[-1]
+    state = states(node, 1, kind(0, 1, u))[-1]
 
-    assert (state.phase, state.inputs_refused) == (PlantPhase.WAITING, 1)
+    assert (state.phase, state.inputs_refused, state.input_epoch) == (WAITING, 1, 0)
 
 
-def test_an_older_input_never_replaces_a_newer_one() -> None:
+@pytest.mark.parametrize("u", [(3.0, 4.1), (-5.2, 0.0)])
+def test_an_input_beyond_the_norm_is_refused_also_among_the_repeated_ones(u: tuple[float, ...]) -> None:
+    node = make_node(norm=5.0)
+    states(node, 1, armed(0, 1, (3.0, 4.0)), armed(2, 1, (3.0, -4.0), earlier=(*u, 0.0, 0.0)))
+
+    assert states(node, 1, armed(1, 1, u))[-1].inputs_refused == 1
+    assert states(node, 2)[-1].phase is HOLDING
+
+
+@pytest.mark.parametrize("earlier", [(1.0,), (1.0, 2.0, 3.0)])
+def test_repeats_of_the_wrong_shape_are_refused(earlier: tuple[float, ...]) -> None:
+    assert states(make_node(), 1, armed(1, 1, earlier=earlier))[-1].inputs_refused == 1
+
+
+@pytest.mark.parametrize(
+    ("body", "scheduled_ns"),
+    [
+        (PlantInput(1, U, FAR_NS + 1, 0), 0),
+        (PlantInput(1, U, -FAR_NS - 1, 0, 0, UNARMED), 0),
+        (PlantInput(1, U, 0, 0), FAR_NS + 1),
+        (PlantInput(1, U, 0, 0), -FAR_NS - 1),
+        (PlantInput(1, U, 2 * MS, 0, 0, UNARMED, (0.0,) * 4), 0),  # repeats inputs of ticks before the first
+    ],
+)
+def test_numbers_that_no_filter_has_are_refused(body: PlantInput, scheduled_ns: int) -> None:
+    state = states(make_node(), 1, Received(head(1, scheduled_ns), body, MS))[-1]
+
+    assert (state.phase, state.inputs_refused) == (WAITING, 1)
+
+
+def test_an_older_session_is_foreign_as_soon_as_a_newer_one_was_heard() -> None:
     node = make_node()
-    states(node, 1, received(5, 0, 1, u=(5.0, 0.0)))
+    states(node, 1, armed(0, 1), armed(1, 1), armed(3, 1))
+    still = states(node, 2, armed(20, 2, first=20, epoch=2))[-1]
 
-    state = states(node, 2, received(4, 1, 2, u=(4.0, 0.0)))[-1]
+    state = states(node, 3, armed(2, 3))[-1]
 
-    assert (state.u, state.applied_tick) == ((5.0, 0.0), 5)
+    assert (still.phase, still.inputs_refused, still.input_epoch) == (RUNNING, 1, 2)
+    assert (state.phase, state.inputs_refused, state.input_epoch) == (HOLDING, 2, 2)
+
+
+def test_it_tells_the_largest_transit_in_its_time_minus_the_filters_clock() -> None:
+    node = make_node(playout_ns=5 * MS)
+    states(node, 10, armed(0, 10, made_ms=1007))  # plant time of the arrival: −5 ms
+    assert states(node, 11)[-1].input_transit_ns == (-5 - 1007) * MS
+
+    states(node, 13, armed(1, 13, made_ms=1008))
+
+    state = states(node, 14, armed(2, 14, made_ms=1012))[-1]
+    assert (state.input_transit_ns, state.input_epoch) == (-2 * MS - 1008 * MS, 1)
+
+
+def test_a_lost_input_counts_as_having_come_with_the_message_that_repeats_it() -> None:
+    node = make_node(playout_ns=5 * MS)
+    states(node, 10, armed(0, 10, made_ms=10))
+    states(node, 13, armed(3, 13, made_ms=13, earlier=(3.0, 3.0, 2.0, 2.0)))
+
+    assert states(node, 14)[-1].input_transit_ns == (-2 - 13 + 2) * MS
+
+
+def test_so_does_one_whose_loss_broke_the_arming_but_the_first_such_message_alone() -> None:
+    node = make_node()
+    states(node, 10, armed(0, 10, made_ms=10))
+    states(node, 12)
+    first = states(node, 13, armed(3, 13, made_ms=13, earlier=(3.0, 3.0, 2.0, 2.0)))[-1]
+    second = states(node, 14, armed(4, 14, made_ms=14, earlier=(4.0, 4.0, 3.0, 3.0, 2.0, 2.0)))[-1]
+
+    assert (first.disarmed_ns, first.input_transit_ns) == (MS, (3 - 13 + 2) * MS)
+    assert second.input_transit_ns == first.input_transit_ns
+
+
+class TestLoose:
+    """Inputs of no arming, from a filter that does not predict."""
+
+    def test_a_late_one_is_applied_at_once_and_counted(self) -> None:
+        node = make_node()
+        states(node, 1, loose(1, 0, 1))
+        states(node, 4)
+
+        state = states(node, 5, loose(2, 1, 5, u=(7.0, 0.0)))[-1]
+
+        assert (state.applied_tick, state.u, state.inputs_late, state.since_ns) == (2, (7.0, 0.0), 1, MS)
+        assert state.input_slack_ns == -3 * MS
+        assert state.received_tick == 2
+
+    def test_an_older_one_never_replaces_a_newer_one(self) -> None:
+        node = make_node()
+        states(node, 1, loose(5, 0, 1, u=(5.0, 0.0)))
+
+        state = states(node, 2, loose(4, 1, 2, u=(4.0, 0.0)))[-1]
+
+        assert (state.u, state.applied_tick) == ((5.0, 0.0), 5)
+
+    def test_it_is_held_and_fails_safe_as_any_other(self) -> None:
+        node = make_node(hold_ns=2 * MS)
+        states(node, 1, loose(1, 0, 1))
+
+        assert [states(node, k)[-1].phase for k in (2, 3, 4)] == [HOLDING, FAIL_SAFE, FAIL_SAFE]
+        assert states(node, 5, loose(2, 4, 5))[-1].phase is RUNNING
+
+    def test_none_is_taken_while_one_of_an_arming_is_in_force(self) -> None:
+        node = make_node()
+        states(node, 1, armed(0, 1), armed(1, 1))
+
+        state = states(node, 2, loose(9, 1, 2, u=(9.0, 9.0)))[-1]
+
+        assert (state.u, state.inputs_refused) == (U, 1)
+
+    def test_one_that_takes_effect_voids_an_arming_that_was_not_made_for_it(self) -> None:
+        node = make_node(hold_ns=MS)
+        states(node, 1, loose(1, 0, 1))
+        states(node, 3, armed(5, 3, first=5), armed(6, 3, first=5))
+        resumed = states(node, 4, loose(2, 3, 4))[-1]
+
+        assert (resumed.phase, resumed.disarmed_ns) == (RUNNING, 3 * MS)
+        assert [states(node, k)[-1].phase for k in (5, 6, 7)] == [FAIL_SAFE] * 3
+        states(node, 8, armed(8, 8, first=8, basis=3))
+        assert states(node, 9)[-1].phase is RUNNING
+
+
+number = st.one_of(st.floats(-120, 120), st.sampled_from([float("nan"), float("inf"), BOUND, -BOUND]))
+vector = st.lists(number, max_size=5).map(tuple)
+pair = st.tuples(st.floats(-BOUND, BOUND), st.floats(-BOUND, BOUND))
+time_ns = st.one_of(st.integers(-3, 25).map(lambda k: k * MS), st.sampled_from([UNARMED, MS + 1, -(2**63), 2**63 - 1]))
+plant_input = st.builds(
+    PlantInput,
+    tick=st.one_of(st.integers(0, 40), st.just(2**64 - 1)),
+    u=st.one_of(pair, vector),
+    effective_plant_ns=time_ns,
+    hold_ns=st.sampled_from([0, MS, 2**64 - 1]),
+    armed_from_ns=time_ns.filter(lambda ns: ns >= UNARMED),
+    basis_ns=time_ns.filter(lambda ns: ns >= UNARMED),
+    earlier=st.one_of(vector, st.lists(pair, max_size=6).map(lambda pairs: sum(pairs, ()))),
+)
+
+
+@given(
+    st.lists(
+        st.tuples(st.integers(0, 3), st.lists(st.tuples(st.integers(1, 3), time_ns, plant_input), max_size=4)),
+        max_size=25,
+    )
+)
+def test_no_messages_make_it_apply_anything_unbounded_or_say_what_does_not_fit_a_message(
+    steps: list[tuple[int, list[tuple[int, int, PlantInput]]]],
+) -> None:
+    node, at_ms = fuzzed(), 1
+    for skipped, bodies in steps:
+        at_ms += 1 + skipped
+        inbox = [Received(head(epoch, made_ns), body, at_ms * MS) for epoch, made_ns, body in bodies]
+        for state in states(node, at_ms, *inbox):
+            assert all(-BOUND <= value <= BOUND for value in state.u)
+            assert len(state.u) == 2
+            assert np.isfinite(state.x).all()
+            assert encode(head(), state)
+        assert len(node._armed._waiting) <= 7 * len(steps) * 4
+
+
+@given(st.data())
+def test_while_armed_every_input_is_the_next_of_the_same_arming(data: st.DataObject) -> None:
+    """Armings of two filters, lost, late, overtaken and repeated: u tells of which arming and period an input is."""
+    node, armings, disarmed = fuzzed(), [(0, None)], UNARMED
+    before: PlantState | None = None
+    for at_ms in range(1, 40):
+        inbox = []
+        for _ in range(data.draw(st.integers(0, 3))):
+            which = data.draw(st.integers(0, len(armings) - 1))
+            first, basis = armings[which]
+            due = first + data.draw(st.integers(0, 12))
+            count = data.draw(st.integers(0, min(due - first, 4)))
+            earlier = sum(((float(which), float(due - i)) for i in range(1, count + 1)), ())
+            u = (float(which), float(due))
+            inbox.append(armed(due, at_ms, u, first=first, basis=basis, earlier=earlier, epoch=1 + which % 2))
+        for state in states(node, at_ms, *inbox):
+            if state.phase is RUNNING:
+                which = int(state.u[0])
+                assert state.u[1] * MS == state.plant_ns
+                if before is None or before.phase is not RUNNING:
+                    assert armings[which][0] * MS == state.plant_ns
+                elif state.plant_ns > before.plant_ns:
+                    assert state.u == (before.u[0], before.u[1] + 1.0)
+                if armings[which][1] is not None:
+                    assert armings[which][1] * MS == state.disarmed_ns
+            if state.disarmed_ns != disarmed:
+                disarmed = state.disarmed_ns
+                now = state.plant_ns // MS
+                armings += [(now + ahead, disarmed // MS) for ahead in (2, 3)]
+            before = state if state.phase is not WAITING else None
+
+
+def fuzzed() -> PlantNode:
+    """Return a fresh node of a robot that is compiled once."""
+    return PlantNode(PLANT, RULE, x0=X0, period_ns=MS, playout_ns=0, limits=Limits(magnitude=(BOUND, BOUND)))
+
+
+ROBOT = damped_point(sigma=1.0, gamma_1=10.0)
+PLANT = SampledPlant(ROBOT.system, ROBOT.system.x.T @ ROBOT.system.x, 1e-3)
+RULE = FailSafe(ROBOT, Limits(magnitude=(BOUND, BOUND)), period_ns=MS, hold_ns=2 * MS)

@@ -36,7 +36,15 @@ HEADER = Header(
 
 BODIES: tuple[Message, ...] = (
     OperatorCommand(u_h=(1.5, -2.0), u_h_rate=(0.25, 0.0), enabled=True, device="lag"),
-    PlantInput(tick=300, u=(0.5, -0.5), effective_plant_ns=1_000_000, hold_ns=100_000_000),
+    PlantInput(
+        tick=300,
+        u=(0.5, -0.5),
+        effective_plant_ns=1_000_000,
+        hold_ns=100_000_000,
+        armed_from_ns=500_000,
+        basis_ns=-1,
+        earlier=(0.25, -0.25, 0.125, -0.125),
+    ),
     PlantState(
         plant_ns=-1,
         x=(1.0, 2.0, 3.0, 4.0),
@@ -51,6 +59,10 @@ BODIES: tuple[Message, ...] = (
         inputs_refused=2,
         integration_error=1e-12,
         received_tick=300,
+        disarmed_ns=400_000,
+        since_ns=900_000,
+        input_transit_ns=-4_999_000_000,
+        input_epoch=1_763_800_000_000_000_001,
     ),
     FilterTick(
         tick=300,
@@ -75,6 +87,7 @@ BODIES: tuple[Message, ...] = (
         state_age_ns=1_000_000,
         command_age_ns=2_000_000,
         override=Override((0.75, -0.5), allowed_fraction=0.25, unavoidable=False, distance_to_infeasibility=-3.5),
+        horizon_ns=410_000_000,
     ),
     LinkConfig(link="filter-to-plant", delay_s=0.2, jitter_s=0.05, loss=0.1, seed=7),
     LinkEvent(link="plant-to-filter", effect="dropped", topic="state", sequence=12),

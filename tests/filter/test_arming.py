@@ -1,0 +1,140 @@
+"""Which inputs a step makes: an unbroken series, and a new one only when the plant cannot follow the old one."""
+
+import pytest
+
+from protocol.messages import UNARMED, PlantInput, PlantPhase, PlantState
+from services.filter.arming import WAITING_NS, Arming, Loose
+
+MS = 1_000_000
+WAITING, RUNNING, HOLDING, FAIL_SAFE = PlantPhase
+
+
+def state(plant_ms: int, phase: PlantPhase, disarmed_ms: int | None = None) -> PlantState:
+    disarmed_ns = UNARMED if disarmed_ms is None else disarmed_ms * MS
+    return PlantState(
+        plant_ms * MS, (0.0,), (0.0,), (0.0,), 0, phase, 0.0, 0.0, 0, 0, 0, 0.0, 0, disarmed_ns=disarmed_ns
+    )
+
+
+def arming(repeats: int = 2) -> Arming:
+    return Arming(period_ns=MS, hold_ns=10 * MS, repeats=repeats)
+
+
+def send(series: Arming | Loose, *times_ms: int) -> list[PlantInput]:
+    return [series.message(at_ms + 1, (float(at_ms), -1.0), at_ms * MS) for at_ms in times_ms]
+
+
+def test_the_first_series_begins_where_the_schedule_says() -> None:
+    assert arming().begins_with(state(0, WAITING), 3 * MS) == (3 * MS, True)
+
+
+def test_every_period_has_its_turn_whatever_the_schedule_says() -> None:
+    series = arming()
+    series.begins_with(state(0, WAITING), 0)
+    send(series, 0, 1)
+
+    assert series.begins_with(state(0, RUNNING), 2 * MS) == (2 * MS, False)
+    assert series.begins_with(state(0, RUNNING), 9 * MS) == (2 * MS, False)  # catches up from where it was
+    assert series.begins_with(state(0, RUNNING), MS) == (2 * MS, False)  # nothing to make: the next is later
+
+
+def test_messages_tell_of_their_arming_and_repeat_the_newest_earlier_inputs() -> None:
+    series = arming(repeats=2)
+    series.begins_with(state(40, FAIL_SAFE, 31), 50 * MS)
+    sent = send(series, 50, 51, 52, 53)
+
+    assert [each.earlier for each in sent] == [
+        (),
+        (50.0, -1.0),
+        (51.0, -1.0, 50.0, -1.0),
+        (52.0, -1.0, 51.0, -1.0),
+    ]
+    assert {(each.armed_from_ns, each.basis_ns, each.hold_ns) for each in sent} == {(50 * MS, 31 * MS, 10 * MS)}
+    assert [(each.tick, each.effective_plant_ns) for each in sent] == [(k + 1, k * MS) for k in range(50, 54)]
+
+
+def test_without_repeats_messages_hold_their_own_input_alone() -> None:
+    series = arming(repeats=0)
+    series.begins_with(state(0, WAITING), 0)
+
+    assert [each.earlier for each in send(series, 0, 1)] == [(), ()]
+
+
+@pytest.mark.parametrize("phase", [HOLDING, FAIL_SAFE])
+def test_a_break_ends_the_series_and_the_next_one_rests_on_it(phase: PlantPhase) -> None:
+    series = arming()
+    series.begins_with(state(0, WAITING), 0)
+    send(series, 0, 1, 2, 3)
+
+    assert series.begins_with(state(2, phase, 2), 9 * MS) == (9 * MS, True)
+    [message] = send(series, 9)
+    assert (message.armed_from_ns, message.basis_ns, message.earlier) == (9 * MS, 2 * MS, ())
+
+
+def test_a_series_that_can_still_begin_is_kept() -> None:
+    series = arming()
+    series.begins_with(state(2, FAIL_SAFE, 2), 9 * MS)
+    send(series, 9)
+
+    assert series.begins_with(state(8, FAIL_SAFE, 2), 10 * MS) == (10 * MS, False)
+
+
+@pytest.mark.parametrize("phase", [HOLDING, FAIL_SAFE])
+def test_a_series_that_did_not_begin_in_time_is_given_up(phase: PlantPhase) -> None:
+    series = arming()
+    series.begins_with(state(2, FAIL_SAFE, 2), 9 * MS)
+    send(series, 9)
+
+    assert series.begins_with(state(9, phase, 2), 20 * MS) == (20 * MS, True)
+
+
+def test_a_plant_that_runs_on_what_another_filter_made_gets_nothing_until_it_has_run_out() -> None:
+    series = arming()
+
+    for plant_ms in range(5):
+        next_ns, begins = series.begins_with(state(plant_ms, RUNNING, 2), (plant_ms + 6) * MS)
+        assert next_ns > (plant_ms + 6) * MS
+        assert not begins
+    assert series.begins_with(state(5, HOLDING, 5), 11 * MS) == (11 * MS, True)
+    assert send(series, 11)[0].basis_ns == 5 * MS
+
+
+def test_a_plant_that_was_armed_anew_by_another_filter_ends_the_series_and_gets_none() -> None:
+    series = arming()
+    series.begins_with(state(2, FAIL_SAFE, 2), 9 * MS)
+    send(series, 9)
+
+    assert series.begins_with(state(20, RUNNING, 15), 25 * MS) == (26 * MS, False)
+
+
+def test_a_plant_at_rest_gets_another_series_when_the_first_input_seems_to_be_lost() -> None:
+    series, last_ms = arming(), WAITING_NS // MS
+    series.begins_with(state(0, WAITING), 0)
+    send(series, last_ms - 2)
+    assert series.begins_with(state(0, WAITING), (last_ms - 1) * MS) == ((last_ms - 1) * MS, False)
+    send(series, last_ms - 1)
+
+    assert series.begins_with(state(0, WAITING), last_ms * MS) == (last_ms * MS, True)
+
+
+def test_after_a_restart_a_new_series_begins_with_whatever_plant_there_is() -> None:
+    series = arming()
+    series.begins_with(state(0, WAITING), 0)
+    send(series, 0, 1)
+
+    series.restart()
+
+    assert series.begins_with(state(0, WAITING), 0) == (0, True)
+    assert send(series, 0)[0].earlier == ()
+
+
+def test_loose_inputs_are_of_no_arming_and_never_for_a_time_that_was_decided() -> None:
+    series = Loose(period_ns=MS, hold_ns=10 * MS)
+    assert series.begins_with(state(0, WAITING), 4 * MS) == (4 * MS, False)
+    [sent] = send(series, 4)
+
+    assert sent == PlantInput(5, (4.0, -1.0), 4 * MS, 10 * MS, UNARMED, UNARMED, ())
+    assert series.begins_with(state(0, RUNNING), 4 * MS) == (5 * MS, False)
+    assert series.begins_with(state(0, RUNNING), 7 * MS) == (7 * MS, False)
+    series.restart()
+    assert series.begins_with(state(0, RUNNING), 2 * MS) == (2 * MS, False)

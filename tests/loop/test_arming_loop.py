@@ -1,0 +1,279 @@
+"""Whatever the network does, an input takes effect only in the state it was made for, and the loop comes back.
+
+Links are cut, messages delayed, lost and overtaken, processes killed; all in lockstep, so that a case that fails is the
+same the next time.
+"""
+
+from itertools import pairwise
+from pathlib import Path
+from random import Random
+
+import numpy as np
+import pytest
+from arming_run import COMMANDS, INPUTS, RATE_HZ, SLOW, STATES, ArmingRun, bad_links
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from protocol.messages import FilterTick, PlantInput, PlantPhase
+from services.recorder.lockstep_log import LockstepLog
+from services.recorder.log_writer import LogWriter, run_metadata
+from services.review.log import RunLog
+from services.review.restep import restep
+from services.scenarios.load import load_scenario
+
+ROUND_TRIPS = 4
+"""Round trips within which a loop whose network works again is armed, beside the play-out time."""
+
+ESTIMATORS = [{"kind": "as-sent"}, {"kind": "white-acceleration", "agility": 30.0, "resolution": 0.1}]
+
+LOST_START_S = 3.0
+"""How long the filter waits for a plant at rest before it takes the first input for lost."""
+
+
+def links_of(rng: Random) -> dict[str, object]:
+    """Return settings of the three links, each its own."""
+    return {
+        f"links.{name}": {
+            "delay_s": rng.choice([0.0, 0.003, 0.05, 0.3]),
+            "jitter_s": rng.choice([0.0, 0.01, 0.05]),
+            "loss": rng.choice([0.0, 0.1, 0.3, 0.6]),
+            "seed": rng.randrange(1000),
+        }
+        for name in ("operator-to-filter", "filter-to-plant", "plant-to-filter")
+    }
+
+
+def require_exact(run: ArmingRun, least: int = 1) -> None:
+    """Demand that inputs took effect, each in the very state it was decided for."""
+    effective, wrong = run.inexact()
+    assert wrong == []
+    assert effective >= least
+
+
+@settings(max_examples=8)
+@given(
+    delay_s=st.floats(0.0, 0.3),
+    jitter_s=st.floats(0.0, 0.05),
+    loss=st.floats(0.0, 0.6),
+    seed=st.integers(0, 10_000),
+)
+@example(delay_s=0.3, jitter_s=0.05, loss=0.6, seed=0)
+@example(delay_s=0.0, jitter_s=0.0, loss=0.0, seed=0)
+def test_every_input_meets_the_state_it_was_made_for_and_h_stays_positive(
+    delay_s: float, jitter_s: float, loss: float, seed: int
+) -> None:
+    run = ArmingRun(**bad_links(delay_s=delay_s, jitter_s=jitter_s, loss=loss, seed=seed)).run(2.0)
+
+    require_exact(run)
+    assert run.least_h() >= 0.0
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_links_of_different_quality_change_nothing_about_it(seed: int) -> None:
+    run = ArmingRun(**links_of(Random(seed)), filter__mode="safe" if seed % 2 else "both").run(2.0)
+
+    require_exact(run)
+    assert run.least_h() >= 0.0
+
+
+@pytest.mark.parametrize("repeats", [0, 1, 64])
+def test_it_does_not_depend_on_how_many_inputs_a_message_repeats(repeats: int) -> None:
+    run = ArmingRun(**bad_links(delay_s=0.02, jitter_s=0.02, loss=0.1, seed=2), filter__repeats=repeats)
+    run.run(0.5 + (LOST_START_S if repeats == 0 else 0.0))
+
+    require_exact(run)
+    assert run.least_h() >= 0.0
+
+
+@pytest.mark.parametrize(
+    ("name", "overrides"),
+    [
+        ("notomista-cai-2020", {"plant.model": "drag-point", "plant.parameters": {"drag": 0.5}}),
+        ("two-robots", {"filter.repeats": 16}),
+        ("moving-disk", {}),
+    ],
+)
+def test_nonlinear_and_larger_plants_are_predicted_to_the_last_bit_too(name: str, overrides: dict[str, object]) -> None:
+    run = ArmingRun(name, **overrides, **bad_links(delay_s=0.06, jitter_s=0.03, loss=0.3, seed=3)).run(1.5)
+
+    require_exact(run, least=50)
+    assert len(run.disarmings()) > 0
+    assert run.least_h() >= 0.0
+
+
+def test_without_delay_nothing_is_ever_missing_and_two_runs_are_the_same_to_the_last_byte() -> None:
+    first, second = ArmingRun().run(2.0), ArmingRun().run(2.0)
+
+    assert first.disarmings() == []
+    assert {state.phase for state in first.trajectory()} == {PlantPhase.RUNNING}
+    require_exact(first, least=390)
+    assert first.wire() == second.wire()
+
+
+def test_constant_delay_breaks_nothing_either() -> None:
+    run = ArmingRun(**bad_links(delay_s=0.2)).run(3.0)
+
+    assert run.disarmings() == []
+    assert run.least_h() >= 0.0
+
+
+def test_two_runs_over_a_bad_network_are_the_same_to_the_last_byte() -> None:
+    overrides = bad_links(delay_s=0.05, jitter_s=0.03, loss=0.3, seed=7)
+
+    assert ArmingRun(**overrides).run(1.5).wire() == ArmingRun(**overrides).run(1.5).wire()
+
+
+def test_without_play_out_time_and_without_delay_the_loop_runs() -> None:
+    run = ArmingRun(plant__playout_s=0.0).run(1.0)
+
+    require_exact(run, least=190)
+    assert run.armed
+
+
+@pytest.mark.parametrize("cut", [INPUTS, STATES])
+@pytest.mark.parametrize("outage_s", [0.5, 2.0])
+def test_a_link_that_is_out_leads_to_the_fail_safe_and_back_without_a_jump(cut: type, outage_s: float) -> None:
+    run = ArmingRun(**bad_links("filter-to-plant", "plant-to-filter", delay_s=0.04)).run(1.0)
+    node = run.plant if cut is INPUTS else run.filter
+    node.severed = {cut}
+    run.run(outage_s)
+    assert run.state.phase is PlantPhase.FAIL_SAFE
+    node.severed = set()
+    until_armed_s = run.seconds_until_armed(1.0)
+    run.run(0.5)
+
+    assert until_armed_s <= ROUND_TRIPS * 0.08
+    require_exact(run)
+    assert run.least_h() >= 0.0
+    assert_no_jump(run)
+
+
+def assert_no_jump(run: ArmingRun) -> None:
+    """The first input after a fail-safe is u⁺ = u + dt(φ + v), u the fail-safe's last one.
+
+    So ‖u⁺ − u‖ ≤ dt(‖φ‖ + ‖v‖), where φ tracks û and v is what the rows demand.
+    """
+    states, dt_s = run.trajectory(), run.scenario.dt_s
+    ticks = {(tick.effective_plant_ns, tick.tick): tick for tick in run.ticks()}
+    armed = [
+        (before.u, ticks[after.plant_ns, after.applied_tick])
+        for before, after in pairwise(states)
+        if before.phase is not PlantPhase.RUNNING and after.phase is PlantPhase.RUNNING
+    ]
+    assert armed
+    for before, tick in armed:
+        step = np.array(tick.u) - before
+        assert step == pytest.approx(dt_s * (np.array(tick.phi) + tick.v), abs=1e-9)
+        assert np.linalg.norm(step) <= dt_s * (np.linalg.norm(tick.phi) + np.linalg.norm(tick.v)) + 1e-9
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_filter_that_is_killed_and_started_again_takes_over(seed: int) -> None:
+    rng = Random(seed)
+    delay_s = rng.choice([0.0, 0.02, 0.1])
+    loss = rng.choice([0.0, 0.2])
+    run = ArmingRun(**bad_links("filter-to-plant", "plant-to-filter", delay_s=delay_s, loss=loss, seed=seed))
+    run.run(rng.uniform(0.0, 1.2))
+    run.restart_filter(dead_s=rng.choice([0.0, 0.005, 0.1, 0.4]))
+    run.run(2 * delay_s + 0.1)  # what the one before sent has run out
+    until_armed_s = run.seconds_until_armed(3.0)
+    run.run(0.3)
+
+    assert until_armed_s <= ROUND_TRIPS * (2 * delay_s + 0.05)
+    require_exact(run)
+    assert run.least_h() >= 0.0
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_plant_that_is_started_again_gets_an_arming_of_its_own(seed: int) -> None:
+    rng = Random(seed)
+    run = ArmingRun(**bad_links("filter-to-plant", "plant-to-filter", delay_s=rng.choice([0.0, 0.1])))
+    run.run(rng.uniform(0.01, 1.0))
+    run.restart_plant()
+    run.sent.clear()
+    run.run(0.6)
+
+    assert run.armed
+    assert run.trajectory()[0].x == run.scenario.plant.x0
+    require_exact(run)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_after_a_burst_of_loss_the_loop_is_armed_again(seed: int) -> None:
+    rng = Random(100 + seed)
+    delay_s = rng.choice([0.0, 0.05, 0.3])
+    run = ArmingRun(**bad_links("filter-to-plant", "plant-to-filter", delay_s=delay_s, jitter_s=0.01, seed=seed))
+    run.run(rng.choice([0.0, 0.01, 0.7, 1.5]))
+    cuts = rng.choice([{INPUTS}, {STATES}, {INPUTS, STATES}, {INPUTS, STATES, COMMANDS}])
+    run.plant.severed = run.filter.severed = cuts
+    run.run(rng.choice([0.05, 0.4, 1.0, 5.0]))
+    run.plant.severed = run.filter.severed = set()
+    run.run(2 * delay_s + 0.05)
+    until_armed_s = run.seconds_until_armed(8.0)
+    run.run(0.2)
+
+    assert until_armed_s <= LOST_START_S + ROUND_TRIPS * (2 * delay_s + 0.05)
+    require_exact(run)
+    assert run.least_h() >= 0.0
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_plant_and_a_filter_that_flicker_are_armed_once_they_stay(seed: int) -> None:
+    rng = Random(seed)
+    run = ArmingRun(**bad_links(delay_s=0.02, jitter_s=0.02, loss=0.2, seed=seed))
+    for _ in range(8):
+        run.run(rng.uniform(0.0, 0.3))
+        rng.choice([run.restart_filter, run.restart_plant])()
+    run.sent.clear()
+    run.run(0.005)
+
+    assert run.seconds_until_armed(LOST_START_S + 1.0) < float("inf")
+
+
+def test_what_is_remembered_of_inputs_sent_is_bounded() -> None:
+    run = ArmingRun(**bad_links(delay_s=0.1, jitter_s=0.05, loss=0.3, seed=1)).run(2.0)
+    run.filter.severed = {STATES}
+    run.run(3.0)
+    predictor, held = run.filter.node._foresight, run.plant.node._armed._waiting
+
+    at_most = (0.5 + 0.2) * RATE_HZ
+    assert len(predictor._sent) <= at_most
+    assert len(predictor._path) <= at_most
+    assert len(held) <= at_most
+
+
+def logged(path: Path, *, restart: bool, **overrides: object) -> tuple[ArmingRun, RunLog]:
+    """Run with a log, with another filter halfway if wanted."""
+    scenario = load_scenario("notomista-cai-2020", SLOW | overrides)
+    metadata = run_metadata(scenario_json=scenario.model_dump_json(), versions={}, driver="lockstep")
+    with LogWriter(path, metadata) as log:
+        run = ArmingRun(observer=LockstepLog(log), **overrides).run(1.2)
+        if restart:
+            run.restart_filter(dead_s=0.02)
+            run.run(1.3)
+    return run, RunLog.read(path)
+
+
+@pytest.mark.parametrize(("estimator", "restart"), [(0, False), (0, True), (1, True)])
+def test_a_log_of_a_bad_network_steps_again_tick_by_tick(tmp_path: Path, estimator: int, *, restart: bool) -> None:
+    overrides = bad_links(delay_s=0.04, jitter_s=0.03, loss=0.2, seed=9) | {"operator.estimator": ESTIMATORS[estimator]}
+    run, log = logged(tmp_path / "run.mcap", restart=restart, **overrides)
+    steps = [message.header.scheduled_ns for message in log.of(PlantInput)]
+    found = restep(log)
+
+    assert found.first_difference == ""
+    assert found.exact
+    assert found.ticks == len(run.ticks())
+    assert len({message.header.epoch for message in log.of(FilterTick)}) == 1 + restart
+    assert len(set(steps)) < len(steps)  # several inputs in a step
+
+
+def test_a_filter_that_does_not_predict_sends_inputs_of_no_arming_and_decides_on_the_newest_state() -> None:
+    run = ArmingRun(filter__prediction=False, **bad_links(delay_s=0.05)).run(1.0)
+    inputs = [body for _, _, body in run.sent if isinstance(body, PlantInput)]
+    states = {state.x for state in run.trajectory()}
+
+    assert {(each.armed_from_ns, each.basis_ns, each.earlier) for each in inputs} == {(-1, -1, ())}
+    assert {tick.x_hat for tick in run.ticks()} <= states
+    assert {tick.horizon_ns for tick in run.ticks()} == {0}
+    assert PlantPhase.RUNNING in {state.phase for state in run.trajectory()}

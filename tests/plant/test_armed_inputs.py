@@ -1,0 +1,322 @@
+"""What an arming lets take effect: the series without a hole, at its times, for the break that it rests on."""
+
+from itertools import count
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from protocol.messages import UNARMED, Header, PlantInput
+from services.plant.armed_inputs import MOST_AHEAD, REFUSED, REPEATED, ArmedInput, ArmedInputs
+
+MS = 1_000_000
+
+
+def is_applicable(u: tuple[float, ...]) -> bool:
+    return all(-100.0 <= value <= 100.0 for value in u)
+
+
+def armed_inputs() -> ArmedInputs:
+    return ArmedInputs(MS, is_applicable)
+
+
+def value(due: int, first: int = 0, basis: int = UNARMED) -> float:
+    """Return the input of an arming for a period: tells of which one it is."""
+    return due + first * 1e-3 + basis * 1e-6
+
+
+def put(
+    held: ArmedInputs,
+    due: int,
+    *,
+    first: int = 0,
+    basis: int = UNARMED,
+    repeats: int = 0,
+    epoch: int = 1,
+    earlier: tuple[float, ...] | None = None,
+) -> int:
+    """Put in the message of one period with what it repeats; times in periods."""
+    if earlier is None:
+        earlier = tuple(value(due - i, first, basis) for i in range(1, min(repeats, due - first) + 1))
+    basis_ns = UNARMED if basis == UNARMED else basis * MS
+    body = PlantInput(due + 1, (value(due, first, basis),), due * MS, 5 * MS, first * MS, basis_ns, earlier)
+    return held.put(Header("filter", epoch, 0, 0, 0, 0, 0), body)
+
+
+def take(held: ArmedInputs, *periods: int) -> list[float | None]:
+    """Return the inputs that take effect at some plant times."""
+    taken = [held.take(period * MS) for period in periods]
+    return [None if each is None else each.u[0] for each in taken]
+
+
+def test_a_series_takes_effect_period_by_period() -> None:
+    held = armed_inputs()
+    admissions = [put(held, due) for due in range(4)]
+
+    assert admissions == [0] * 4
+    assert take(held, *range(4)) == [value(due) for due in range(4)]
+    assert (held.armed, held.disarmed_ns) == (True, UNARMED)
+
+
+def test_what_takes_effect_says_of_which_tick_it_is_and_how_long_it_may_be_held() -> None:
+    held = armed_inputs()
+    put(held, 2, repeats=2)
+
+    assert [held.take(k * MS) for k in range(3)] == [ArmedInput((value(k),), k + 1, 5 * MS) for k in range(3)]
+
+
+def test_a_missing_input_disarms_and_voids_everything_that_waits() -> None:
+    held = armed_inputs()
+    for due in (0, 1, 3, 4):
+        put(held, due)
+
+    assert take(held, *range(5)) == [value(0), value(1), None, None, None]
+    assert (held.armed, held.disarmed_ns, held.first_ns) == (False, 2 * MS, UNARMED)
+    assert put(held, 5) == REFUSED
+
+
+def test_only_an_arming_that_rests_on_the_break_arms_again() -> None:
+    held = armed_inputs()
+    put(held, 0)
+    take(held, 0, 1)
+
+    assert held.disarmed_ns == MS
+    assert put(held, 5, first=5) == REFUSED
+    assert put(held, 5, first=5, basis=2) == REFUSED
+    assert put(held, 5, first=5, basis=1) == 0
+    assert take(held, 2, 3, 4, 5, 6) == [None, None, None, value(5, 5, 1), None]
+    assert held.disarmed_ns == 6 * MS
+
+
+@pytest.mark.parametrize(("due", "expected"), [(4, REFUSED), (5, REFUSED), (6, 0)])
+def test_the_first_input_has_to_come_before_its_time(due: int, expected: int) -> None:
+    held = armed_inputs()
+    put(held, 0)
+    take(held, *range(6))
+
+    assert put(held, due, first=due, basis=1) == expected
+
+
+def test_a_first_input_that_is_one_period_late_takes_no_effect_and_neither_do_those_after_it() -> None:
+    held = armed_inputs()
+    put(held, 0)
+    take(held, 0, 1)
+    put(held, 4, first=3, basis=1)
+    put(held, 5, first=3, basis=1)
+
+    assert take(held, 2, 3) == [None, None]
+    assert put(held, 3, first=3, basis=1) == REFUSED
+    assert take(held, 4, 5) == [None, None]
+    assert held.disarmed_ns == MS
+
+
+@pytest.mark.parametrize("lost", range(1, 6))
+def test_repeats_fill_holes_up_to_their_number(lost: int) -> None:
+    held, repeats = armed_inputs(), 3
+    put(held, 0)
+    due = lost + 1
+    admission = put(held, due, repeats=repeats)
+    taken = take(held, *range(due + 1))
+
+    assert admission == min(lost, repeats)
+    if lost <= repeats:
+        assert taken == [value(k) for k in range(due + 1)]
+    else:
+        assert taken == [value(0)] + [None] * due
+        assert held.disarmed_ns == MS
+
+
+def test_repeats_reach_back_to_the_first_input_and_no_further() -> None:
+    held = armed_inputs()
+
+    assert put(held, 7, first=5, earlier=(1.0, 2.0, 3.0, 4.0)) == 2
+    assert take(held, 5, 6, 7) == [2.0, 1.0, value(7, 5)]
+
+
+def test_before_plant_time_begins_a_message_has_to_hold_the_first_input() -> None:
+    held = armed_inputs()
+
+    assert put(held, 3, repeats=2) == REFUSED
+    assert put(held, 3, repeats=3) == 3
+    assert held.first_ns == 0
+
+
+@given(st.permutations(range(12)), st.integers(0, 3))
+def test_the_order_of_arrival_does_not_matter(order: list[int], repeats: int) -> None:
+    held = armed_inputs()
+    put(held, 0)
+    for due in order:
+        put(held, due, repeats=repeats)
+        put(held, due, repeats=repeats)
+
+    assert take(held, *range(13)) == [*map(value, range(12)), None]
+
+
+def test_what_is_known_or_has_passed_is_repetition() -> None:
+    held = armed_inputs()
+    put(held, 0)
+    assert put(held, 0) == REPEATED
+    take(held, 0)
+
+    assert put(held, 0) == REPEATED
+    assert put(held, 1) == 0
+
+
+def test_a_known_input_is_not_replaced() -> None:
+    held = armed_inputs()
+    put(held, 1, earlier=(40.0,))
+    put(held, 2, earlier=(41.0, 42.0))
+
+    assert take(held, 0, 1, 2) == [40.0, value(1), value(2)]
+
+
+def test_while_armed_no_other_arming_of_whatever_session_counts() -> None:
+    held = armed_inputs()
+    put(held, 0)
+    put(held, 1)
+    take(held, 0)
+
+    assert put(held, 1, first=1) == REFUSED
+    assert put(held, 1, first=1, epoch=2) == REFUSED
+    assert put(held, 1, epoch=2) == REFUSED
+    assert take(held, 1) == [value(1)]
+
+
+def test_of_two_armings_that_wait_the_newer_counts() -> None:
+    held = armed_inputs()
+    put(held, 0)
+    take(held, 0, 1)
+    put(held, 5, first=5, basis=1)
+    put(held, 6, first=5, basis=1)
+
+    assert put(held, 6, first=6, basis=1) == 0
+    assert put(held, 7, first=5, basis=1) == REFUSED
+    assert take(held, 2, 3, 4, 5, 6, 7) == [None] * 4 + [value(6, 6, 1), None]
+
+
+def test_of_two_sessions_the_newer_counts_whenever_its_arming_begins() -> None:
+    held = armed_inputs()
+    put(held, 0)
+    take(held, 0, 1)
+    put(held, 9, first=9, basis=1, epoch=1)
+
+    assert put(held, 5, first=5, basis=1, epoch=2) == 0
+    assert put(held, 8, first=8, basis=1, epoch=1) == REFUSED
+    assert take(held, *range(2, 6)) == [None] * 3 + [value(5, 5, 1)]
+
+
+def test_a_newer_arming_replaces_one_for_which_plant_time_has_not_begun() -> None:
+    held = armed_inputs()
+    put(held, 0)
+    put(held, 1)
+
+    assert put(held, 3000, first=3000) == 0
+    assert held.first_ns == 3000 * MS
+    assert put(held, 2) == REFUSED
+    assert take(held, 3000, 3001) == [value(3000, 3000), None]
+
+
+def test_inputs_absurdly_far_ahead_are_refused_and_end_nothing_that_waits() -> None:
+    held = armed_inputs()
+    put(held, 0)
+    assert put(held, MOST_AHEAD) == 0
+    assert put(held, MOST_AHEAD + 1) == REFUSED
+    take(held, 0, 1)
+    put(held, 5, first=5, basis=1)
+
+    assert put(held, 2 + MOST_AHEAD, first=2 + MOST_AHEAD, basis=1) == REFUSED
+    assert put(held, 10**9, first=5, basis=1) == REFUSED
+    assert take(held, 2, 3, 4, 5) == [None] * 3 + [value(5, 5, 1)]
+
+
+@pytest.mark.parametrize(("due_ns", "first_ns"), [(MS, 2 * MS), (5 * MS + 1, 5 * MS), (5 * MS + 1, 5 * MS + 1)])
+def test_times_off_the_grid_or_before_the_first_are_refused(due_ns: int, first_ns: int) -> None:
+    held = armed_inputs()
+    put(held, 0)
+    take(held, 0, 1)
+    body = PlantInput(1, (1.0,), due_ns, 0, first_ns, MS)
+
+    assert held.put(Header("filter", 1, 0, 0, 0, 0, 0), body) == REFUSED
+    assert held.first_ns == UNARMED
+
+
+@pytest.mark.parametrize("bad", [float("nan"), float("inf"), 100.5])
+def test_a_repeated_input_that_cannot_be_applied_is_a_hole(bad: float) -> None:
+    held = armed_inputs()
+    put(held, 0)
+
+    assert put(held, 3, earlier=(value(2), bad)) == 1
+    assert take(held, *range(4)) == [value(0), None, None, None]
+
+
+def test_an_input_of_no_arming_breaks_off_what_waits() -> None:
+    held = armed_inputs()
+    put(held, 0)
+    take(held, 0, 1)
+    put(held, 5, first=5, basis=1)
+
+    held.break_off(3 * MS)
+
+    assert put(held, 6, first=5, basis=1) == REFUSED
+    assert put(held, 8, first=8, basis=1) == REFUSED
+    assert put(held, 8, first=8, basis=3) == 0
+    assert (held.armed, held.disarmed_ns) == (False, 3 * MS)
+
+
+def missed(held: ArmedInputs, due: int, *, repeats: int, first: int = 0, basis: int = UNARMED) -> int:
+    earlier = (0.0,) * min(repeats, due - first)
+    basis_ns = UNARMED if basis == UNARMED else basis * MS
+    body = PlantInput(due + 1, (0.0,), due * MS, 0, first * MS, basis_ns, earlier)
+    header = Header("filter", 1, 0, 0, 0, 0, 0)
+    assert held.put(header, body) == REFUSED
+    return held.missed(header, body)
+
+
+def test_the_first_message_that_brings_what_was_missing_tells_how_late_it_is() -> None:
+    held = armed_inputs()
+    put(held, 0)
+    take(held, 0, 1, 2, 3)
+
+    assert missed(held, 6, repeats=4) == 0  # does not reach back to 1
+    assert missed(held, 5, repeats=4) == 4
+    assert missed(held, 4, repeats=4) == 0  # told already
+    assert missed(held, 3, repeats=0) == 0
+
+
+def test_so_it_is_for_a_first_input_that_did_not_come() -> None:
+    held = armed_inputs()
+    put(held, 0)
+    take(held, 0, 1, 2, 3, 4)
+
+    assert missed(held, 5, repeats=4, first=3, basis=2) == 0  # rests on something else
+    assert missed(held, 5, repeats=4, first=3, basis=1) == 2
+    assert missed(held, 6, repeats=4, first=3, basis=1) == 0
+
+
+@given(st.data())
+def test_nothing_takes_effect_out_of_its_arming(data: st.DataObject) -> None:
+    """Any messages of filters that play by the rule, in any order: each input that is taken follows the one before."""
+    held = armed_inputs()
+    due_of = st.integers(0, 30)
+    before: float | None = None
+    for now in count():
+        if now == 30:
+            break
+        for _ in range(data.draw(st.integers(0, 4))):
+            due, first = data.draw(due_of), data.draw(due_of)
+            basis = data.draw(st.sampled_from([UNARMED, max(held.disarmed_ns, -MS) // MS, 3]))
+            repeats = data.draw(st.integers(0, 5))
+            if first <= due:
+                put(held, due, first=first, basis=basis, repeats=repeats, epoch=data.draw(st.integers(1, 2)))
+        waiting = held.disarmed_ns // MS if held.disarmed_ns >= 0 else UNARMED
+        [taken] = take(held, now)
+        if taken is not None:
+            arming = round((taken - now) * 1e6)
+            if before is not None:
+                assert arming == before
+            else:
+                assert arming == round((value(now, now, waiting) - now) * 1e6)
+            before = arming
+        else:
+            before = None
+        assert len(held._waiting) <= 60
