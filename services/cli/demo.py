@@ -1,6 +1,7 @@
 """``passafe demo``: the whole system as processes on this machine."""
 
 import sys
+from collections.abc import Container
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Final
@@ -28,13 +29,19 @@ from services.review.verdict import Verdict
 from services.router.port import require_free_router_port
 from services.runtime.awake import awake_specs
 from services.runtime.endpoint import DEFAULT_PORT, LOOPBACK, Endpoint
-from services.runtime.outcome import GRACE_S, Outcome, ProcessSpec
+from services.runtime.outcome import GRACE_S, Cause, Outcome, ProcessSpec, Restarts
 from services.runtime.supervisor import supervise
 from services.scenarios.design import design_of, robot_of
 from services.scenarios.schema import Scenario
 
 DIED: Final = 3
-"""Exit code when a process died or could not be started."""
+"""Exit code when a process died for good, could not be started or did not come to its end."""
+
+RESTARTED: Final = ("router", "dashboard", "operator", "filter")
+"""What ``--restart`` starts again: not the recorder, whose log would be in two parts, nor the plant, which is the robot."""
+
+PATIENCE_S: Final = 60.0
+"""How much longer than ``--duration`` a run may take by the clock: plant time stands still until the filter is there."""
 
 RECORDER_GRACE_S: Final = 20.0
 """How long the recorder may take to end: on a busy machine it has a backlog to write."""
@@ -51,6 +58,15 @@ def demo(
     port: Annotated[int, typer.Option(min=1, max=65535, help="Port of the dashboard's page.")] = 8080,
     router_port: Annotated[int, typer.Option(min=1, max=65535, help="Port of the router.")] = DEFAULT_PORT,
     link: LinkOption = None,
+    restart: Annotated[
+        bool,
+        typer.Option(
+            "--restart",
+            help="Start router, operator, filter and dashboard again when they die, at most "
+            f"{Restarts().most} times a minute each: kill one and see the robot go on. A recorder or plant that dies "
+            "still ends the run.",
+        ),
+    ] = False,
     keep_awake: Annotated[
         bool,
         typer.Option(
@@ -64,6 +80,9 @@ def demo(
     Open the address that is printed, drive with `passafe run operator --device keyboard` in another terminal, and
     end with Ctrl-C. Then the log is judged as by `passafe review`. Exits with 0 only if every required property
     holds and every process ended well.
+
+    With `--restart`, `pkill -9 -f 'run filter'` shows what a dead process does to the robot: its own fail-safe stops
+    it, and the next filter takes over from there.
 
     Example: `passafe demo --mode off --duration 10`
     """
@@ -81,7 +100,7 @@ def demo(
     log = base.with_suffix(".mcap")
     specs = [
         *(awake_specs() if keep_awake else ()),
-        *_specs(effective, endpoint, log, None if headless else port, duration),
+        *_specs(effective, endpoint, log, None if headless else port, duration, RESTARTED if restart else ()),
     ]
     console = Console(highlight=False, soft_wrap=True)
 
@@ -90,12 +109,18 @@ def demo(
             console.print(f"dashboard http://{LOOPBACK}:{port}/")
         console.print("running; end with Ctrl-C" if duration is None else f"running for {duration:g} s")
 
-    outcome = supervise(specs, on_ready=say_ready, emit=console.out)
+    most_s = None if duration is None else duration + PATIENCE_S
+    outcome = supervise(specs, duration_s=most_s, on_ready=say_ready, emit=console.out)
     raise typer.Exit(_conclude(outcome, log, chosen, console))
 
 
 def _specs(
-    scenario_file: Path, endpoint: Endpoint, log: Path, port: int | None, duration_s: float | None
+    scenario_file: Path,
+    endpoint: Endpoint,
+    log: Path,
+    port: int | None,
+    duration_s: float | None,
+    restarted: Container[str],
 ) -> list[ProcessSpec]:
     """Return the processes in the order in which they start; the plant last, so that it is stopped first."""
     extra: dict[str, list[str]] = {
@@ -121,6 +146,7 @@ def _specs(
             name=name,
             argv=(sys.executable, "-m", "services.cli.run", name, *common, *arguments),
             grace_s=graces.get(name, GRACE_S),
+            restarts=Restarts() if name in restarted else None,
         )
         for name, arguments in extra.items()
     ]
@@ -128,8 +154,12 @@ def _specs(
 
 def _conclude(outcome: Outcome, log: Path, scenario: Scenario, console: Console) -> int:
     """Print how the run ended, the verdict and the log's path; return the exit code."""
-    if not outcome.clean:
-        console.print(f"[bold red]{outcome.detail}[/]")
+    too_long = outcome.cause is Cause.DURATION  # the plant ends a run that goes as it should
+    if not outcome.clean or too_long:
+        console.print(f"[bold red]{outcome.detail}{', and the plant has not come to its end' if too_long else ''}[/]")
+    if outcome.restarts:
+        counts = ", ".join(f"{name} {count}" for name, count in outcome.restarts.items())
+        console.print(f"restarts  {counts}", highlight=False)
     if not log.exists():
         return DIED
     read = RunLog.read(log)
@@ -140,4 +170,4 @@ def _conclude(outcome: Outcome, log: Path, scenario: Scenario, console: Console)
         console.print(f"the recorder did not finish its log; {kept.messages} messages were recovered from {torn}")
     verdict = Verdict.of(read, CoreMathematics(scenario))
     print_verdict(verdict, log)
-    return exit_code(verdict) if outcome.clean else DIED
+    return exit_code(verdict) if outcome.clean and not too_long else DIED

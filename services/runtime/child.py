@@ -32,12 +32,14 @@ class Child(asyncio.SubprocessProtocol):
         spec: What it is.
         ready: Set when it has said that it is ready.
         ended: Done when it has ended and its last lines are relayed; holds its return code.
+        restarted: Whether it was started again after its end, as another child.
     """
 
     def __init__(self, spec: ProcessSpec, emit: Emit, loop: asyncio.AbstractEventLoop) -> None:
         self.spec = spec
         self.ready = asyncio.Event()
         self.ended: asyncio.Future[int] = loop.create_future()
+        self.restarted = False
         self._emit = emit
         self._loop = loop
         self._transport: asyncio.SubprocessTransport | None = None
@@ -71,7 +73,13 @@ class Child(asyncio.SubprocessProtocol):
     @property
     def exit(self) -> Exit:
         """How it ended; only after ``ended``."""
-        return Exit(name=self.spec.name, returncode=self.ended.result(), asked=self._asked, forced=self._forced)
+        return Exit(
+            name=self.spec.name,
+            returncode=self.ended.result(),
+            asked=self._asked,
+            forced=self._forced,
+            restarted=self.restarted,
+        )
 
     def ask(self) -> None:
         """Ask it to end (SIGTERM)."""

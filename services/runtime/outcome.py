@@ -1,12 +1,27 @@
 """What a supervisor is given, and what it tells at the end."""
 
 import signal
+from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 from typing import Final
 
 GRACE_S: Final = 3.0
 """How long a process may take to end before it is killed, unless its specification says otherwise."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Restarts:
+    """How often a process that died is started again; the next death after that ends the run.
+
+    Attributes:
+        most: How many times within ``within_s``.
+        within_s: Length of the stretch of time that counts, s.
+    """
+
+    most: int = 5
+    within_s: float = 60.0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -20,11 +35,13 @@ class ProcessSpec:
         name: Its name, unique in a run; every line that it prints gets it as a prefix.
         argv: The program and its arguments.
         grace_s: How long it may take to end before it is killed.
+        restarts: How often it is started again when it dies; ``None``: its death ends the run.
     """
 
     name: str
     argv: tuple[str, ...]
     grace_s: float = GRACE_S
+    restarts: Restarts | None = None
 
 
 class Cause(Enum):
@@ -40,7 +57,7 @@ class Cause(Enum):
     """A process ended by itself, with exit code 0."""
 
     DIED = "died"
-    """A process ended by itself in any other way."""
+    """A process ended by itself in any other way, and was not to be started again."""
 
     NOT_READY = "not ready"
     """A process was not ready in time."""
@@ -58,12 +75,14 @@ class Exit:
         returncode: Exit code, or the negative number of the signal that killed it.
         asked: Whether it ended because the supervisor had asked it to.
         forced: Whether the supervisor had to kill it.
+        restarted: Whether the supervisor started it again after that.
     """
 
     name: str
     returncode: int
     asked: bool
     forced: bool
+    restarted: bool = False
 
     @property
     def how(self) -> str:
@@ -98,7 +117,12 @@ class Outcome:
         return tuple(end for end in self.exits if not end.asked and end.returncode != 0)
 
     @property
+    def restarts(self) -> Mapping[str, int]:
+        """How often each process was started again, by name; one that never was is left out."""
+        return Counter(end.name for end in self.exits if end.restarted)
+
+    @property
     def clean(self) -> bool:
-        """Whether it ended as it should: no process died, none had to be killed, none failed to stop well."""
+        """Whether it ended as it should: none had to be killed, none failed to stop well, and none died for good."""
         meant = self.cause in {Cause.DURATION, Cause.SIGNAL, Cause.LEFT}
-        return meant and all(end.returncode == 0 for end in self.exits)
+        return meant and all(end.returncode == 0 or end.restarted for end in self.exits)

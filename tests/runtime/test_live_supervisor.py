@@ -7,11 +7,12 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from services.runtime.outcome import Cause, ProcessSpec
+from services.runtime.outcome import Cause, ProcessSpec, Restarts
 from services.runtime.supervisor import supervise
 
 pytestmark = pytest.mark.live
@@ -20,9 +21,11 @@ TOY = str(Path(__file__).with_name("toy_process.py"))
 PATIENCE_S = 20.0
 
 
-def toy(name: str, kind: str = "plain", *arguments: object, grace_s: float = 10.0) -> ProcessSpec:
+def toy(
+    name: str, kind: str = "plain", *arguments: object, grace_s: float = 10.0, restarts: Restarts | None = None
+) -> ProcessSpec:
     argv = (sys.executable, TOY, kind, "--name", name, *map(str, arguments))
-    return ProcessSpec(name=name, argv=argv, grace_s=grace_s)
+    return ProcessSpec(name=name, argv=argv, grace_s=grace_s, restarts=restarts)
 
 
 class Terminal:
@@ -31,6 +34,8 @@ class Terminal:
     def __init__(self) -> None:
         self.lines: list[tuple[float, str]] = []
         self.pids: dict[str, dict[str, int]] = {}
+        self.said_pid: list[tuple[str, int]] = []
+        self.on_pid: Callable[[str, int], None] = lambda name, pid: None
 
     def __call__(self, line: str) -> None:
         """Take a line."""
@@ -40,6 +45,8 @@ class Terminal:
             said = json.loads(text)
             if "pid" in said:
                 self.pids[name.strip()] = said
+                self.said_pid.append((name.strip(), said["pid"]))
+                self.on_pid(name.strip(), said["pid"])
 
     def when(self, text: str) -> float:
         """When the first line with ``text`` came."""
@@ -178,6 +185,121 @@ def test_what_a_killed_process_started_does_not_stay_behind(terminal: Terminal) 
     )
     assert outcome.detail == "filter died: killed by SIGKILL"
     assert gone(terminal.all_pids)
+
+
+def test_a_process_that_dies_is_started_again_and_the_others_are_left_alone(terminal: Terminal) -> None:
+    def stop_when_back(name: str, _pid: int) -> None:
+        if [said for said, _ in terminal.said_pid].count(name) == 2:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    terminal.on_pid = stop_when_back
+    outcome = supervise(
+        [toy("router"), toy("filter", restarts=Restarts()), toy("plant")],
+        emit=terminal,
+        on_ready=lambda: os.kill(terminal.pids["filter"]["pid"], signal.SIGKILL),
+    )
+    assert outcome.cause is Cause.SIGNAL
+    assert outcome.restarts == {"filter": 1}
+    assert terminal.texts.count("filter died: killed by SIGKILL; started again") == 1
+    assert [name for name, _ in terminal.said_pid] == ["router", "filter", "plant", "filter"]
+    assert [end.name for end in outcome.exits] == ["filter", "plant", "filter", "router"]  # in its old place
+    assert gone([pid for _, pid in terminal.said_pid])
+
+
+def test_one_that_dies_too_often_ends_the_run(terminal: Terminal) -> None:
+    def kill(name: str, pid: int) -> None:
+        if name == "filter" and terminal.texts.count("all are ready"):
+            os.kill(pid, signal.SIGKILL)
+
+    def begin() -> None:
+        terminal("all are ready")
+        kill("filter", terminal.pids["filter"]["pid"])
+
+    terminal.on_pid = kill
+    filter_spec = toy("filter", restarts=Restarts(most=2, within_s=600.0))
+    outcome = supervise([toy("plant"), filter_spec], emit=terminal, on_ready=begin)
+    assert (outcome.cause, outcome.culprit) == (Cause.DIED, "filter")
+    assert outcome.detail == "filter died: killed by SIGKILL"
+    assert outcome.restarts == {"filter": 2}
+    assert not outcome.clean
+    assert gone([pid for _, pid in terminal.said_pid])
+
+
+def test_deaths_long_ago_do_not_count(terminal: Terminal) -> None:
+    """With a stretch of no length none ever does, so the fourth death is like the first."""
+
+    def kill(name: str, pid: int) -> None:
+        if len(terminal.said_pid) <= 4:
+            os.kill(pid, signal.SIGKILL)
+        else:
+            os.kill(os.getpid(), signal.SIGTERM)
+
+    def begin() -> None:
+        kill(*terminal.said_pid[0])
+        terminal.on_pid = kill
+
+    outcome = supervise([toy("filter", restarts=Restarts(most=1, within_s=0.0))], emit=terminal, on_ready=begin)
+    assert outcome.cause is Cause.SIGNAL
+    assert outcome.restarts == {"filter": 4}
+
+
+def test_a_process_that_leaves_is_not_started_again(terminal: Terminal) -> None:
+    outcome = supervise([toy("plant"), toy("operator", "brief", restarts=Restarts())], emit=terminal)
+    assert (outcome.cause, outcome.culprit) == (Cause.LEFT, "operator")
+    assert outcome.restarts == {}
+
+
+def test_a_death_that_ends_the_run_is_not_covered_up_by_one_that_does_not(terminal: Terminal) -> None:
+    def kill() -> None:
+        for name in ("filter", "plant"):
+            os.kill(terminal.pids[name]["pid"], signal.SIGKILL)
+        time.sleep(0.2)  # holds up the supervisor itself, so that it finds both ends at once
+
+    outcome = supervise([toy("filter", restarts=Restarts()), toy("plant")], emit=terminal, on_ready=kill)
+    assert (outcome.cause, outcome.culprit) == (Cause.DIED, "plant")
+    assert gone(terminal.all_pids)
+
+
+def test_time_goes_on_while_a_process_is_started_again(terminal: Terminal) -> None:
+    outcome = supervise(
+        [toy("filter", restarts=Restarts())],
+        duration_s=3.0,
+        emit=terminal,
+        on_ready=lambda: os.kill(terminal.pids["filter"]["pid"], signal.SIGKILL),
+    )
+    assert outcome.cause is Cause.DURATION
+    assert outcome.restarts == {"filter": 1}
+    assert gone([pid for _, pid in terminal.said_pid])
+
+
+def test_one_that_does_not_become_ready_again_is_killed_and_named(terminal: Terminal, tmp_path: Path) -> None:
+    """It is ready the first time only: then it finds its mark."""
+    code = (
+        "import json, os, pathlib, sys, time; from services.runtime.readiness import announce_ready; "
+        "mark = pathlib.Path(sys.argv[1]); again = mark.exists(); mark.touch(); "
+        "again or print(json.dumps({'pid': os.getpid()}), flush=True); again or announce_ready('filter'); "
+        "time.sleep(60)"
+    )
+    spec = ProcessSpec(
+        name="filter",
+        argv=(sys.executable, "-c", code, str(tmp_path / "mark")),
+        restarts=Restarts(most=2, within_s=600.0),
+    )
+    outcome = supervise(
+        [spec],
+        emit=terminal,
+        ready_timeout_s=5.0,
+        on_ready=lambda: os.kill(terminal.pids["filter"]["pid"], signal.SIGKILL),
+    )
+    assert outcome.cause is Cause.DIED
+    assert outcome.restarts == {"filter": 2}
+    assert terminal.texts[1:] == [
+        "filter died: killed by SIGKILL; started again",
+        "filter was not ready within 5 s: killed",
+        "filter died: killed by SIGKILL; started again",
+        "filter was not ready within 5 s: killed",
+        "filter died: killed by SIGKILL",
+    ]
 
 
 def test_a_process_that_is_not_ready_in_time_ends_the_run(terminal: Terminal) -> None:

@@ -43,3 +43,11 @@ def test_what_is_a_clean_end(cause: Cause, end: Exit, clean: bool) -> None:
 def test_who_died_is_told_from_who_was_stopped() -> None:
     ends = (ended(-9, asked=False), ended(0, asked=False), ended(-9, forced=True), ended(1))
     assert Outcome(cause=Cause.DIED, culprit="plant", detail="", exits=ends).died == ends[:1]
+
+
+def test_a_process_that_was_started_again_is_counted_and_spoils_nothing() -> None:
+    again = Exit(name="filter", returncode=-9, asked=False, forced=False, restarted=True)
+    outcome = Outcome(cause=Cause.SIGNAL, culprit=None, detail="", exits=(again, again, ended(0)))
+    assert outcome.clean
+    assert outcome.restarts == {"filter": 2}
+    assert outcome.died == (again, again)
