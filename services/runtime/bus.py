@@ -20,8 +20,8 @@ from services.runtime.errors import BusError, PublisherError
 LEASE_MS: Final = 500
 """A session that was silent for so long is closed: what queued up for it is lost, not delivered late."""
 
-CACHED_SAMPLES: Final = 4096
-"""What a publisher keeps for the recorder: 4 s at 1 kHz."""
+CACHED_SAMPLES: Final = 16_384
+"""What a publisher keeps for the recorder: 16 s at 1 kHz, longer than a router takes to be started again."""
 
 HEARTBEAT_S: Final = 0.5
 """How soon after the last put of a series its loss is noticed."""
@@ -35,6 +35,9 @@ _SHARED_SETTINGS: Final[dict[str, object]] = {
     "timestamping/enabled": False,
     "transport/shared_memory/enabled": False,
     "transport/link/tx/lease": LEASE_MS,
+    # Batches of 64 KiB. What does not fit at once is dropped: the first tick of a filter that waited for its plant
+    # tells of every command since its start, some 30 B each.
+    "transport/link/tx/queue/size/data": 16,
     # µs. A full queue means a peer that stands still; a control loop must not stand still with it.
     "transport/link/tx/queue/congestion_control/drop/wait_before_drop": 0,
     "transport/link/tx/queue/congestion_control/block/wait_before_close": 500_000,
@@ -69,7 +72,10 @@ class Reader:
 
 
 class LogReader:
-    """Every message of every topic, without loss as long as the publishers' caches reach back."""
+    """Every message of every topic, without loss as long as the publishers' caches reach back.
+
+    Also what was put while there was no router between them; not what a publisher put before the reader knew of it.
+    """
 
     def __init__(self, subscriber: ext.AdvancedSubscriber[handlers.Handler[zenoh.Sample]]) -> None:
         self._subscriber = subscriber

@@ -153,6 +153,42 @@ def test_a_publisher_goes_on_without_router_and_is_heard_when_it_is_back(start: 
         wait_for_reader(put, reader)
 
 
+def put_for(put: Callable[[bytes], None], sequences: range) -> None:
+    """At 1 kHz."""
+    began = time.monotonic()
+    for count, sequence in enumerate(sequences, start=1):
+        put(message(sequence))
+        time.sleep(max(0.0, began + 0.001 * count - time.monotonic()))
+
+
+def test_a_log_reader_is_given_what_was_put_while_there_was_no_router(start: Callable, port: int) -> None:
+    first = start("router", "--port", port)
+    first.wait_ready("router")
+    recorder = start("recorder", "--port", port)
+    recorder.wait_ready("recorder")
+    with open_bus(Endpoint(port=port)) as sender:
+        put = sender.publisher(COMMAND, "operator")
+        put_for(put, range(200))
+        os.kill(first.pid, signal.SIGKILL)
+        first.end()
+        put_for(put, range(200, 2000))
+        start("router", "--port", port).wait_ready("router")
+        put_for(put, range(2000, 4000))
+        recorder.cut_lifeline()
+        assert recorder.said()["passafe/operator/command"] == list(range(4000))
+
+
+def test_a_long_message_is_not_dropped_for_its_length(sender: Bus, receiver: Bus) -> None:
+    """It takes several batches at once, behind one that is still on its way."""
+    reader = receiver.reader(COMMAND)
+    put = sender.publisher(COMMAND, "operator")
+    wait_for_reader(put, reader)
+    for _ in range(20):
+        put(message(1))
+        put(bytes(400_000))
+        assert [len(data) for data in collect(reader.drain, 2)][1] == 400_000
+
+
 def test_no_router_is_an_error_in_bounded_time(port: int) -> None:
     began = time.monotonic()
     text = rf"tcp/127.0.0.1:{port}: no router answered within 0.3 s"
