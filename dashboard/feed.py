@@ -33,6 +33,10 @@ TOPICS_READ: Final[tuple[Topic, ...]] = (TICK, STATE, HEALTH, EVENT, SCENARIO, L
 """Topics that the feed understands; it ignores messages of others."""
 
 
+[PLANT] = STATE.publishers
+"""Whose sessions are runs."""
+
+
 class Notice(NamedTuple):
     """An event as shown: who said what, and when it came in."""
 
@@ -65,7 +69,7 @@ class Feed:
         scenario_id: Digest of it.
         layout: Its columns.
         info: ScenarioInfo of the run, once it came.
-        run: Counts runs from 0: a restarted filter or plant begins another.
+        run: Counts runs from 0: a restarted plant begins another, a restarted filter goes on with the same robot.
         tick: Newest FilterTick.
         state: Newest PlantState.
         ticks: Decimated columns of the filter.
@@ -199,8 +203,10 @@ class Feed:
         known = self._epochs.get(header.source)
         if known != header.epoch:
             self._epochs[header.source] = header.epoch
-            if known is not None:
+            if known is not None and header.source == PLANT:
                 self._begin_run()
+            elif known is not None:
+                self.tick = None  # its ticks are counted anew
 
     def _take_tick(self, header: Header, tick: FilterTick, received_ns: int) -> None:
         del received_ns

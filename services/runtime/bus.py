@@ -104,7 +104,12 @@ class Bus:
     @property
     def connected(self) -> bool:
         """Whether there is a router now; the session looks for it again by itself."""
-        return bool(self._session.info.routers_zid())
+        return bool(self.router)
+
+    @property
+    def router(self) -> str:
+        """Which router there is now: another text for one that was started again, empty without any."""
+        return " ".join(str(zid) for zid in self._session.info.routers_zid())
 
     def publisher(self, topic: Topic, source: str) -> Put:
         """Function that publishes bytes on a topic; it neither raises nor tells whether somebody reads.

@@ -8,7 +8,7 @@ from time import monotonic_ns
 from typing import Final
 
 from protocol.link import LinkSettings
-from protocol.messages import Health, LinkEvent, Message, Received
+from protocol.messages import Event, Health, LinkEvent, Message, Received
 from protocol.topics import EVENT, HEALTH, LINK_EVENT, Topic
 from services.runtime.bus import Bus, open_bus
 from services.runtime.endpoint import Endpoint
@@ -105,6 +105,8 @@ class _Driver:
 
     def __init__(self, node: Node, bus: Bus, links: Mapping[str, LinkSettings], epoch: int, notices: Notices) -> None:
         self._node = node
+        self._bus = bus
+        self._router = bus.router
         self._notices = notices
         self._inlets = inlets_of(node, links)
         self._readers = tuple((inlet, bus.reader(inlet.topic)) for inlet in self._inlets)
@@ -127,6 +129,7 @@ class _Driver:
         """Step until there is a reason not to; returns it."""
         health_due_ns = pace.due_ns + HEALTH_PERIOD_NS
         told_ns, told_steps = pace.due_ns, 0
+        self._publish(EVENT, Event("info", "started"))
         while True:
             reason = _reason_to_end(pace, stop, end_ns, finished)
             if reason is not None:
@@ -138,6 +141,7 @@ class _Driver:
             self._step(pace.begin(now_ns), now_ns)
             if now_ns >= health_due_ns:
                 self._tell_health(pace, (pace.steps - told_steps) * _NS_PER_S / (now_ns - told_ns))
+                self._look_for_router()
                 told_ns, told_steps = now_ns, pace.steps
                 health_due_ns = now_ns + HEALTH_PERIOD_NS
                 collect()
@@ -175,6 +179,15 @@ class _Driver:
         error = self._outlet.publish(topic, body, scheduled_ns=self._scheduled_ns, started_ns=self._started_ns)
         if error is not None and topic is not EVENT:
             self.say(f"withheld {topic.name}", "error", f"withheld {error}")
+
+    def _look_for_router(self) -> None:
+        router = self._bus.router
+        if not router or router == self._router:
+            return
+        if self._router:
+            text = "the router was started again: what was sent while there was none did not arrive"
+            self.say("router", "warning", text)
+        self._router = router
 
     def _tell_health(self, pace: Pace, rate_hz: float) -> None:
         topics = tuple(inlet.health for inlet in self._inlets)

@@ -2,7 +2,7 @@ import json
 from typing import Any
 
 import pytest
-from closed_form import MS, ClosedFormRun, h, header, paper_scenario, tick
+from closed_form import MS, ClosedFormRun, h, header, paper_scenario, state
 
 from dashboard.columns import Layout, drawn_columns, signed_log
 from dashboard.feed import Feed
@@ -75,7 +75,7 @@ def test_a_new_run_starts_the_charts_over() -> None:
     fill(feed, run, 500)
     view = ClientView(feed)
     frame(view)
-    feed.push(header("filter", 0, epoch=9), tick(0), 0)
+    feed.push(header("plant", 0, epoch=9), state(0), 0)
     assert frame(view)["restart"]
     assert not frame(view)["restart"]
 

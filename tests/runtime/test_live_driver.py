@@ -173,6 +173,24 @@ def test_no_router_is_one_clear_error(start: Callable, port: int) -> None:
     assert "Traceback" not in errors
 
 
+def test_it_says_when_it_started_and_that_the_router_was_started_again(start: Callable, port: int) -> None:
+    first = start("router", "--port", port)
+    first.wait_ready("router")
+    with open_bus(Endpoint(port=port)) as bus:
+        log = Log(bus)
+        operator = start("operator", "--port", port, "--lifeline")
+        operator.wait_ready("operator")
+        log.wait_for("passafe/operator/event", lambda logged: Event("info", "started") in [e for _, e in logged])
+        os.kill(first.pid, signal.SIGKILL)
+        first.end()
+        start("router", "--port", port).wait_ready("router")
+        again = "the router was started again: what was sent while there was none did not arrive"
+        told = log.wait_for("passafe/operator/event", lambda logged: any(e.text == again for _, e in logged))
+        assert [e.text for _, e in told].count(again) == 1
+        operator.cut_lifeline()
+        assert again in operator.end()[1]
+
+
 def test_link_events_are_link_events(start: Callable, port: int, log: Log) -> None:
     start("filter", "--port", port, "--loss", 1.0).wait_ready("filter")
     start("operator", "--port", port, "--steps", 20).wait_ready("operator")
