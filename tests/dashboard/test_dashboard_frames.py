@@ -2,7 +2,7 @@ import json
 from typing import Any
 
 import pytest
-from closed_form import MS, ClosedFormRun, h, header, paper_scenario, state
+from closed_form import MS, ClosedFormRun, h, header, paper_scenario, state, tick
 
 from dashboard.columns import Layout, drawn_columns, signed_log
 from dashboard.feed import Feed
