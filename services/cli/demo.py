@@ -38,10 +38,10 @@ DIED: Final = 3
 """Exit code when a process died for good, could not be started or did not come to its end."""
 
 RESTARTED: Final = ("router", "dashboard", "operator", "filter")
-"""What ``--restart`` starts again: not the recorder, whose log would be in two parts, nor the plant, which is the robot."""
+"""What ``--restart`` starts again: not the recorder, whose log would be in two parts, nor the plant, the robot."""
 
 PATIENCE_S: Final = 60.0
-"""How much longer than ``--duration`` a run may take by the clock: plant time stands still until the filter is there."""
+"""How much longer than ``--duration`` a run may take by the clock: plant time begins with the filter's first input."""
 
 RECORDER_GRACE_S: Final = 20.0
 """How long the recorder may take to end: on a busy machine it has a backlog to write."""

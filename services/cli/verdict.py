@@ -34,6 +34,11 @@ def print_verdict(verdict: Verdict, log: Path) -> None:
     counts = ", ".join(f"{name} {count}" for name, count in verdict.status_counts.items())
     console.print(f"final x   {final}")
     console.print(f"ticks     {verdict.ticks} ({counts}), {verdict.ticks_missed} missed", highlight=False)
+    again = ", ".join(f"{name} {count}" for name, count in verdict.sessions.items() if count > 1)
+    if again:
+        console.print(f"sessions  {again}", highlight=False)
+    if verdict.disarmings:
+        console.print(f"disarmed  {verdict.disarmings} times, {verdict.disarmed_s:.3f} s in all", highlight=False)
     if verdict.late_us_p99 is not None and verdict.solve_us_p50 is not None:
         console.print(
             f"timing    late p50 {verdict.late_us_p50:.0f} µs, p99 {verdict.late_us_p99:.0f} µs; "

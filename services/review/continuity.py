@@ -22,8 +22,10 @@ class TopicCount:
 
     Attributes:
         received: Messages decoded, each counted once.
-        gaps: Sequence numbers missing between the first and the last of each publisher's session.
-        missed_at_start: Sequence numbers before the first of each publisher's session.
+        gaps: Sequence numbers missing between the first and the last of each publisher's session, and before the
+            first of a session that is not its publisher's first. How many a killed process sent last, nobody knows.
+        missed_at_start: Sequence numbers before the first of each publisher's first session.
+        sessions: Sessions, over all publishers: one that was started again has two.
         repeated: Messages that were in the log more than once.
         undecodable: Messages that are not valid for their topic.
         first_gap_wall_ns: Wall time of the message before the first gap.
@@ -34,6 +36,7 @@ class TopicCount:
     missed_at_start: int = 0
     repeated: int = 0
     undecodable: int = 0
+    sessions: int = 0
     first_gap_wall_ns: int | None = None
 
 
@@ -43,13 +46,18 @@ def in_order(found: Iterable[Logged[Message]], count: TopicCount) -> list[Logged
     last: Header | None = None
     for message in sorted(found, key=_session_and_sequence):
         header = message.header
+        expected = 0
         if last is None or (last.source, last.epoch) != (header.source, header.epoch):
-            count.missed_at_start += header.sequence
+            count.sessions += 1
         elif header.sequence == last.sequence:
             count.repeated += 1
             continue
-        elif header.sequence > last.sequence + 1:
-            count.gaps += header.sequence - last.sequence - 1
+        else:
+            expected = last.sequence + 1
+        if last is None or last.source != header.source:
+            count.missed_at_start += header.sequence
+        elif header.sequence > expected:
+            count.gaps += header.sequence - expected
             if count.first_gap_wall_ns is None or last.wall_ns < count.first_gap_wall_ns:
                 count.first_gap_wall_ns = last.wall_ns
         ordered.append(message)

@@ -7,6 +7,8 @@ from typing import Final, Literal, Self
 from pydantic import BaseModel, ConfigDict
 
 from protocol.messages import FilterTick, PlantState
+from protocol.topics import COMMAND, STATE, TICK
+from services.review.disarmings import disarmings
 from services.review.errors import MismatchedLogError
 from services.review.identity import Driver
 from services.review.log import RunLog
@@ -20,6 +22,9 @@ from services.review.trajectory import NS_PER_S, Trajectory
 
 POINTS_PER_PERIOD: Final = 10
 """Instants judged in every period, besides the samples themselves."""
+
+CONTROL_LOOP: Final = {"operator": COMMAND, "filter": TICK, "plant": STATE}
+"""What each process of the loop publishes in every step."""
 
 Outcome = Literal["holds", "fails", "unproven"]
 
@@ -40,6 +45,9 @@ class Verdict(BaseModel):
         duration_s: Plant time from the first sample to the last, s.
         ticks: Filter ticks in the log.
         ticks_missed: Filter steps skipped to catch up.
+        sessions: Sessions of operator, filter and plant; more than one where it was started again.
+        disarmings: How often the plant ran out of inputs.
+        disarmed_s: How long it was without, s of plant time.
         gaps: Messages missing between others, by topic.
         missed_at_start: Messages missing before the first one, by topic.
         undecodable: Messages in the log that are not valid for their topic, by topic.
@@ -77,6 +85,9 @@ class Verdict(BaseModel):
     duration_s: float
     ticks: int
     ticks_missed: int
+    sessions: dict[str, int]
+    disarmings: int
+    disarmed_s: float
     gaps: dict[str, int]
     missed_at_start: dict[str, int]
     undecodable: dict[str, int]
@@ -128,6 +139,7 @@ class Verdict(BaseModel):
         properties = judge_properties(log, trajectory, margins, tolerances)
         ticks = log.of(FilterTick)
         timing = Timing.of(log)
+        without_input = disarmings(log.of(PlantState))
         solve_us_p50, solve_us_p99 = _percentiles(timing.solve_us)
         late_us_p50, late_us_p99 = _percentiles((timing.late_us or {}).get("filter"))
         command_age_ms_p50, command_age_ms_p99 = _percentiles(timing.command_age_ms)
@@ -140,6 +152,9 @@ class Verdict(BaseModel):
             duration_s=float(trajectory.t_s[-1] - trajectory.t_s[0]) if trajectory.samples else 0.0,
             ticks=len(ticks),
             ticks_missed=ticks_missed(ticks, scenario.dt_s * NS_PER_S),
+            sessions={process: log.counts[topic.name].sessions for process, topic in CONTROL_LOOP.items()},
+            disarmings=len(without_input),
+            disarmed_s=sum(one.length_s(float(trajectory.t_s[-1])) for one in without_input),
             gaps={name: count.gaps for name, count in log.counts.items()},
             missed_at_start={name: count.missed_at_start for name, count in log.counts.items()},
             undecodable={name: count.undecodable for name, count in log.counts.items()},

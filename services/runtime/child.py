@@ -79,6 +79,7 @@ class Child(asyncio.SubprocessProtocol):
             asked=self._asked,
             forced=self._forced,
             restarted=self.restarted,
+            ready=self.ready.is_set(),
         )
 
     def ask(self) -> None:

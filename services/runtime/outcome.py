@@ -76,6 +76,7 @@ class Exit:
         asked: Whether it ended because the supervisor had asked it to.
         forced: Whether the supervisor had to kill it.
         restarted: Whether the supervisor started it again after that.
+        ready: Whether it had ever said that it was ready.
     """
 
     name: str
@@ -83,6 +84,14 @@ class Exit:
     asked: bool
     forced: bool
     restarted: bool = False
+    ready: bool = True
+
+    @property
+    def well(self) -> bool:
+        """Whether it stopped as it should; what is not ready yet may know no better than to die of SIGTERM."""
+        if self.asked and not self.forced and not self.ready and self.returncode == -signal.SIGTERM:
+            return True
+        return self.returncode == 0
 
     @property
     def how(self) -> str:
@@ -125,4 +134,4 @@ class Outcome:
     def clean(self) -> bool:
         """Whether it ended as it should: none had to be killed, none failed to stop well, and none died for good."""
         meant = self.cause in {Cause.DURATION, Cause.SIGNAL, Cause.LEFT}
-        return meant and all(end.returncode == 0 or end.restarted for end in self.exits)
+        return meant and all(end.well or end.restarted for end in self.exits)

@@ -64,7 +64,18 @@ def test_order_gaps_and_repetitions_are_per_source_and_session(tmp_path: Path) -
     assert (count.received, count.repeated) == (8, 1)
     assert count.gaps == 1 + 2 + 3  # filter: 4, and 6 to 7; plant's second session: 1 to 3
     assert count.missed_at_start == 3
+    assert count.sessions == 3
     assert count.first_gap_wall_ns == header("plant", 0).wall_ns
+
+
+def test_what_is_missing_at_the_start_of_a_second_session_is_a_gap_of_the_run(tmp_path: Path) -> None:
+    run = Run()
+    for epoch, sequences in ((1, (2, 3)), (2, (4, 5))):
+        for sequence in sequences:
+            run.add(header("plant", sequence, epoch=epoch), Event("info", "x"))
+    count = RunLog.read(run.write(tmp_path / "run.mcap")).counts["event"]
+    assert (count.missed_at_start, count.gaps, count.sessions) == (2, 4, 2)
+    assert count.first_gap_wall_ns == header("plant", 3).wall_ns
 
 
 def test_messages_that_are_not_valid_are_counted(tmp_path: Path) -> None:

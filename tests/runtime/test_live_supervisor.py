@@ -35,7 +35,7 @@ class Terminal:
         self.lines: list[tuple[float, str]] = []
         self.pids: dict[str, dict[str, int]] = {}
         self.said_pid: list[tuple[str, int]] = []
-        self.on_pid: Callable[[str, int], None] = lambda name, pid: None
+        self.on_pid: Callable[[str, int], None] = lambda _name, _pid: None
 
     def __call__(self, line: str) -> None:
         """Take a line."""
@@ -228,7 +228,7 @@ def test_one_that_dies_too_often_ends_the_run(terminal: Terminal) -> None:
 def test_deaths_long_ago_do_not_count(terminal: Terminal) -> None:
     """With a stretch of no length none ever does, so the fourth death is like the first."""
 
-    def kill(name: str, pid: int) -> None:
+    def kill(_name: str, pid: int) -> None:
         if len(terminal.said_pid) <= 4:
             os.kill(pid, signal.SIGKILL)
         else:
@@ -269,6 +269,7 @@ def test_time_goes_on_while_a_process_is_started_again(terminal: Terminal) -> No
     )
     assert outcome.cause is Cause.DURATION
     assert outcome.restarts == {"filter": 1}
+    assert outcome.clean
     assert gone([pid for _, pid in terminal.said_pid])
 
 

@@ -51,3 +51,14 @@ def test_a_process_that_was_started_again_is_counted_and_spoils_nothing() -> Non
     assert outcome.clean
     assert outcome.restarts == {"filter": 2}
     assert outcome.died == (again, again)
+
+
+@pytest.mark.parametrize(
+    ("ready", "asked", "forced", "well"),
+    [(False, True, False, True), (True, True, False, False), (False, False, False, False), (False, True, True, False)],
+)
+def test_only_what_was_asked_before_it_was_ready_may_die_of_it(
+    ready: bool, asked: bool, forced: bool, well: bool
+) -> None:
+    end = Exit(name="filter", returncode=-15, asked=asked, forced=forced, ready=ready)
+    assert end.well is well
