@@ -9,6 +9,7 @@ from typing import Any, Final, TypeAlias
 
 from google.protobuf.message import DecodeError
 
+from protocol.checksum import is_intact
 from protocol.messages import (
     SCHEMA_VERSION,
     BarrierChain,
@@ -39,6 +40,8 @@ def thin_tick(data: bytes) -> Thin | None:
     Returns:
         Header and body, or ``None`` for bytes that only the codec can judge.
     """
+    if not is_intact(data):
+        return None
     try:
         read = FilterTickBytes.FromString(data)
     except DecodeError:
@@ -81,6 +84,8 @@ def thin_state(data: bytes) -> Thin | None:
     Returns:
         Header and body, or ``None`` for bytes that only the codec can judge.
     """
+    if not is_intact(data):
+        return None
     try:
         read = PlantStateBytes.FromString(data)
     except DecodeError:

@@ -14,7 +14,8 @@ from google.protobuf.unknown_fields import UnknownFieldSet
 from msgspec.structs import astuple
 
 from protocol import passafe_pb2
-from protocol.errors import DecodeError, InvalidMessageError, SchemaVersionError
+from protocol.checksum import is_intact, sealed
+from protocol.errors import ChecksumError, DecodeError, InvalidMessageError, SchemaVersionError
 from protocol.messages import SCHEMA_VERSION, Header, Message, Record
 from protocol.shapes import RecordType, Shape, shape_of
 from protocol.topics import TOPICS, Topic
@@ -47,7 +48,7 @@ _FORMAT_OF_BODY: Final[dict[RecordType, _Format]] = {topic.body: _format_of(topi
 
 
 def encode(header: Header, body: Message) -> bytes:
-    """Bytes of a message, its header stamped with this build's schema version.
+    """Bytes of a message, its header stamped with this build's schema version, its checksum at the end.
 
     Raises:
         InvalidMessageError: If a field holds what it may not; nothing that ``decode`` would refuse leaves.
@@ -61,7 +62,7 @@ def encode(header: Header, body: Message) -> bytes:
     _fill(topic, shape, message, body, "")
     check(topic, _HEADER, header, "header.")
     check(topic, shape, body)
-    data = cast("bytes", message.SerializeToString())
+    data = sealed(message.SerializeToString())
     if len(data) > MAX_MESSAGE_BYTES:
         raise InvalidMessageError(topic, "body", f"{len(data)} bytes", f"at most {MAX_MESSAGE_BYTES} bytes")
     return data
@@ -71,12 +72,15 @@ def decode(topic: Topic, data: bytes) -> tuple[Header, Message]:
     """Header and body of a message that arrived on ``topic``; no bytes raise anything but the errors below.
 
     Raises:
-        DecodeError: If the bytes are no message of the topic.
+        ChecksumError: If the bytes are not those that were sent.
+        DecodeError: If they are no message of the topic.
         SchemaVersionError: If they are one of another schema version.
         InvalidMessageError: If a field holds what it may not.
     """
     if len(data) > MAX_MESSAGE_BYTES:
         raise DecodeError(topic.name, len(data), f"more than {MAX_MESSAGE_BYTES} bytes")
+    if not is_intact(data):
+        raise ChecksumError(topic.name, len(data))
     _, shape, message_type = _FORMAT_OF_BODY[topic.body]
     try:
         message: Any = message_type.FromString(data)

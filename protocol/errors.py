@@ -2,6 +2,7 @@
 
 * ``ProtocolError``
     * ``DecodeError``: bytes that are no message of this topic (truncated, garbage)
+        * ``ChecksumError``: bytes that are not those that were sent
     * ``SchemaVersionError``: a message of another version of ``passafe.proto``
     * ``InvalidMessageError``: decoded, but a field holds what it may not (NaN, inf, wrong shape, …)
     * ``LinkSettingsError``: a link's setting outside its range
@@ -26,6 +27,13 @@ class DecodeError(ProtocolError):
         self.topic = topic
         self.size = size
         super().__init__(f"{topic}: {size} bytes are no message of this topic: {reason}")
+
+
+class ChecksumError(DecodeError):
+    """Bytes that do not end with the checksum of what stands before it: damaged, or from no sender of ours."""
+
+    def __init__(self, topic: str, size: int) -> None:
+        super().__init__(topic, size, "the checksum is missing or another")
 
 
 class SchemaVersionError(ProtocolError):

@@ -180,14 +180,40 @@ class FilterTick(Record, frozen=True):
     horizon_ns: int = 0
 
 
-class LinkConfig(Record, frozen=True):
-    """Settings of one injected link."""
+class LinkOutage(Record, frozen=True):
+    """A time in which a link carries nothing, from its first message on."""
 
-    link: str
+    start_s: float
+    end_s: float
+
+
+class LinkParameters(Record, frozen=True):
+    """Settings of one injected link as they cross the wire: see ``protocol.link_settings``."""
+
     delay_s: float
     jitter_s: float
+    distribution: str
+    quantiles_s: Vector
+    correlation: float
+    reorder: bool
     loss: float
+    burst_enter: float
+    burst_leave: float
+    burst_loss_good: float
+    burst_loss_bad: float
+    duplicate: float
+    corrupt: float
+    rate_hz: float
+    queue: int
+    outages: tuple[LinkOutage, ...]
     seed: int
+
+
+class LinkConfig(Record, frozen=True):
+    """Asks for other settings of a link."""
+
+    link: str
+    parameters: LinkParameters
 
 
 class LinkEvent(Record, frozen=True):
@@ -197,6 +223,42 @@ class LinkEvent(Record, frozen=True):
     effect: str
     topic: str
     sequence: int
+    cause: str = ""
+
+
+class LinkSource(Record, frozen=True):
+    """Which messages of one session of a sender were put into a link."""
+
+    source: str
+    epoch: int
+    first: int
+    newest: int
+    received: int
+
+
+class LinkState(Record, frozen=True):
+    """Settings in force of one link, and what became of its messages."""
+
+    link: str
+    topic: str
+    parameters: LinkParameters
+    trace_opportunities: int
+    put: int
+    delivered: int
+    dropped_loss: int
+    dropped_queue: int
+    dropped_outage: int
+    duplicated: int
+    corrupted: int
+    under_way: int
+    refused_corrupted: int
+    refused_repeated: int
+    occasion: str
+    config_source: str
+    config_epoch: int
+    config_sequence: int
+    refusal: str
+    sources: tuple[LinkSource, ...]
 
 
 class TopicHealth(Record, frozen=True):
@@ -235,7 +297,16 @@ class ScenarioInfo(Record, frozen=True):
 
 
 Message: TypeAlias = (
-    OperatorCommand | PlantInput | PlantState | FilterTick | LinkConfig | LinkEvent | Health | Event | ScenarioInfo
+    OperatorCommand
+    | PlantInput
+    | PlantState
+    | FilterTick
+    | LinkConfig
+    | LinkEvent
+    | LinkState
+    | Health
+    | Event
+    | ScenarioInfo
 )
 
 

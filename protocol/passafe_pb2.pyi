@@ -58,21 +58,23 @@ class Header(_message.Message):
     def __init__(self, schema_version: _Optional[int] = ..., source: _Optional[str] = ..., epoch: _Optional[int] = ..., sequence: _Optional[int] = ..., scheduled_ns: _Optional[int] = ..., started_ns: _Optional[int] = ..., sent_ns: _Optional[int] = ..., wall_ns: _Optional[int] = ...) -> None: ...
 
 class OperatorCommand(_message.Message):
-    __slots__ = ("header", "u_h", "u_h_rate", "enabled", "device")
+    __slots__ = ("header", "u_h", "u_h_rate", "enabled", "device", "checksum")
     HEADER_FIELD_NUMBER: _ClassVar[int]
     U_H_FIELD_NUMBER: _ClassVar[int]
     U_H_RATE_FIELD_NUMBER: _ClassVar[int]
     ENABLED_FIELD_NUMBER: _ClassVar[int]
     DEVICE_FIELD_NUMBER: _ClassVar[int]
+    CHECKSUM_FIELD_NUMBER: _ClassVar[int]
     header: Header
     u_h: _containers.RepeatedScalarFieldContainer[float]
     u_h_rate: _containers.RepeatedScalarFieldContainer[float]
     enabled: bool
     device: str
-    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., u_h: _Optional[_Iterable[float]] = ..., u_h_rate: _Optional[_Iterable[float]] = ..., enabled: _Optional[bool] = ..., device: _Optional[str] = ...) -> None: ...
+    checksum: int
+    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., u_h: _Optional[_Iterable[float]] = ..., u_h_rate: _Optional[_Iterable[float]] = ..., enabled: _Optional[bool] = ..., device: _Optional[str] = ..., checksum: _Optional[int] = ...) -> None: ...
 
 class PlantInput(_message.Message):
-    __slots__ = ("header", "tick", "u", "effective_plant_ns", "hold_ns", "armed_from_ns", "basis_ns", "earlier")
+    __slots__ = ("header", "tick", "u", "effective_plant_ns", "hold_ns", "armed_from_ns", "basis_ns", "earlier", "checksum")
     HEADER_FIELD_NUMBER: _ClassVar[int]
     TICK_FIELD_NUMBER: _ClassVar[int]
     U_FIELD_NUMBER: _ClassVar[int]
@@ -81,6 +83,7 @@ class PlantInput(_message.Message):
     ARMED_FROM_NS_FIELD_NUMBER: _ClassVar[int]
     BASIS_NS_FIELD_NUMBER: _ClassVar[int]
     EARLIER_FIELD_NUMBER: _ClassVar[int]
+    CHECKSUM_FIELD_NUMBER: _ClassVar[int]
     header: Header
     tick: int
     u: _containers.RepeatedScalarFieldContainer[float]
@@ -89,10 +92,11 @@ class PlantInput(_message.Message):
     armed_from_ns: int
     basis_ns: int
     earlier: _containers.RepeatedScalarFieldContainer[float]
-    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., tick: _Optional[int] = ..., u: _Optional[_Iterable[float]] = ..., effective_plant_ns: _Optional[int] = ..., hold_ns: _Optional[int] = ..., armed_from_ns: _Optional[int] = ..., basis_ns: _Optional[int] = ..., earlier: _Optional[_Iterable[float]] = ...) -> None: ...
+    checksum: int
+    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., tick: _Optional[int] = ..., u: _Optional[_Iterable[float]] = ..., effective_plant_ns: _Optional[int] = ..., hold_ns: _Optional[int] = ..., armed_from_ns: _Optional[int] = ..., basis_ns: _Optional[int] = ..., earlier: _Optional[_Iterable[float]] = ..., checksum: _Optional[int] = ...) -> None: ...
 
 class PlantState(_message.Message):
-    __slots__ = ("header", "plant_ns", "x", "y", "u", "applied_tick", "phase", "energy_in_j", "energy_stored_j", "input_slack_ns", "inputs_late", "inputs_refused", "integration_error", "received_tick", "disarmed_ns", "since_ns", "input_transit_ns", "input_epoch")
+    __slots__ = ("header", "plant_ns", "x", "y", "u", "applied_tick", "phase", "energy_in_j", "energy_stored_j", "input_slack_ns", "inputs_late", "inputs_refused", "integration_error", "received_tick", "disarmed_ns", "since_ns", "input_transit_ns", "input_epoch", "checksum")
     HEADER_FIELD_NUMBER: _ClassVar[int]
     PLANT_NS_FIELD_NUMBER: _ClassVar[int]
     X_FIELD_NUMBER: _ClassVar[int]
@@ -111,6 +115,7 @@ class PlantState(_message.Message):
     SINCE_NS_FIELD_NUMBER: _ClassVar[int]
     INPUT_TRANSIT_NS_FIELD_NUMBER: _ClassVar[int]
     INPUT_EPOCH_FIELD_NUMBER: _ClassVar[int]
+    CHECKSUM_FIELD_NUMBER: _ClassVar[int]
     header: Header
     plant_ns: int
     x: _containers.RepeatedScalarFieldContainer[float]
@@ -129,7 +134,8 @@ class PlantState(_message.Message):
     since_ns: int
     input_transit_ns: int
     input_epoch: int
-    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., plant_ns: _Optional[int] = ..., x: _Optional[_Iterable[float]] = ..., y: _Optional[_Iterable[float]] = ..., u: _Optional[_Iterable[float]] = ..., applied_tick: _Optional[int] = ..., phase: _Optional[_Union[PlantPhase, str]] = ..., energy_in_j: _Optional[float] = ..., energy_stored_j: _Optional[float] = ..., input_slack_ns: _Optional[int] = ..., inputs_late: _Optional[int] = ..., inputs_refused: _Optional[int] = ..., integration_error: _Optional[float] = ..., received_tick: _Optional[int] = ..., disarmed_ns: _Optional[int] = ..., since_ns: _Optional[int] = ..., input_transit_ns: _Optional[int] = ..., input_epoch: _Optional[int] = ...) -> None: ...
+    checksum: int
+    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., plant_ns: _Optional[int] = ..., x: _Optional[_Iterable[float]] = ..., y: _Optional[_Iterable[float]] = ..., u: _Optional[_Iterable[float]] = ..., applied_tick: _Optional[int] = ..., phase: _Optional[_Union[PlantPhase, str]] = ..., energy_in_j: _Optional[float] = ..., energy_stored_j: _Optional[float] = ..., input_slack_ns: _Optional[int] = ..., inputs_late: _Optional[int] = ..., inputs_refused: _Optional[int] = ..., integration_error: _Optional[float] = ..., received_tick: _Optional[int] = ..., disarmed_ns: _Optional[int] = ..., since_ns: _Optional[int] = ..., input_transit_ns: _Optional[int] = ..., input_epoch: _Optional[int] = ..., checksum: _Optional[int] = ...) -> None: ...
 
 class BarrierChain(_message.Message):
     __slots__ = ("name", "psi", "eps")
@@ -196,7 +202,7 @@ class Consumed(_message.Message):
     def __init__(self, topic: _Optional[str] = ..., sequence: _Optional[int] = ..., received_ns: _Optional[int] = ..., epoch: _Optional[int] = ...) -> None: ...
 
 class FilterTick(_message.Message):
-    __slots__ = ("header", "tick", "status", "mode", "law", "effective_plant_ns", "x_hat", "u_h", "u_h_rate", "u_nominal", "phi", "v", "u", "barriers", "power_margin", "tank_j", "slack", "rows", "certificate", "consumed", "state_age_ns", "command_age_ns", "override", "horizon_ns")
+    __slots__ = ("header", "tick", "status", "mode", "law", "effective_plant_ns", "x_hat", "u_h", "u_h_rate", "u_nominal", "phi", "v", "u", "barriers", "power_margin", "tank_j", "slack", "rows", "certificate", "consumed", "state_age_ns", "command_age_ns", "override", "horizon_ns", "checksum")
     HEADER_FIELD_NUMBER: _ClassVar[int]
     TICK_FIELD_NUMBER: _ClassVar[int]
     STATUS_FIELD_NUMBER: _ClassVar[int]
@@ -221,6 +227,7 @@ class FilterTick(_message.Message):
     COMMAND_AGE_NS_FIELD_NUMBER: _ClassVar[int]
     OVERRIDE_FIELD_NUMBER: _ClassVar[int]
     HORIZON_NS_FIELD_NUMBER: _ClassVar[int]
+    CHECKSUM_FIELD_NUMBER: _ClassVar[int]
     header: Header
     tick: int
     status: FilterStatus
@@ -245,40 +252,149 @@ class FilterTick(_message.Message):
     command_age_ns: int
     override: Override
     horizon_ns: int
-    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., tick: _Optional[int] = ..., status: _Optional[_Union[FilterStatus, str]] = ..., mode: _Optional[str] = ..., law: _Optional[str] = ..., effective_plant_ns: _Optional[int] = ..., x_hat: _Optional[_Iterable[float]] = ..., u_h: _Optional[_Iterable[float]] = ..., u_h_rate: _Optional[_Iterable[float]] = ..., u_nominal: _Optional[_Iterable[float]] = ..., phi: _Optional[_Iterable[float]] = ..., v: _Optional[_Iterable[float]] = ..., u: _Optional[_Iterable[float]] = ..., barriers: _Optional[_Iterable[_Union[BarrierChain, _Mapping]]] = ..., power_margin: _Optional[float] = ..., tank_j: _Optional[float] = ..., slack: _Optional[float] = ..., rows: _Optional[_Iterable[_Union[Row, _Mapping]]] = ..., certificate: _Optional[_Union[Certificate, _Mapping]] = ..., consumed: _Optional[_Iterable[_Union[Consumed, _Mapping]]] = ..., state_age_ns: _Optional[int] = ..., command_age_ns: _Optional[int] = ..., override: _Optional[_Union[Override, _Mapping]] = ..., horizon_ns: _Optional[int] = ...) -> None: ...
+    checksum: int
+    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., tick: _Optional[int] = ..., status: _Optional[_Union[FilterStatus, str]] = ..., mode: _Optional[str] = ..., law: _Optional[str] = ..., effective_plant_ns: _Optional[int] = ..., x_hat: _Optional[_Iterable[float]] = ..., u_h: _Optional[_Iterable[float]] = ..., u_h_rate: _Optional[_Iterable[float]] = ..., u_nominal: _Optional[_Iterable[float]] = ..., phi: _Optional[_Iterable[float]] = ..., v: _Optional[_Iterable[float]] = ..., u: _Optional[_Iterable[float]] = ..., barriers: _Optional[_Iterable[_Union[BarrierChain, _Mapping]]] = ..., power_margin: _Optional[float] = ..., tank_j: _Optional[float] = ..., slack: _Optional[float] = ..., rows: _Optional[_Iterable[_Union[Row, _Mapping]]] = ..., certificate: _Optional[_Union[Certificate, _Mapping]] = ..., consumed: _Optional[_Iterable[_Union[Consumed, _Mapping]]] = ..., state_age_ns: _Optional[int] = ..., command_age_ns: _Optional[int] = ..., override: _Optional[_Union[Override, _Mapping]] = ..., horizon_ns: _Optional[int] = ..., checksum: _Optional[int] = ...) -> None: ...
 
-class LinkConfig(_message.Message):
-    __slots__ = ("header", "link", "delay_s", "jitter_s", "loss", "seed")
-    HEADER_FIELD_NUMBER: _ClassVar[int]
-    LINK_FIELD_NUMBER: _ClassVar[int]
+class LinkParameters(_message.Message):
+    __slots__ = ("delay_s", "jitter_s", "distribution", "quantiles_s", "correlation", "reorder", "loss", "burst_enter", "burst_leave", "burst_loss_good", "burst_loss_bad", "duplicate", "corrupt", "rate_hz", "queue", "outages", "seed")
     DELAY_S_FIELD_NUMBER: _ClassVar[int]
     JITTER_S_FIELD_NUMBER: _ClassVar[int]
+    DISTRIBUTION_FIELD_NUMBER: _ClassVar[int]
+    QUANTILES_S_FIELD_NUMBER: _ClassVar[int]
+    CORRELATION_FIELD_NUMBER: _ClassVar[int]
+    REORDER_FIELD_NUMBER: _ClassVar[int]
     LOSS_FIELD_NUMBER: _ClassVar[int]
+    BURST_ENTER_FIELD_NUMBER: _ClassVar[int]
+    BURST_LEAVE_FIELD_NUMBER: _ClassVar[int]
+    BURST_LOSS_GOOD_FIELD_NUMBER: _ClassVar[int]
+    BURST_LOSS_BAD_FIELD_NUMBER: _ClassVar[int]
+    DUPLICATE_FIELD_NUMBER: _ClassVar[int]
+    CORRUPT_FIELD_NUMBER: _ClassVar[int]
+    RATE_HZ_FIELD_NUMBER: _ClassVar[int]
+    QUEUE_FIELD_NUMBER: _ClassVar[int]
+    OUTAGES_FIELD_NUMBER: _ClassVar[int]
     SEED_FIELD_NUMBER: _ClassVar[int]
-    header: Header
-    link: str
     delay_s: float
     jitter_s: float
+    distribution: str
+    quantiles_s: _containers.RepeatedScalarFieldContainer[float]
+    correlation: float
+    reorder: bool
     loss: float
+    burst_enter: float
+    burst_leave: float
+    burst_loss_good: float
+    burst_loss_bad: float
+    duplicate: float
+    corrupt: float
+    rate_hz: float
+    queue: int
+    outages: _containers.RepeatedCompositeFieldContainer[LinkOutage]
     seed: int
-    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., link: _Optional[str] = ..., delay_s: _Optional[float] = ..., jitter_s: _Optional[float] = ..., loss: _Optional[float] = ..., seed: _Optional[int] = ...) -> None: ...
+    def __init__(self, delay_s: _Optional[float] = ..., jitter_s: _Optional[float] = ..., distribution: _Optional[str] = ..., quantiles_s: _Optional[_Iterable[float]] = ..., correlation: _Optional[float] = ..., reorder: _Optional[bool] = ..., loss: _Optional[float] = ..., burst_enter: _Optional[float] = ..., burst_leave: _Optional[float] = ..., burst_loss_good: _Optional[float] = ..., burst_loss_bad: _Optional[float] = ..., duplicate: _Optional[float] = ..., corrupt: _Optional[float] = ..., rate_hz: _Optional[float] = ..., queue: _Optional[int] = ..., outages: _Optional[_Iterable[_Union[LinkOutage, _Mapping]]] = ..., seed: _Optional[int] = ...) -> None: ...
+
+class LinkOutage(_message.Message):
+    __slots__ = ("start_s", "end_s")
+    START_S_FIELD_NUMBER: _ClassVar[int]
+    END_S_FIELD_NUMBER: _ClassVar[int]
+    start_s: float
+    end_s: float
+    def __init__(self, start_s: _Optional[float] = ..., end_s: _Optional[float] = ...) -> None: ...
+
+class LinkConfig(_message.Message):
+    __slots__ = ("header", "link", "parameters", "checksum")
+    HEADER_FIELD_NUMBER: _ClassVar[int]
+    LINK_FIELD_NUMBER: _ClassVar[int]
+    PARAMETERS_FIELD_NUMBER: _ClassVar[int]
+    CHECKSUM_FIELD_NUMBER: _ClassVar[int]
+    header: Header
+    link: str
+    parameters: LinkParameters
+    checksum: int
+    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., link: _Optional[str] = ..., parameters: _Optional[_Union[LinkParameters, _Mapping]] = ..., checksum: _Optional[int] = ...) -> None: ...
 
 class LinkEvent(_message.Message):
-    __slots__ = ("header", "link", "effect", "topic", "sequence")
+    __slots__ = ("header", "link", "effect", "topic", "sequence", "cause", "checksum")
     HEADER_FIELD_NUMBER: _ClassVar[int]
     LINK_FIELD_NUMBER: _ClassVar[int]
     EFFECT_FIELD_NUMBER: _ClassVar[int]
     TOPIC_FIELD_NUMBER: _ClassVar[int]
     SEQUENCE_FIELD_NUMBER: _ClassVar[int]
+    CAUSE_FIELD_NUMBER: _ClassVar[int]
+    CHECKSUM_FIELD_NUMBER: _ClassVar[int]
     header: Header
     link: str
     effect: str
     topic: str
     sequence: int
-    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., link: _Optional[str] = ..., effect: _Optional[str] = ..., topic: _Optional[str] = ..., sequence: _Optional[int] = ...) -> None: ...
+    cause: str
+    checksum: int
+    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., link: _Optional[str] = ..., effect: _Optional[str] = ..., topic: _Optional[str] = ..., sequence: _Optional[int] = ..., cause: _Optional[str] = ..., checksum: _Optional[int] = ...) -> None: ...
+
+class LinkState(_message.Message):
+    __slots__ = ("header", "link", "topic", "parameters", "trace_opportunities", "put", "delivered", "dropped_loss", "dropped_queue", "dropped_outage", "duplicated", "corrupted", "under_way", "refused_corrupted", "refused_repeated", "occasion", "config_source", "config_epoch", "config_sequence", "refusal", "sources", "checksum")
+    HEADER_FIELD_NUMBER: _ClassVar[int]
+    LINK_FIELD_NUMBER: _ClassVar[int]
+    TOPIC_FIELD_NUMBER: _ClassVar[int]
+    PARAMETERS_FIELD_NUMBER: _ClassVar[int]
+    TRACE_OPPORTUNITIES_FIELD_NUMBER: _ClassVar[int]
+    PUT_FIELD_NUMBER: _ClassVar[int]
+    DELIVERED_FIELD_NUMBER: _ClassVar[int]
+    DROPPED_LOSS_FIELD_NUMBER: _ClassVar[int]
+    DROPPED_QUEUE_FIELD_NUMBER: _ClassVar[int]
+    DROPPED_OUTAGE_FIELD_NUMBER: _ClassVar[int]
+    DUPLICATED_FIELD_NUMBER: _ClassVar[int]
+    CORRUPTED_FIELD_NUMBER: _ClassVar[int]
+    UNDER_WAY_FIELD_NUMBER: _ClassVar[int]
+    REFUSED_CORRUPTED_FIELD_NUMBER: _ClassVar[int]
+    REFUSED_REPEATED_FIELD_NUMBER: _ClassVar[int]
+    OCCASION_FIELD_NUMBER: _ClassVar[int]
+    CONFIG_SOURCE_FIELD_NUMBER: _ClassVar[int]
+    CONFIG_EPOCH_FIELD_NUMBER: _ClassVar[int]
+    CONFIG_SEQUENCE_FIELD_NUMBER: _ClassVar[int]
+    REFUSAL_FIELD_NUMBER: _ClassVar[int]
+    SOURCES_FIELD_NUMBER: _ClassVar[int]
+    CHECKSUM_FIELD_NUMBER: _ClassVar[int]
+    header: Header
+    link: str
+    topic: str
+    parameters: LinkParameters
+    trace_opportunities: int
+    put: int
+    delivered: int
+    dropped_loss: int
+    dropped_queue: int
+    dropped_outage: int
+    duplicated: int
+    corrupted: int
+    under_way: int
+    refused_corrupted: int
+    refused_repeated: int
+    occasion: str
+    config_source: str
+    config_epoch: int
+    config_sequence: int
+    refusal: str
+    sources: _containers.RepeatedCompositeFieldContainer[LinkSource]
+    checksum: int
+    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., link: _Optional[str] = ..., topic: _Optional[str] = ..., parameters: _Optional[_Union[LinkParameters, _Mapping]] = ..., trace_opportunities: _Optional[int] = ..., put: _Optional[int] = ..., delivered: _Optional[int] = ..., dropped_loss: _Optional[int] = ..., dropped_queue: _Optional[int] = ..., dropped_outage: _Optional[int] = ..., duplicated: _Optional[int] = ..., corrupted: _Optional[int] = ..., under_way: _Optional[int] = ..., refused_corrupted: _Optional[int] = ..., refused_repeated: _Optional[int] = ..., occasion: _Optional[str] = ..., config_source: _Optional[str] = ..., config_epoch: _Optional[int] = ..., config_sequence: _Optional[int] = ..., refusal: _Optional[str] = ..., sources: _Optional[_Iterable[_Union[LinkSource, _Mapping]]] = ..., checksum: _Optional[int] = ...) -> None: ...
+
+class LinkSource(_message.Message):
+    __slots__ = ("source", "epoch", "first", "newest", "received")
+    SOURCE_FIELD_NUMBER: _ClassVar[int]
+    EPOCH_FIELD_NUMBER: _ClassVar[int]
+    FIRST_FIELD_NUMBER: _ClassVar[int]
+    NEWEST_FIELD_NUMBER: _ClassVar[int]
+    RECEIVED_FIELD_NUMBER: _ClassVar[int]
+    source: str
+    epoch: int
+    first: int
+    newest: int
+    received: int
+    def __init__(self, source: _Optional[str] = ..., epoch: _Optional[int] = ..., first: _Optional[int] = ..., newest: _Optional[int] = ..., received: _Optional[int] = ...) -> None: ...
 
 class Health(_message.Message):
-    __slots__ = ("header", "rate_hz", "steps", "overruns", "ticks_missed", "late_us_max", "topics")
+    __slots__ = ("header", "rate_hz", "steps", "overruns", "ticks_missed", "late_us_max", "topics", "checksum")
     HEADER_FIELD_NUMBER: _ClassVar[int]
     RATE_HZ_FIELD_NUMBER: _ClassVar[int]
     STEPS_FIELD_NUMBER: _ClassVar[int]
@@ -286,6 +402,7 @@ class Health(_message.Message):
     TICKS_MISSED_FIELD_NUMBER: _ClassVar[int]
     LATE_US_MAX_FIELD_NUMBER: _ClassVar[int]
     TOPICS_FIELD_NUMBER: _ClassVar[int]
+    CHECKSUM_FIELD_NUMBER: _ClassVar[int]
     header: Header
     rate_hz: float
     steps: int
@@ -293,7 +410,8 @@ class Health(_message.Message):
     ticks_missed: int
     late_us_max: float
     topics: _containers.RepeatedCompositeFieldContainer[TopicHealth]
-    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., rate_hz: _Optional[float] = ..., steps: _Optional[int] = ..., overruns: _Optional[int] = ..., ticks_missed: _Optional[int] = ..., late_us_max: _Optional[float] = ..., topics: _Optional[_Iterable[_Union[TopicHealth, _Mapping]]] = ...) -> None: ...
+    checksum: int
+    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., rate_hz: _Optional[float] = ..., steps: _Optional[int] = ..., overruns: _Optional[int] = ..., ticks_missed: _Optional[int] = ..., late_us_max: _Optional[float] = ..., topics: _Optional[_Iterable[_Union[TopicHealth, _Mapping]]] = ..., checksum: _Optional[int] = ...) -> None: ...
 
 class TopicHealth(_message.Message):
     __slots__ = ("topic", "received", "gaps", "refused")
@@ -308,23 +426,27 @@ class TopicHealth(_message.Message):
     def __init__(self, topic: _Optional[str] = ..., received: _Optional[int] = ..., gaps: _Optional[int] = ..., refused: _Optional[int] = ...) -> None: ...
 
 class Event(_message.Message):
-    __slots__ = ("header", "severity", "text")
+    __slots__ = ("header", "severity", "text", "checksum")
     HEADER_FIELD_NUMBER: _ClassVar[int]
     SEVERITY_FIELD_NUMBER: _ClassVar[int]
     TEXT_FIELD_NUMBER: _ClassVar[int]
+    CHECKSUM_FIELD_NUMBER: _ClassVar[int]
     header: Header
     severity: str
     text: str
-    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., severity: _Optional[str] = ..., text: _Optional[str] = ...) -> None: ...
+    checksum: int
+    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., severity: _Optional[str] = ..., text: _Optional[str] = ..., checksum: _Optional[int] = ...) -> None: ...
 
 class ScenarioInfo(_message.Message):
-    __slots__ = ("header", "scenario_json", "driver", "versions_json")
+    __slots__ = ("header", "scenario_json", "driver", "versions_json", "checksum")
     HEADER_FIELD_NUMBER: _ClassVar[int]
     SCENARIO_JSON_FIELD_NUMBER: _ClassVar[int]
     DRIVER_FIELD_NUMBER: _ClassVar[int]
     VERSIONS_JSON_FIELD_NUMBER: _ClassVar[int]
+    CHECKSUM_FIELD_NUMBER: _ClassVar[int]
     header: Header
     scenario_json: str
     driver: str
     versions_json: str
-    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., scenario_json: _Optional[str] = ..., driver: _Optional[str] = ..., versions_json: _Optional[str] = ...) -> None: ...
+    checksum: int
+    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., scenario_json: _Optional[str] = ..., driver: _Optional[str] = ..., versions_json: _Optional[str] = ..., checksum: _Optional[int] = ...) -> None: ...

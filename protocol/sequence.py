@@ -1,12 +1,15 @@
 """Tells fresh messages from late, repeated and foreign ones by the header's epoch and sequence number."""
 
 from enum import Enum
-from typing import Final
+from typing import Final, NamedTuple
 
 from protocol.messages import Header
 
 WINDOW: Final = 2048
 """How many of the newest numbers are remembered one by one."""
+
+SESSIONS: Final = 8
+"""How many sessions of one sender are remembered, the running one among them."""
 
 _WINDOW_BITS: Final = (1 << WINDOW) - 1
 _COUNT_MAX: Final = 2**64 - 1
@@ -26,6 +29,22 @@ class Arrival(Enum):
 
     FOREIGN = "foreign"
     """Of an older epoch: a session of the sender that has ended."""
+
+
+class Session(NamedTuple):
+    """Messages of one session of a sender.
+
+    Attributes:
+        epoch: Which session.
+        first: Smallest number seen.
+        newest: Largest number seen.
+        received: Different messages seen.
+    """
+
+    epoch: int
+    first: int
+    newest: int
+    received: int
 
 
 class SequenceGuard:
@@ -48,6 +67,12 @@ class SequenceGuard:
         self._seen = 0  # bit i tells whether number newest − i was seen
         self._received_before = 0  # messages and gaps of the epochs before this one
         self._gaps_before = 0
+        self._ended: list[Session] = []
+
+    @property
+    def sessions(self) -> tuple[Session, ...]:
+        """The newest ``SESSIONS`` sessions, oldest first."""
+        return (*self._ended, self._session()) if self._epoch >= 0 else ()
 
     @property
     def gaps(self) -> int:
@@ -85,9 +110,14 @@ class SequenceGuard:
         return Arrival.REORDERED
 
     def _start(self, header: Header) -> None:
+        if self._epoch >= 0:
+            self._ended = [*self._ended, self._session()][1 - SESSIONS :]
         self._gaps_before = self.gaps
         self._received_before = self.received
         self._epoch = header.epoch
         self._first = self._newest = header.sequence
         self._seen = 1
         self.received += 1
+
+    def _session(self) -> Session:
+        return Session(self._epoch, self._first, self._newest, self.received - self._received_before)

@@ -1,8 +1,9 @@
 """The one table of topics: bus, codec, links, recorder, health, access control and docs derive from it."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from enum import Enum
-from typing import Final
+from typing import Final, NamedTuple
 
 from protocol.messages import (
     Event,
@@ -10,6 +11,7 @@ from protocol.messages import (
     Health,
     LinkConfig,
     LinkEvent,
+    LinkState,
     Message,
     OperatorCommand,
     PlantInput,
@@ -43,8 +45,7 @@ class Topic:
         congestion: What the publisher does on congestion.
         queue: Capacity of a reader's ring; the oldest is dropped when it is full.
         recorded: Whether the recorder logs it and its publishers keep a cache for it.
-        link: Name of the injected link on the way to its consumer, if there is one.
-        link_reader: The process at whose inlet that link sits.
+        links: Names of the injected links on its way, by the process at whose inlet each one sits.
     """
 
     name: str
@@ -55,8 +56,7 @@ class Topic:
     congestion: Congestion
     queue: int
     recorded: bool = True
-    link: str | None = None
-    link_reader: str | None = None
+    links: Mapping[str, str] = field(default_factory=dict)
 
     def key(self, source: str) -> str:
         """Key expression under which the process ``source`` publishes this topic."""
@@ -81,8 +81,7 @@ COMMAND: Final = Topic(
     deadline_s=0.1,
     congestion=Congestion.DROP,
     queue=256,
-    link="operator-to-filter",
-    link_reader="filter",
+    links={"filter": "operator-to-filter"},
 )
 INPUT: Final = Topic(
     name="input",
@@ -92,8 +91,7 @@ INPUT: Final = Topic(
     deadline_s=0.05,
     congestion=Congestion.DROP,
     queue=256,
-    link="filter-to-plant",
-    link_reader="plant",
+    links={"plant": "filter-to-plant"},
 )
 STATE: Final = Topic(
     name="state",
@@ -103,8 +101,7 @@ STATE: Final = Topic(
     deadline_s=0.05,
     congestion=Congestion.DROP,
     queue=256,
-    link="plant-to-filter",
-    link_reader="filter",
+    links={"filter": "plant-to-filter", "operator": "plant-to-operator"},
 )
 TICK: Final = Topic(
     name="tick",
@@ -127,11 +124,20 @@ LINK_CONFIG: Final = Topic(
 LINK_EVENT: Final = Topic(
     name="link_event",
     body=LinkEvent,
-    publishers=("filter", "plant"),
+    publishers=("operator", "filter", "plant"),
     rate_hz=0.0,
     deadline_s=None,
     congestion=Congestion.DROP,
     queue=1024,
+)
+LINK_STATE: Final = Topic(
+    name="link_state",
+    body=LinkState,
+    publishers=("operator", "filter", "plant"),
+    rate_hz=1.0,
+    deadline_s=3.0,
+    congestion=Congestion.BLOCK,
+    queue=64,
 )
 HEALTH: Final = Topic(
     name="health",
@@ -161,8 +167,22 @@ SCENARIO: Final = Topic(
     queue=4,
 )
 
-TOPICS: Final = (COMMAND, INPUT, STATE, TICK, LINK_CONFIG, LINK_EVENT, HEALTH, EVENT, SCENARIO)
+TOPICS: Final = (COMMAND, INPUT, STATE, TICK, LINK_CONFIG, LINK_EVENT, LINK_STATE, HEALTH, EVENT, SCENARIO)
 TOPIC_OF_NAME: Final = {topic.name: topic for topic in TOPICS}
 TOPIC_OF_BODY: Final[dict[type[Message], Topic]] = {topic.body: topic for topic in TOPICS}
-LINKS: Final = {topic.link: topic for topic in TOPICS if topic.link is not None}
-"""Topic behind each injected link, by the link's name."""
+
+
+class LinkPlace(NamedTuple):
+    """Where an injected link sits.
+
+    Attributes:
+        topic: Topic whose messages it carries.
+        reader: Process at whose inlet it is.
+    """
+
+    topic: Topic
+    reader: str
+
+
+LINKS: Final = {name: LinkPlace(topic, reader) for topic in TOPICS for reader, name in topic.links.items()}
+"""Every injected link by name."""

@@ -11,7 +11,8 @@ from typing import Any, Final, NamedTuple
 from msgspec.structs import astuple
 
 from protocol.errors import InvalidMessageError
-from protocol.link import MAX_DELAY_S
+from protocol.link_effect import CAUSES, EFFECTS
+from protocol.link_settings import DISTRIBUTIONS, MAX_DELAY_S, MAX_QUEUE, MAX_SCHEDULE_S, RANGES
 from protocol.messages import (
     UNARMED,
     BarrierChain,
@@ -23,6 +24,10 @@ from protocol.messages import (
     Health,
     LinkConfig,
     LinkEvent,
+    LinkOutage,
+    LinkParameters,
+    LinkSource,
+    LinkState,
     OperatorCommand,
     Override,
     PlantInput,
@@ -64,6 +69,10 @@ def _not_negative(field: str) -> Rule:
 
 def _up_to(field: str, largest: float) -> Rule:
     return Rule(field, f"0 to {largest:g}", lambda m: 0 <= getattr(m, field) <= largest)
+
+
+def _between(field: str, least: float, largest: float) -> Rule:
+    return Rule(field, f"{least:g} to {largest:g}", lambda m: least <= getattr(m, field) <= largest)
 
 
 def _age(field: str) -> Rule:
@@ -128,13 +137,30 @@ RULES: Final[dict[RecordType, tuple[Rule, ...]]] = {
             lambda m: len(m.override.held_back) in {0, len(m.u)},
         ),
     ),
-    LinkConfig: (
-        _one_of("link", *LINKS),
-        _up_to("delay_s", MAX_DELAY_S),
-        _up_to("jitter_s", MAX_DELAY_S),
-        _up_to("loss", 1.0),
+    LinkOutage: (_up_to("start_s", MAX_SCHEDULE_S), _up_to("end_s", MAX_SCHEDULE_S)),
+    LinkParameters: (
+        *(_between(field, least, largest) for field, (least, largest) in RANGES.items()),
+        _one_of("distribution", *DISTRIBUTIONS),
+        Rule(
+            "quantiles_s",
+            f"numbers from 0 to {MAX_DELAY_S:g}",
+            lambda m: all(0 <= delay_s <= MAX_DELAY_S for delay_s in m.quantiles_s),
+        ),
+        _between("queue", 1, MAX_QUEUE),
     ),
-    LinkEvent: (_one_of("link", *LINKS), _text("effect"), _text("topic")),
+    LinkConfig: (_one_of("link", *LINKS),),
+    LinkEvent: (
+        _one_of("link", *LINKS),
+        _one_of("effect", *EFFECTS),
+        _text("topic"),
+        Rule("cause", f"{', '.join(CAUSES)}, or empty", lambda m: m.cause in {"", *CAUSES}),
+    ),
+    LinkSource: (_text("source"),),
+    LinkState: (
+        _one_of("link", *LINKS),
+        _text("topic"),
+        _one_of("occasion", "start", "period", "scheduled", "asked", "end"),
+    ),
     TopicHealth: (_text("topic"),),
     Health: (_not_negative("rate_hz"), _not_negative("late_us_max")),
     Event: (_one_of("severity", "info", "warning", "error"), _text("text")),

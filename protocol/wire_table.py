@@ -135,7 +135,7 @@ def _topic_table(topics: Iterable[Topic]) -> str:
         )
         for topic in topics
     ]
-    links = [(f"`{topic.link}`", topic.name, topic.link_reader or "") for topic in topics if topic.link is not None]
+    links = [(f"`{name}`", topic.name, reader) for topic in topics for reader, name in topic.links.items()]
     unrecorded = ", ".join(topic.name for topic in topics if not topic.recorded) or "none"
     return "\n\n".join(
         (

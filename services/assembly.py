@@ -3,7 +3,6 @@
 from passafe.filter import SafetyPassivityFilter
 from passafe.human_input import HandModel, HumanInputEstimator
 from passafe.models.robot import Robot
-from protocol.link import LinkSettings
 from protocol.validation import MAX_VECTOR
 from services.arming.fail_safe import FailSafe
 from services.filter.arming import Arming, Loose
@@ -18,6 +17,7 @@ from services.plant.node import PlantNode
 from services.runtime.lockstep import Lockstep, Observer
 from services.scenarios.design import design_of, limits_of, robot_of, sampled_plant_of, tank_of
 from services.scenarios.info import scenario_info
+from services.scenarios.links import link_changes, link_settings
 from services.scenarios.schema import Scenario, WhiteAccelerationEstimator
 from services.scenarios.units import input_unit
 
@@ -28,11 +28,6 @@ VIRTUAL_WALL_NS = 1_000_000_000_000_000_000
 def period_ns(scenario: Scenario) -> int:
     """Return the period of one tick, ns."""
     return round(1e9 / scenario.rate_hz)
-
-
-def link_settings(scenario: Scenario) -> dict[str, LinkSettings]:
-    """Return the settings of the links that the scenario injects, by name."""
-    return {name: LinkSettings(**config.model_dump()) for name, config in scenario.links.items()}
 
 
 def plant_node(scenario: Scenario) -> PlantNode:
@@ -133,6 +128,7 @@ def lockstep_loop(scenario: Scenario, observer: Observer | None = None) -> Locks
         [plant_node(scenario), operator_node(scenario, epoch), filter_node(scenario, "lockstep", epoch)],
         period_ns=period_ns(scenario),
         links=link_settings(scenario),
+        link_changes=link_changes(scenario),
         wall_offset_ns=VIRTUAL_WALL_NS,
         epoch=epoch,
         observer=observer,

@@ -6,9 +6,10 @@ from typing import Annotated, Any, Final
 
 import typer
 
+from protocol.topics import LINKS
 from services.cli.errors import OptionError
+from services.cli.link_text import LINK_KEYS, link_fields
 from services.runtime.endpoint import DEFAULT_PORT, LOOPBACK, Endpoint
-from services.scenarios.errors import ScenarioError
 from services.scenarios.load import load_scenario
 from services.scenarios.schema import Scenario
 
@@ -39,8 +40,8 @@ LinkOption = Annotated[
     typer.Option(
         "--link",
         metavar="NAME:KEY=VALUE,…",
-        help="Make a link bad: operator-to-filter, filter-to-plant or plant-to-filter, with delay and jitter in "
-        "seconds, loss from 0 to 1, seed. Example: `--link plant-to-filter:delay=0.2,jitter=0.02,loss=0.1`.",
+        help=f"Make a link bad: {', '.join(LINKS)}. Keys: {', '.join(LINK_KEYS)}; times in seconds, probabilities "
+        "from 0 to 1. Example: `--link plant-to-filter:delay=0.2,jitter=0.02,loss=0.1`. See docs/links.md.",
     ),
 ]
 RouterOption = Annotated[
@@ -48,8 +49,6 @@ RouterOption = Annotated[
     typer.Option("--router", metavar="HOST:PORT", help="Where the router of the running system listens."),
 ]
 DEFAULT_ROUTER: Final = f"{LOOPBACK}:{DEFAULT_PORT}"
-
-_LINK_FIELDS: Final = {"delay": "delay_s", "jitter": "jitter_s", "loss": "loss", "seed": "seed"}
 
 
 def scenario_from_options(
@@ -65,6 +64,7 @@ def scenario_from_options(
 
     Raises:
         ScenarioError: Something that a scenario may not hold.
+        OptionError: A link in another form than ``NAME:KEY=VALUE,…``.
     """
     given = {
         "filter.mode": mode,
@@ -112,13 +112,7 @@ def writable_folder(path: Path, option: str = "--out") -> Path:
 
 def _link_overrides(text: str) -> dict[str, Any]:
     name, separator, settings = text.partition(":")
-    wrong = ScenarioError("command line", "--link", repr(text), "NAME:KEY=VALUE,… with delay, jitter, loss, seed")
     if not separator:
-        raise wrong
-    overrides: dict[str, Any] = {}
-    for part in settings.split(","):
-        key, equals, value = part.partition("=")
-        if not equals or key not in _LINK_FIELDS:
-            raise wrong
-        overrides[f"links.{name}.{_LINK_FIELDS[key]}"] = value
-    return overrides
+        raise OptionError("--link", repr(text), f"NAME:KEY=VALUE,… with {', '.join(LINK_KEYS)}")
+    fields = link_fields(settings.split(","), "--link")
+    return {f"links.{name}.{field}": value for field, value in fields.items()}

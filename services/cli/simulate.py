@@ -57,6 +57,7 @@ def simulate(
         for start in range(0, steps, chunk):
             loop.run(min(chunk, steps - start))
             bar.advance(task, min(chunk, steps - start))
+        loop.finish()
     verdict = Verdict.of(RunLog.read(out), CoreMathematics(chosen))
     print_verdict(verdict, out)
     raise typer.Exit(exit_code(verdict))

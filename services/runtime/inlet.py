@@ -4,13 +4,14 @@ Both drivers use it. The live driver feeds bytes through ``read``; the lockstep 
 to ``accept`` and pays for no decoding. Neither part knows a clock: the time is an argument.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from operator import attrgetter
 
 from protocol.codec import decode
 from protocol.errors import ProtocolError
-from protocol.link import Link, LinkSettings
-from protocol.messages import Header, LinkEvent, Message, Received, TopicHealth
+from protocol.link_settings import LinkSettings
+from protocol.message_link import MessageLink
+from protocol.messages import Header, LinkEvent, LinkSource, Message, Received, TopicHealth
 from protocol.sequence import Arrival, SequenceGuard
 from protocol.topics import LINKS, Topic
 from services.runtime.errors import LinkNameError
@@ -38,7 +39,7 @@ class Inlet:
         foreign: Messages of processes that may not publish it.
     """
 
-    def __init__(self, topic: Topic, link: Link[tuple[Header, Message]] | None = None) -> None:
+    def __init__(self, topic: Topic, link: MessageLink | None = None) -> None:
         self.topic = topic
         self.link = link
         self.undecodable = 0
@@ -46,7 +47,7 @@ class Inlet:
         self._guards = {source: SequenceGuard() for source in topic.publishers}
         self._arrived: list[Received] = []
 
-    def read(self, now_ns: int, data: bytes) -> LinkEvent | ProtocolError | None:
+    def read(self, now_ns: int, data: bytes) -> Sequence[LinkEvent] | ProtocolError:
         """Take in the bytes of a message that the bus delivered.
 
         Returns:
@@ -59,7 +60,7 @@ class Inlet:
             return error
         return self.accept(now_ns, header, body)
 
-    def accept(self, now_ns: int, header: Header, body: Message) -> LinkEvent | None:
+    def accept(self, now_ns: int, header: Header, body: Message) -> Sequence[LinkEvent]:
         """Take in a message.
 
         Args:
@@ -73,33 +74,41 @@ class Inlet:
         guard = self._guards.get(header.source)
         if guard is None:
             self.foreign += 1
-            return None
+            return ()
         if guard.judge(header) not in _ADMITTED:
-            return None
+            return ()
         if self.link is None:
             self._arrived.append(Received(header, body, now_ns))
-            return None
-        effect = self.link.put(now_ns, (header, body))
-        if effect is None:
-            return None
-        return LinkEvent(self.link.name, effect, self.topic.name, header.sequence)
+            return ()
+        effects = self.link.put(now_ns, (header, body))
+        return self.link.events(header, effects) if effects else ()
 
     def take(self, now_ns: int) -> list[Received]:
         """What has come out by ``now_ns`` and was not taken before, in order of arrival."""
         if self.link is None:
             arrived, self._arrived = self._arrived, []
             return arrived
-        return [Received(*message, arrival_ns) for arrival_ns, message in self.link.take(now_ns)]
+        return self.link.arrived(now_ns)
+
+    @property
+    def sources(self) -> tuple[LinkSource, ...]:
+        """Which messages were admitted, by publisher and session."""
+        return tuple(
+            LinkSource(source, *session) for source, guard in self._guards.items() for session in guard.sessions
+        )
 
     @property
     def health(self) -> TopicHealth:
         """Counts since the start, over all publishers."""
         guards = self._guards.values()
+        refused = self.undecodable + self.foreign
+        if self.link is not None:
+            refused += self.link.refused_corrupted + self.link.refused_repeated
         return TopicHealth(
             topic=self.topic.name,
             received=sum(guard.received for guard in guards),
             gaps=sum(guard.gaps for guard in guards),
-            refused=sum(guard.refused for guard in guards) + self.undecodable + self.foreign,
+            refused=sum(guard.refused for guard in guards) + refused,
         )
 
 
@@ -114,10 +123,19 @@ def inlets_of(node: Node, links: Mapping[str, LinkSettings]) -> tuple[Inlet, ...
     Raises:
         LinkNameError: If there is no link of a name in ``links``.
     """
-    for name in links:
+    require_links(links)
+    return tuple(Inlet(topic, _link_at(node, topic, links)) for topic in node.subscribes)
+
+
+def require_links(names: Iterable[str]) -> None:
+    """Check that there are links of these names.
+
+    Raises:
+        LinkNameError: There is one that is not.
+    """
+    for name in names:
         if name not in LINKS:
             raise LinkNameError(name, tuple(LINKS))
-    return tuple(Inlet(topic, _link_at(node, topic, links)) for topic in node.subscribes)
 
 
 def take_all(inlets: Iterable[Inlet], now_ns: int) -> list[Received]:
@@ -130,7 +148,6 @@ def take_all(inlets: Iterable[Inlet], now_ns: int) -> list[Received]:
     return inbox
 
 
-def _link_at(node: Node, topic: Topic, links: Mapping[str, LinkSettings]) -> Link[tuple[Header, Message]] | None:
-    if topic.link is None or topic.link_reader != node.name:
-        return None
-    return Link(topic.link, links.get(topic.link, LinkSettings()))
+def _link_at(node: Node, topic: Topic, links: Mapping[str, LinkSettings]) -> MessageLink | None:
+    name = topic.links.get(node.name)
+    return None if name is None else MessageLink(name, links.get(name, LinkSettings()))

@@ -1,18 +1,20 @@
 """The live driver: one node in one process, at a fixed rate, over the bus."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from time import monotonic_ns
 from typing import Final
 
-from protocol.link import LinkSettings
-from protocol.messages import Event, Health, LinkEvent, Message, Received
-from protocol.topics import EVENT, HEALTH, LINK_EVENT, Topic
+from protocol.errors import ProtocolError
+from protocol.link_settings import LinkSettings
+from protocol.messages import Event, Health, LinkConfig, Message, Received
+from protocol.topics import EVENT, HEALTH, LINK_CONFIG, LINK_EVENT, LINK_STATE, Topic
 from services.runtime.bus import Bus, open_bus
 from services.runtime.endpoint import Endpoint
-from services.runtime.inlet import inlets_of, take_all
+from services.runtime.inlet import Inlet, inlets_of, require_links, take_all
+from services.runtime.link_control import LinkChange, LinkControl
 from services.runtime.node import Node
 from services.runtime.notices import Notices
 from services.runtime.outlet import Outlet
@@ -50,6 +52,7 @@ def run_live(
     rate_hz: float,
     endpoint: Endpoint,
     links: Mapping[str, LinkSettings],
+    link_changes: Sequence[LinkChange] = (),
     duration_s: float | None = None,
     epoch: int | None = None,
     lifeline: bool = False,
@@ -66,6 +69,7 @@ def run_live(
         rate_hz: Steps per second.
         endpoint: Where the router listens.
         links: Settings of injected links by name; those at other nodes are passed over.
+        link_changes: Changes of these settings, planned; those at other nodes are passed over too.
         duration_s: How long to run; ``None``: until somebody ends it.
         epoch: Session number of what is published; the wall clock in ns if not given.
         lifeline: Whether standard input is a lifeline (see ``services.runtime.stop``).
@@ -76,14 +80,14 @@ def run_live(
 
     Raises:
         BusError: If there is no router.
-        LinkNameError: If ``links`` names a link that does not exist.
+        LinkNameError: If ``links`` or ``link_changes`` name a link that does not exist.
     """
     notices = Notices()
     refusal = request_realtime()
     with ExitStack() as stack:
         stop = stack.enter_context(stop_requests(lifeline=lifeline))
         bus = stack.enter_context(open_bus(endpoint))
-        driver = _Driver(node, bus, links, time.time_ns() if epoch is None else epoch, notices)
+        driver = _Driver(node, bus, links, link_changes, time.time_ns() if epoch is None else epoch, notices)
         if refusal is not None:
             driver.say("realtime", "warning", refusal)
         announce_ready(node.name)
@@ -103,13 +107,26 @@ def run_live(
 class _Driver:
     """One node, its inlets and its outlet."""
 
-    def __init__(self, node: Node, bus: Bus, links: Mapping[str, LinkSettings], epoch: int, notices: Notices) -> None:
+    def __init__(
+        self,
+        node: Node,
+        bus: Bus,
+        links: Mapping[str, LinkSettings],
+        changes: Sequence[LinkChange],
+        epoch: int,
+        notices: Notices,
+    ) -> None:
+        require_links(change.link for change in changes)
         self._node = node
         self._bus = bus
         self._router = bus.router
         self._notices = notices
         self._inlets = inlets_of(node, links)
         self._readers = tuple((inlet, bus.reader(inlet.topic)) for inlet in self._inlets)
+        self._configs, self._config_reader = Inlet(LINK_CONFIG), bus.reader(LINK_CONFIG)
+        sources = {inlet.link.name: inlet for inlet in self._inlets if inlet.link is not None}
+        linked = [inlet.link for inlet in self._inlets if inlet.link is not None]
+        self._links = LinkControl(linked, changes, lambda link: sources[link.name].sources)
         self._outlet = Outlet(bus, node.name, epoch)
         self._scheduled_ns = self._started_ns = monotonic_ns()
 
@@ -146,6 +163,8 @@ class _Driver:
                 health_due_ns = now_ns + HEALTH_PERIOD_NS
                 collect()
             pace.end(monotonic_ns())
+        for state in self._links.last_states():
+            self._publish(LINK_STATE, state)
         elapsed_ns = max(1, monotonic_ns() - told_ns)
         self._tell_health(pace, (pace.steps - told_steps) * _NS_PER_S / elapsed_ns)
         self.say("end", "info", f"ended by {reason.value} after {pace.steps} steps")
@@ -160,20 +179,35 @@ class _Driver:
     def _step(self, scheduled_ns: int, now_ns: int) -> None:
         self._scheduled_ns = scheduled_ns
         self._started_ns = now_ns
+        self._read_configs(now_ns)
+        if now_ns >= self._links.due_ns:
+            self._links.advance(now_ns)
         for topic, body in self._node.step(scheduled_ns, self._receive(now_ns)):
             self._publish(topic, body)
+        if now_ns >= self._links.due_ns:
+            for state in self._links.due_states(now_ns):
+                self._publish(LINK_STATE, state)
+
+    def _read_configs(self, now_ns: int) -> None:
+        for data in self._config_reader.drain():
+            self._read(self._configs, now_ns, data)
+        for received in self._configs.take(now_ns):
+            if isinstance(received.body, LinkConfig):
+                self._links.configure(received.header, received.body)
 
     def _receive(self, now_ns: int) -> list[Received]:
         for inlet, reader in self._readers:
             for data in reader.drain():
-                trouble = inlet.read(now_ns, data)
-                if trouble is None:
-                    continue
-                if isinstance(trouble, LinkEvent):
-                    self._publish(LINK_EVENT, trouble)
-                else:
-                    self.say(f"refused {inlet.topic.name}", "warning", f"refused {trouble}")
+                self._read(inlet, now_ns, data)
         return take_all(self._inlets, now_ns)
+
+    def _read(self, inlet: Inlet, now_ns: int, data: bytes) -> None:
+        told = inlet.read(now_ns, data)
+        if isinstance(told, ProtocolError):
+            self.say(f"refused {inlet.topic.name}", "warning", f"refused {told}")
+            return
+        for event in told:
+            self._publish(LINK_EVENT, event)
 
     def _publish(self, topic: Topic, body: Message | Callable[[], Message]) -> None:
         error = self._outlet.publish(topic, body, scheduled_ns=self._scheduled_ns, started_ns=self._started_ns)

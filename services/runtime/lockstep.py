@@ -2,9 +2,12 @@
 
 from collections.abc import Callable, Mapping, Sequence
 
-from protocol.link import Link, LinkSettings
-from protocol.messages import Header, LinkEvent, Message, Received
-from protocol.topics import LINK_EVENT, Topic
+from protocol.link_settings import LinkSettings
+from protocol.message_link import MessageLink
+from protocol.messages import Header, LinkSource, LinkState, Message, Received
+from protocol.topics import LINK_EVENT, LINK_STATE, Topic
+from services.runtime.inlet import require_links
+from services.runtime.link_control import LinkChange, LinkControl
 from services.runtime.node import Node
 
 Observer = Callable[[Topic, Header, Message], None]
@@ -32,6 +35,7 @@ class Lockstep:
         *,
         period_ns: int,
         links: Mapping[str, LinkSettings] | None = None,
+        link_changes: Sequence[LinkChange] = (),
         wall_offset_ns: int = 0,
         epoch: int = 1,
         observer: Observer | None = None,
@@ -42,6 +46,7 @@ class Lockstep:
             nodes: In the order in which they step.
             period_ns: Virtual time between two steps, ns.
             links: Settings by name of the link; a link without settings passes everything at once.
+            link_changes: Changes of these settings, planned.
             wall_offset_ns: Wall clock minus virtual monotonic clock, ns.
             epoch: Session epoch in every header.
             observer: Called with every message at the moment it is sent; without one, telemetry that nobody
@@ -53,17 +58,27 @@ class Lockstep:
         self._observer = observer
         self._seats = [_Seat(node, epoch) for node in nodes]
         self._readers: dict[Topic, list[_Reader]] = {}
+        self._ended: dict[Topic, list[LinkSource]] = {}  # what sessions that were killed had sent
+        self._due_ns = 0  # no link needs anything before
+        require_links([*(links or {}), *(change.link for change in link_changes)])
+        impaired = {change.link: LinkSettings() for change in link_changes} | dict(links or {})
         for seat in self._seats:
             for topic in seat.node.subscribes:
-                link = self._link(topic, seat.node.name, links or {})
-                seat.links += [] if link is None else [link]
+                link = self._link(topic, seat, impaired)
                 self._readers.setdefault(topic, []).append((seat, link))
+            seat.control = LinkControl([*seat.links, *seat.open_links], link_changes, self._sources)
 
     def run(self, steps: int) -> None:
         """Advance by a number of periods."""
         for _ in range(steps):
+            due = self.now_ns >= self._due_ns
+            if due:
+                for seat in self._seats:
+                    seat.control.advance(self.now_ns)
             for seat in self._seats:
                 self._step(seat)
+            if due:
+                self._tell_links()
             self.now_ns += self._period_ns
 
     def kill(self, name: str) -> None:
@@ -83,7 +98,11 @@ class Lockstep:
         """
         seat = self._seat_of(node.name)
         for link in seat.links:
-            link.take(_FAR_NS)
+            link.arrived(_FAR_NS)
+        for topic, route in seat.routes.items():
+            if route.sent:
+                ended = LinkSource(seat.name, seat.epoch, 0, route.sent - 1, route.sent)
+                self._ended.setdefault(topic, []).append(ended)
         seat.node, seat.dead, seat.epoch = node, False, epoch
         seat.inbox, seat.routes = [], {}
 
@@ -98,12 +117,49 @@ class Lockstep:
                 return seat
         raise ValueError(f"node: got {name!r}, allowed {', '.join(seat.name for seat in self._seats)}")
 
+    def finish(self) -> None:
+        """Tell the observer the last state of every link; after the last step."""
+        self._count_open_links()
+        for seat in self._seats:
+            self._tell(seat, seat.control.last_states())
+
     @staticmethod
-    def _link(topic: Topic, reader: str, settings: Mapping[str, LinkSettings]) -> Link[tuple[Header, Message]] | None:
-        """Return the injected link on the way of a topic to a reader, if it has settings."""
-        if topic.link is None or topic.link_reader != reader or topic.link not in settings:
+    def _link(topic: Topic, seat: "_Seat", impaired: Mapping[str, LinkSettings]) -> MessageLink | None:
+        """Return the injected link on the way of a topic to a reader, if it ever does anything."""
+        name = topic.links.get(seat.name)
+        if name is None:
             return None
-        return Link(topic.link, settings[topic.link])
+        if name in impaired:
+            link = MessageLink(name, impaired[name])
+            seat.links.append(link)
+            return link
+        seat.open_links.append(MessageLink(name, LinkSettings()))
+        return None
+
+    def _tell_links(self) -> None:
+        self._count_open_links()
+        for seat in self._seats:
+            self._tell(seat, seat.control.due_states(self.now_ns))
+        self._due_ns = min((seat.control.due_ns for seat in self._seats), default=0)
+
+    def _tell(self, seat: "_Seat", states: Sequence[LinkState]) -> None:
+        if self._observer is not None:
+            for state in states:
+                self._send(seat, self._route(seat, LINK_STATE), state)
+
+    def _count_open_links(self) -> None:
+        for seat in self._seats:
+            for link in seat.open_links:
+                link.pass_on(sum(source.received for source in self._sources(link)) - link.counts.put)
+
+    def _sources(self, link: MessageLink) -> tuple[LinkSource, ...]:
+        """Which messages were put into a link: all that were sent."""
+        sent = list(self._ended.get(link.topic, ()))
+        for seat in self._seats:
+            route = seat.routes.get(link.topic)
+            if route is not None and route.sent:
+                sent.append(LinkSource(seat.name, seat.epoch, 0, route.sent - 1, route.sent))
+        return tuple(sent)
 
     def _step(self, seat: "_Seat") -> None:
         now_ns, observer = self.now_ns, self._observer
@@ -112,12 +168,10 @@ class Lockstep:
             return
         if seat.links:
             for link in seat.links:
-                inbox += [Received(header, body, at_ns) for at_ns, (header, body) in link.take(now_ns)]
+                inbox += link.arrived(now_ns)
             inbox.sort(key=_arrival)
         for topic, made in seat.node.step(now_ns, inbox):
-            route = seat.routes.get(topic)
-            if route is None:
-                route = seat.routes[topic] = self._route(seat, topic)
+            route = seat.routes.get(topic) or self._route(seat, topic)
             if route.readers or observer is not None:
                 self._send(seat, route, made() if callable(made) else made)
 
@@ -132,18 +186,26 @@ class Lockstep:
             if link is None:
                 seat.inbox.append(Received(header, body, now_ns))
                 continue
-            effect = link.put(now_ns, (header, body))
-            if effect is not None and self._observer is not None:
-                event = LinkEvent(link.name, effect, route.topic.name, header.sequence)
-                events = seat.routes.setdefault(LINK_EVENT, self._route(seat, LINK_EVENT))
-                self._send(seat, events, event)
+            effects = link.put(now_ns, (header, body))
+            if effects and self._observer is not None:
+                for event in link.events(header, effects):
+                    self._send(seat, self._route(seat, LINK_EVENT), event)
 
     def _route(self, sender: "_Seat", topic: Topic) -> "_Route":
-        return _Route(topic, [reader for reader in self._readers.get(topic, ()) if reader[0] is not sender])
+        """Return the way of a sender's topic, made when it is first gone."""
+        if topic not in sender.routes:
+            readers = [reader for reader in self._readers.get(topic, ()) if reader[0] is not sender]
+            sender.routes[topic] = _Route(topic, readers)
+        return sender.routes[topic]
 
 
 class _Seat:
-    """A node, what has come in for it, the links on its way and where what it sends goes."""
+    """A node, what has come in for it, the links on its way and where what it sends goes.
+
+    What has no effect on messages is passed around: those links are open, and only count.
+    """
+
+    control: LinkControl
 
     def __init__(self, node: Node, epoch: int) -> None:
         self.node = node
@@ -151,12 +213,13 @@ class _Seat:
         self.dead = False
         self.name = node.name
         self.inbox: list[Received] = []
-        self.links: list[Link[tuple[Header, Message]]] = []
+        self.links: list[MessageLink] = []
+        self.open_links: list[MessageLink] = []
         self.routes: dict[Topic, _Route] = {}
 
 
-_Reader = tuple[_Seat, Link[tuple[Header, Message]] | None]
-"""Who reads a topic, and the link on the way there."""
+_Reader = tuple[_Seat, MessageLink | None]
+"""Who reads a topic, and the link on the way there unless it is open."""
 
 
 class _Route:

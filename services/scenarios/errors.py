@@ -3,6 +3,7 @@
 * ``ScenarioError``: a field that holds what it may not
     * ``UnknownScenarioError``: no scenario of that name and no such file
     * ``UnreadableScenarioError``: a file that is no TOML
+    * ``LinkTraceError``: a file that is no trace of packet-delivery times
 """
 
 from collections.abc import Sequence
@@ -39,3 +40,15 @@ class UnreadableScenarioError(ScenarioError):
 
     def __init__(self, path: Path, reason: str) -> None:
         super().__init__(str(path), "file", reason, "a readable TOML file")
+
+
+class LinkTraceError(ScenarioError):
+    """A file that is no trace of packet-delivery times.
+
+    Attributes:
+        path: The file.
+    """
+
+    def __init__(self, path: Path, got: object, allowed: str) -> None:
+        self.path = path
+        super().__init__("links", f"trace {path}", got, allowed)

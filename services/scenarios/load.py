@@ -11,6 +11,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from services.scenarios.errors import ScenarioError, UnknownScenarioError, UnreadableScenarioError
+from services.scenarios.links import link_changes, link_settings
 from services.scenarios.schema import Scenario
 
 
@@ -56,18 +57,22 @@ def scenario_from(data: Any, source: str, overrides: Mapping[str, Any] | None = 
 
     Raises:
         ScenarioError: A field that holds what it may not; the first one is named.
+        LinkTraceError: A recorded trace of a link that cannot be used.
     """
     if not isinstance(data, dict):
         raise ScenarioError(source, "file", type(data).__name__, "a table of fields")
     for dotted, value in (overrides or {}).items():
         _put(data, dotted.split("."), value)
     try:
-        return Scenario.model_validate(data)
+        scenario = Scenario.model_validate(data)
     except ValidationError as error:
         first = error.errors()[0]
         field = ".".join(str(part) for part in first["loc"]) or "scenario"
         more = "" if error.error_count() == 1 else f" (and {error.error_count() - 1} more)"
         raise ScenarioError(source, field, _shown(first["input"]), _allowed(first["msg"]) + more) from error
+    link_settings(scenario)  # a trace that cannot be read is told now, not when the processes start
+    link_changes(scenario)
+    return scenario
 
 
 def _put(data: dict[str, Any], path: list[str], value: object) -> None:

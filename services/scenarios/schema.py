@@ -7,10 +7,9 @@ from pydantic import Field, model_validator
 from passafe.human_input import PROPORTIONS
 from services.scenarios.barrier_schema import BarrierConfig, ClassK
 from services.scenarios.fields import Config, NonNegative, Positive, Vector
+from services.scenarios.link_schema import LinkChangeConfig, LinkConfig, LinkName, changed_links
 from services.scenarios.single_barriers import SingleBarrier, single_barriers
 from services.scenarios.source_schema import Source
-
-LinkName = Literal["operator-to-filter", "filter-to-plant", "plant-to-filter"]
 
 
 class PlantConfig(Config):
@@ -129,17 +128,11 @@ class FilterConfig(Config):
     repeats: Annotated[int, Field(ge=0, le=64)] = 16
 
 
-class LinkConfig(Config):
-    """An injected link: constant delay, uniform jitter in ±jitter_s, independent loss; seeded."""
-
-    delay_s: Annotated[float, Field(ge=0, le=10)] = 0.0
-    jitter_s: Annotated[float, Field(ge=0, le=10)] = 0.0
-    loss: Annotated[float, Field(ge=0, le=1)] = 0.0
-    seed: Annotated[int, Field(ge=0, lt=2**63)] = 1
-
-
 class Scenario(Config):
-    """One scenario: everything that decides what a run does."""
+    """One scenario: everything that decides what a run does.
+
+    ``links`` are the impaired links at the start, ``link_changes`` what becomes of them later.
+    """
 
     schema_version: Literal[1]
     name: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]{0,59}$")]
@@ -151,6 +144,7 @@ class Scenario(Config):
     operator: OperatorConfig
     filter: FilterConfig
     links: dict[LinkName, LinkConfig] = Field(default_factory=dict)
+    link_changes: tuple[LinkChangeConfig, ...] = ()
 
     @property
     def dt_s(self) -> float:
@@ -165,6 +159,11 @@ class Scenario(Config):
     @model_validator(mode="after")
     def _barriers_fit_the_model(self) -> Self:
         single_barriers(self.filter.barriers, self.plant.model)
+        return self
+
+    @model_validator(mode="after")
+    def _link_changes_are_allowed(self) -> Self:
+        changed_links(self.links, self.link_changes)
         return self
 
     @model_validator(mode="after")

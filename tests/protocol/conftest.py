@@ -1,6 +1,7 @@
 """One valid message of every type, with parts and lists filled."""
 
 import pytest
+from link_parameters import PARAMETERS
 
 from protocol.messages import (
     BarrierChain,
@@ -13,6 +14,8 @@ from protocol.messages import (
     Health,
     LinkConfig,
     LinkEvent,
+    LinkSource,
+    LinkState,
     Message,
     OperatorCommand,
     Override,
@@ -89,8 +92,30 @@ BODIES: tuple[Message, ...] = (
         override=Override((0.75, -0.5), allowed_fraction=0.25, unavoidable=False, distance_to_infeasibility=-3.5),
         horizon_ns=410_000_000,
     ),
-    LinkConfig(link="filter-to-plant", delay_s=0.2, jitter_s=0.05, loss=0.1, seed=7),
-    LinkEvent(link="plant-to-filter", effect="dropped", topic="state", sequence=12),
+    LinkConfig(link="filter-to-plant", parameters=PARAMETERS),
+    LinkEvent(link="plant-to-filter", effect="dropped", topic="state", sequence=12, cause="queue"),
+    LinkState(
+        link="plant-to-operator",
+        topic="state",
+        parameters=PARAMETERS,
+        trace_opportunities=3,
+        put=10,
+        delivered=6,
+        dropped_loss=1,
+        dropped_queue=2,
+        dropped_outage=1,
+        duplicated=3,
+        corrupted=2,
+        under_way=3,
+        refused_corrupted=1,
+        refused_repeated=1,
+        occasion="asked",
+        config_source="console",
+        config_epoch=1_763_800_000_000_000_001,
+        config_sequence=4,
+        refusal="link rate_hz: got 5, allowed 0 where there is a trace",
+        sources=(LinkSource("plant", 1_763_800_000_000_000_000, 0, 11, 10),),
+    ),
     Health(
         rate_hz=999.5,
         steps=1000,

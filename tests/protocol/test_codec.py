@@ -7,12 +7,15 @@ from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 from google.protobuf.message import Message as ProtobufMessage
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from link_parameters import PARAMETERS
 from msgspec.structs import replace
 
 from protocol import codec, passafe_pb2
+from protocol.checksum import SEAL_BYTES, sealed
 from protocol.codec import MAX_MESSAGE_BYTES, decode, encode, file_descriptor_set, schema_name
 from protocol.errors import DecodeError, InvalidMessageError, ProtocolError, SchemaVersionError
-from protocol.link import MAX_DELAY_S
+from protocol.link_effect import CAUSES, EFFECTS
+from protocol.link_settings import DISTRIBUTIONS, MAX_DELAY_S
 from protocol.messages import (
     BarrierChain,
     Certificate,
@@ -24,6 +27,10 @@ from protocol.messages import (
     Health,
     LinkConfig,
     LinkEvent,
+    LinkOutage,
+    LinkParameters,
+    LinkSource,
+    LinkState,
     Message,
     OperatorCommand,
     Override,
@@ -106,6 +113,27 @@ def commands(m: int) -> st.SearchStrategy[OperatorCommand]:
     return st.builds(OperatorCommand, u_h=vector(m), u_h_rate=rate, enabled=st.booleans(), device=name)
 
 
+share = st.floats(0, 1)
+parameters = st.builds(
+    LinkParameters,
+    delay_s=st.floats(0, MAX_DELAY_S),
+    jitter_s=st.floats(0, MAX_DELAY_S),
+    distribution=st.sampled_from(DISTRIBUTIONS),
+    quantiles_s=tuple_of(st.floats(0, MAX_DELAY_S)),
+    correlation=st.floats(0, 0.9999),
+    reorder=st.booleans(),
+    loss=share,
+    burst_enter=share,
+    burst_leave=share,
+    burst_loss_good=share,
+    burst_loss_bad=share,
+    duplicate=share,
+    corrupt=share,
+    rate_hz=st.floats(0, 1e6),
+    queue=st.integers(1, 1000),
+    outages=tuple_of(st.builds(LinkOutage, st.floats(0, 1e6), st.floats(0, 1e6))),
+    seed=count,
+)
 sizes = st.sampled_from([1, 2, 7])
 headers = st.builds(Header, name, count, count, time_ns, time_ns, time_ns, time_ns)
 MESSAGES: dict[type, st.SearchStrategy[Any]] = {
@@ -113,15 +141,28 @@ MESSAGES: dict[type, st.SearchStrategy[Any]] = {
     PlantInput: st.builds(PlantInput, tick=count, u=sizes.flatmap(vector), effective_plant_ns=time_ns, hold_ns=count),
     PlantState: sizes.flatmap(states),
     FilterTick: sizes.flatmap(ticks),
-    LinkConfig: st.builds(
-        LinkConfig,
+    LinkConfig: st.builds(LinkConfig, link=st.sampled_from(sorted(LINKS)), parameters=parameters),
+    LinkEvent: st.builds(
+        LinkEvent,
         link=st.sampled_from(sorted(LINKS)),
-        delay_s=st.floats(0, MAX_DELAY_S),
-        jitter_s=st.floats(0, MAX_DELAY_S),
-        loss=st.floats(0, 1),
-        seed=count,
+        effect=st.sampled_from(EFFECTS),
+        topic=name,
+        sequence=count,
+        cause=st.sampled_from(["", *CAUSES]),
     ),
-    LinkEvent: st.builds(LinkEvent, link=st.sampled_from(sorted(LINKS)), effect=name, topic=name, sequence=count),
+    LinkState: st.builds(
+        LinkState,
+        st.sampled_from(sorted(LINKS)),
+        name,
+        parameters,
+        *[count] * 11,
+        st.sampled_from(["start", "period", "scheduled", "asked", "end"]),
+        text,
+        count,
+        count,
+        text,
+        tuple_of(st.builds(LinkSource, name, count, count, count, count)),
+    ),
     Health: st.builds(
         Health,
         rate_hz=positive,
@@ -149,6 +190,11 @@ def unchecked(header: Header, body: Message) -> ProtobufMessage:
     codec._fill("test", codec.shape_of(Header), message.header, header, "")
     codec._fill("test", codec.shape_of(type(body)), message, body, "")
     return message
+
+
+def wire(message: ProtobufMessage) -> bytes:
+    """Its bytes with the right checksum."""
+    return sealed(message.SerializeToString())
 
 
 def decodes_or_refuses(topic: Topic, data: bytes) -> None:
@@ -189,18 +235,19 @@ def test_bytes_are_ordinary_protobuf(header: Header, body_of: dict[type, Message
 @given(data=st.binary(max_size=300))
 def test_random_bytes(topic: Topic, data: bytes) -> None:
     decodes_or_refuses(topic, data)
+    decodes_or_refuses(topic, sealed(data))
 
 
 @each_topic
 @examples
 @given(data=st.data())
 def test_mutated_message(topic: Topic, data: st.DataObject) -> None:
-    mutant = bytearray(encode(data.draw(headers), data.draw(MESSAGES[topic.body])))
+    mutant = bytearray(encode(data.draw(headers), data.draw(MESSAGES[topic.body]))[:-SEAL_BYTES])
     edits = st.tuples(st.integers(0, len(mutant) - 1), st.integers(0, 4), st.binary(max_size=4))
     for at, length, replacement in data.draw(st.lists(edits, min_size=1, max_size=4)):
         mutant[at : at + length] = replacement
 
-    decodes_or_refuses(topic, bytes(mutant))
+    decodes_or_refuses(topic, sealed(bytes(mutant)))
 
 
 @each_topic
@@ -211,20 +258,21 @@ def test_header_followed_by_random_fields(topic: Topic, data: st.DataObject) -> 
     message.header.schema_version = 1
     message.header.source = "plant"
 
-    decodes_or_refuses(topic, message.SerializeToString() + data.draw(st.binary(max_size=100)))
+    decodes_or_refuses(topic, sealed(message.SerializeToString() + data.draw(st.binary(max_size=100))))
 
 
 def test_every_truncation(header: Header, body: Message) -> None:
     topic, whole = TOPIC_OF_BODY[type(body)], encode(header, body)
     for size in range(len(whole)):
         decodes_or_refuses(topic, whole[:size])
+        decodes_or_refuses(topic, sealed(whole[: size - SEAL_BYTES]))
 
 
 def test_truncation_within_a_field_is_no_message(header: Header, body_of: dict[type, Message]) -> None:
     whole = encode(header, body_of[PlantState])
 
     with pytest.raises(DecodeError) as caught:
-        decode(STATE, whole[:-1])
+        decode(STATE, sealed(whole[: -SEAL_BYTES - 1]))
 
     assert (caught.value.topic, caught.value.size) == ("state", len(whole) - 1)
 
@@ -233,13 +281,13 @@ def test_truncation_within_a_field_is_no_message(header: Header, body_of: dict[t
 @pytest.mark.parametrize("data", [b"", b"\x10\x01"], ids=["empty", "without a header"])
 def test_no_header_is_no_message(topic: Topic, data: bytes) -> None:
     with pytest.raises(DecodeError, match="no header") as caught:
-        decode(topic, data)
+        decode(topic, sealed(data))
 
     assert caught.value.topic == topic.name
 
 
 def test_text_that_is_not_utf8_is_no_message(header: Header) -> None:
-    data = encode(header, Event("info", "abc")).replace(b"abc", b"a\xffc")
+    data = sealed(encode(header, Event("info", "abc"))[:-SEAL_BYTES].replace(b"abc", b"a\xffc"))
 
     with pytest.raises(DecodeError, match="event"):
         decode(EVENT, data)
@@ -260,7 +308,7 @@ def test_another_schema_version_is_refused(header: Header, body: Message, versio
     topic = TOPIC_OF_BODY[type(body)]
 
     with pytest.raises(SchemaVersionError) as caught:
-        decode(topic, message.SerializeToString())
+        decode(topic, wire(message))
 
     assert (caught.value.topic, caught.value.got, caught.value.allowed) == (topic.name, version, 1)
 
@@ -271,7 +319,7 @@ def test_unknown_enum_value_is_refused(header: Header, body_of: dict[type, Messa
     message.phase = phase
 
     with pytest.raises(InvalidMessageError) as caught:
-        decode(STATE, message.SerializeToString())
+        decode(STATE, wire(message))
 
     assert (caught.value.field, caught.value.got) == ("phase", phase)
     assert "1 (WAITING)" in caught.value.allowed
@@ -283,8 +331,16 @@ BAD: list[tuple[type, dict[str, Any], str]] = [
     (PlantState, {"u": (1.0,)}, "u"),
     (FilterTick, {"rows": (Row("", 0.0, 0.0, active=True),)}, "rows[0].name"),
     (FilterTick, {"barriers": (BarrierChain("disk", (float("nan"),)),)}, "barriers[0].psi"),
-    (LinkConfig, {"loss": 1.5}, "loss"),
-    (LinkConfig, {"delay_s": -0.1}, "delay_s"),
+    (LinkConfig, {"link": "filter-to-moon"}, "link"),
+    (LinkConfig, {"parameters": replace(PARAMETERS, loss=1.5)}, "parameters.loss"),
+    (LinkConfig, {"parameters": replace(PARAMETERS, delay_s=-0.1)}, "parameters.delay_s"),
+    (LinkConfig, {"parameters": replace(PARAMETERS, distribution="gamma")}, "parameters.distribution"),
+    (LinkConfig, {"parameters": replace(PARAMETERS, quantiles_s=(0.0, 11.0))}, "parameters.quantiles_s"),
+    (LinkConfig, {"parameters": replace(PARAMETERS, queue=0)}, "parameters.queue"),
+    (LinkConfig, {"parameters": replace(PARAMETERS, outages=(LinkOutage(0.0, 1e9),))}, "parameters.outages[0].end_s"),
+    (LinkEvent, {"effect": "eaten"}, "effect"),
+    (LinkEvent, {"cause": "hunger"}, "cause"),
+    (LinkState, {"occasion": "never"}, "occasion"),
 ]
 
 
@@ -298,7 +354,7 @@ def test_both_ends_refuse_what_a_field_may_not_hold(
     with pytest.raises(InvalidMessageError) as sent:
         encode(header, body)
     with pytest.raises(InvalidMessageError) as read:
-        decode(topic, unchecked(header, body).SerializeToString())
+        decode(topic, wire(unchecked(header, body)))
 
     assert (sent.value.topic, sent.value.field) == (read.value.topic, read.value.field) == (topic.name, field)
 
@@ -309,7 +365,7 @@ def test_both_ends_refuse_a_message_without_source(header: Header, body: Message
     with pytest.raises(InvalidMessageError) as sent:
         encode(nobody, body)
     with pytest.raises(InvalidMessageError) as read:
-        decode(TOPIC_OF_BODY[type(body)], unchecked(nobody, body).SerializeToString())
+        decode(TOPIC_OF_BODY[type(body)], wire(unchecked(nobody, body)))
 
     assert sent.value.field == read.value.field == "header.source"
 
@@ -368,19 +424,19 @@ def test_size_is_limited_at_both_ends(header: Header) -> None:
     with pytest.raises(InvalidMessageError, match="bytes"):
         encode(header, too_long)
     with pytest.raises(DecodeError, match="more than"):
-        decode(EVENT, unchecked(header, too_long).SerializeToString())
+        decode(EVENT, wire(unchecked(header, too_long)))
 
 
 def test_deeply_nested_garbage_is_no_message() -> None:
     with pytest.raises(DecodeError):
-        decode(HEALTH, b"\x4b" * 100_000)  # group upon group, none of them closed
+        decode(HEALTH, sealed(b"\x4b" * 100_000))  # group upon group, none of them closed
 
 
 def test_field_that_the_message_does_not_have_is_refused(header: Header, body: Message) -> None:
     unknown = b"\xa2\x06\x03abc"  # field 100, three bytes
 
     with pytest.raises(InvalidMessageError) as caught:
-        decode(TOPIC_OF_BODY[type(body)], encode(header, body) + unknown)
+        decode(TOPIC_OF_BODY[type(body)], sealed(encode(header, body) + unknown))
 
     assert (caught.value.field, caught.value.got) == (type(body).__name__, "field number 100")
 
@@ -390,7 +446,7 @@ def test_field_that_a_part_does_not_have_is_refused(header: Header, body_of: dic
     message.rows[1].MergeFromString(b"\x50\x01")  # field 10, an integer
 
     with pytest.raises(InvalidMessageError) as caught:
-        decode(TICK, message.SerializeToString())
+        decode(TICK, wire(message))
 
     assert (caught.value.field, caught.value.got) == ("Row", "field number 10")
 
@@ -417,7 +473,7 @@ def test_absent_certificate_is_an_empty_one(header: Header, body_of: dict[type, 
     message = unchecked(header, body_of[FilterTick])
     message.ClearField("certificate")
 
-    _, tick = decode(TICK, message.SerializeToString())
+    _, tick = decode(TICK, wire(message))
 
     assert isinstance(tick, FilterTick)
     assert tick.certificate == Certificate("", accepted=False, primal_residual=0.0, dual_residual=0.0, gap=0.0)
@@ -434,7 +490,7 @@ def test_a_tick_of_before_overrides_were_told_is_read_and_knows_nothing_of_them(
     for barrier in message.barriers:
         barrier.ClearField("eps")
 
-    _, tick = decode(TICK, message.SerializeToString())
+    _, tick = decode(TICK, wire(message))
 
     assert isinstance(tick, FilterTick)
     assert tick.override == Override((), allowed_fraction=0.0, unavoidable=False, distance_to_infeasibility=0.0)

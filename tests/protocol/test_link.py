@@ -1,34 +1,56 @@
-"""Delay, jitter and loss match their definitions; order and randomness are reproducible."""
+"""What comes out of a link, when, and how reproducibly; statistics have a file of their own."""
 
+from dataclasses import replace
 from itertools import pairwise
-from math import inf, nan, sqrt
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from protocol.errors import LinkSettingsError
-from protocol.link import DROPPED, MAX_DELAY_S, Link, LinkSettings
+from protocol.link import Link
+from protocol.link_effect import CORRUPTED, CUT, DUPLICATED, LOST, OVERFLOWED, UNHARMED
+from protocol.link_settings import DISTRIBUTIONS, MAX_DELAY_S, LinkSettings
 
 S = 1_000_000_000
 MS = 1_000_000
 COUNT = 20_000
-SIGMAS = 4.0  # bound of the statistical tests; the seeds are fixed, so that they pass always or never
 
-settings_strategy = st.builds(
-    LinkSettings,
-    delay_s=st.floats(0, MAX_DELAY_S),
-    jitter_s=st.floats(0, MAX_DELAY_S),
-    loss=st.floats(0, 1),
-    seed=st.integers(0, 2**64 - 1),
-)
+share = st.sampled_from([0.0, 0.0, 0.2, 0.5, 1.0])
+
+
+@st.composite
+def any_settings(draw: st.DrawFn) -> LinkSettings:
+    """Settings with any effects, many of them at once."""
+    distribution = draw(st.sampled_from(DISTRIBUTIONS))
+    by_table = distribution == "histogram"
+    limit = draw(st.sampled_from(["none", "rate", "trace"]))
+    edges = sorted(draw(st.sets(st.sampled_from([0.0, 0.01, 0.1, 0.3, 0.5, 2.0]), max_size=4)))
+    return LinkSettings(
+        delay_s=draw(st.sampled_from([0.0, 0.02, MAX_DELAY_S])),
+        jitter_s=0.0 if by_table else draw(st.sampled_from([0.0, 0.01, 1.0])),
+        distribution=distribution,
+        quantiles_s=(0.0, 0.01, 0.01, 0.2) if by_table else (),
+        correlation=draw(st.sampled_from([0.0, 0.5])),
+        reorder=draw(st.booleans()),
+        loss=draw(share),
+        burst_enter=draw(share),
+        burst_leave=draw(share),
+        burst_loss_good=draw(share),
+        duplicate=draw(share),
+        corrupt=draw(share),
+        rate_hz=draw(st.sampled_from([10.0, 100.0])) if limit == "rate" else 0.0,
+        queue=draw(st.sampled_from([1, 3, 1000])),
+        outages_s=tuple(zip(edges[::2], edges[1::2], strict=False)),
+        trace_s=(0.0, 0.003, 0.003, 0.1) if limit == "trace" else (),
+        seed=draw(st.integers(0, 5)),
+    )
 
 
 def outcome(settings: LinkSettings, count: int = COUNT, name: str = "a-to-b") -> list[int | None]:
     """Delay in ns of each of ``count`` messages put in at time 0, ``None`` for those that were dropped."""
     link: Link[int] = Link(name, settings)
     delays: list[int | None] = [None] * count
-    dropped = {i for i in range(count) if link.put(0, i) == DROPPED}
+    dropped = {i for i in range(count) if link.put(0, i) == LOST}
     for arrival_ns, i in link.take(2 * 10 * S):
         delays[i] = arrival_ns
     assert dropped == {i for i, delay in enumerate(delays) if delay is None}
@@ -42,7 +64,7 @@ def arrived(delays: list[int | None]) -> list[int]:
 def test_without_impairment_everything_is_there_at_once_and_in_order() -> None:
     link: Link[str] = Link("a-to-b", LinkSettings())
 
-    assert [link.put(5, item) for item in "abc"] == [None, None, None]
+    assert [link.put(5, item) for item in "abc"] == [UNHARMED] * 3
     assert link.take(4) == []
     assert link.take(5) == [(5, "a"), (5, "b"), (5, "c")]
     assert link.take(6) == []
@@ -62,44 +84,6 @@ def test_items_need_not_be_comparable() -> None:
     link.put(0, {"a": 2})
 
     assert [item for _, item in link.take(0)] == [{"b": 1}, {"a": 2}]
-
-
-def test_jitter_is_uniform_about_the_delay() -> None:
-    delay, jitter = 100 * MS, 40 * MS
-    delays = arrived(outcome(LinkSettings(delay_s=0.1, jitter_s=0.04, seed=3)))
-
-    assert len(delays) == COUNT
-    assert all(delay - jitter <= d <= delay + jitter for d in delays)
-    # The uniform distribution of half width J has mean 0 and variance J²/3.
-    assert abs(sum(delays) / COUNT - delay) < SIGMAS * jitter / sqrt(3 * COUNT)
-    for tenth in range(10):
-        low = delay - jitter + tenth * jitter / 5
-        inside = sum(low <= d < low + jitter / 5 for d in delays)
-        assert abs(inside - 0.1 * COUNT) < SIGMAS * sqrt(COUNT * 0.1 * 0.9)
-
-
-def test_delay_never_falls_below_zero() -> None:
-    delays = arrived(outcome(LinkSettings(delay_s=0.01, jitter_s=0.04, seed=3)))
-    at_once = 3 / 8  # share of ±40 ms that lies below −10 ms
-
-    assert min(delays) == 0
-    assert abs(delays.count(0) - at_once * COUNT) < SIGMAS * sqrt(COUNT * at_once * (1 - at_once))
-
-
-@pytest.mark.parametrize("loss", [0.02, 0.2, 0.5, 0.9])
-def test_loss_is_the_share_that_is_lost(loss: float) -> None:
-    lost = outcome(LinkSettings(loss=loss, seed=5)).count(None)
-
-    assert abs(lost - loss * COUNT) < SIGMAS * sqrt(COUNT * loss * (1 - loss))
-
-
-def test_losses_are_independent() -> None:
-    lost = [delay is None for delay in outcome(LinkSettings(loss=0.3, seed=5))]
-    twice = sum(a and b for a, b in pairwise(lost))
-
-    # Pairs that overlap are correlated: variance per pair is p²(1 − p²) + 2(p³ − p⁴).
-    variance = 0.3**2 * (1 - 0.3**2) + 2 * (0.3**3 - 0.3**4)
-    assert abs(twice - 0.09 * COUNT) < SIGMAS * sqrt(COUNT * variance)
 
 
 @pytest.mark.parametrize(("loss", "lost"), [(0.0, 0), (1.0, 1000)])
@@ -124,7 +108,7 @@ def test_another_seed_or_another_name_is_another_sequence() -> None:
 def test_a_logged_seed_gives_the_same_delays_in_years_to_come() -> None:
     delays = outcome(LinkSettings(delay_s=0.1, jitter_s=0.1, loss=0.4, seed=1), 6)
 
-    assert delays == [62_850_554, 93_690_917, 192_322_804, 152_594_647, 61_549_549, None]
+    assert delays == [179_129_636, 31_904_739, None, None, 89_385_640, 151_914_555]
 
 
 def test_changing_one_setting_leaves_the_others_alone() -> None:
@@ -146,75 +130,256 @@ def test_reconfigured_link_lets_messages_under_way_keep_their_time() -> None:
     assert link.take(2 * S) == [(100 * MS, "fast"), (S, "slow")]
 
 
-def test_reconfigured_link_goes_on_with_its_sequence_unless_the_seed_changes() -> None:
-    lossy = LinkSettings(loss=0.5, seed=1)
-    expected = [delay is None for delay in outcome(lossy, 200)]
-    link: Link[int] = Link("a-to-b", LinkSettings(seed=1))
-    for i in range(100):
-        link.put(0, i)
-    link.reconfigure(lossy)
-    second_half = [link.put(0, i) == DROPPED for i in range(100)]
-    link.reconfigure(LinkSettings(loss=0.5, seed=2))
-    link.reconfigure(lossy)
-    from_the_start = [link.put(0, i) == DROPPED for i in range(200)]
+def test_reconfigured_link_goes_on_with_its_sequences_unless_the_seed_changes() -> None:
+    settings = LinkSettings(delay_s=0.1, jitter_s=0.05, loss=0.5, seed=1)
+    expected = outcome(settings, 200)
+    link: Link[int] = Link("a-to-b", settings)
+    lost = [link.put(0, i) == LOST for i in range(100)]
+    link.reconfigure(replace(settings, duplicate=1.0, corrupt=0.5, reorder=False))  # another way of putting
+    lost += [LOST[0] in link.put(0, i) for i in range(100, 150)]
+    link.reconfigure(settings)
+    lost += [link.put(0, i) == LOST for i in range(150, 200)]
+    link.reconfigure(replace(settings, seed=2))
+    link.reconfigure(settings)
+    from_the_start = [link.put(0, i) == LOST for i in range(200)]
 
-    assert second_half == expected[100:]
-    assert from_the_start == expected
+    assert lost == [delay is None for delay in expected]
+    assert from_the_start == lost
+
+
+def test_without_overtaking_messages_come_out_in_order_also_those_under_way_before() -> None:
+    link: Link[int] = Link("a-to-b", LinkSettings(delay_s=0.5, jitter_s=0.5))
+    for i in range(50):
+        link.put(i * MS, i)
+    under_way = link.counts.under_way
+    link.reconfigure(LinkSettings(delay_s=0.01, jitter_s=0.01, reorder=False, duplicate=0.3))
+    for i in range(50, 100):
+        link.put(i * MS, i)
+    out = link.take(20 * S)
+
+    assert under_way == 50
+    assert sorted(i for _, i in out[:50]) == list(range(50))
+    assert [i for _, i in out[50:]] == sorted(i for _, i in out[50:])
+
+
+def test_a_rate_spaces_messages_and_drops_those_that_find_the_queue_full() -> None:
+    link: Link[int] = Link("a-to-b", LinkSettings(delay_s=1.0, rate_hz=100.0, queue=3))
+
+    assert [link.put(0, i) for i in range(5)] == [UNHARMED] * 3 + [OVERFLOWED] * 2
+    assert link.put(10 * MS, 5) == UNHARMED  # one is through
+    assert link.put(S, 6) == UNHARMED
+    assert link.take(5 * S) == [(S + n * 10 * MS, i) for n, i in ((1, 0), (2, 1), (3, 2), (4, 5))] + [(2010 * MS, 6)]
+
+
+def test_a_slower_rate_lets_those_that_wait_go_first() -> None:
+    link: Link[int] = Link("a-to-b", LinkSettings(rate_hz=1.0))
+    for i in range(3):
+        link.put(0, i)
+    link.reconfigure(LinkSettings(rate_hz=1000.0, queue=4))
+    assert [link.put(0, i) for i in (3, 4)] == [UNHARMED, OVERFLOWED]
+    link.reconfigure(LinkSettings())
+    link.put(0, 5)
+
+    assert [i for _, i in link.take(5 * S)] == [5, 0, 1, 2, 3]
+
+
+def test_a_trace_lets_one_message_through_at_each_of_its_times_and_begins_anew() -> None:
+    link: Link[int] = Link("a-to-b", LinkSettings(trace_s=(0.0, 0.002, 0.002, 0.010)))
+    start = 7 * S
+    for i in range(6):
+        link.put(start, i)
+    link.put(start + 25 * MS, 6)  # opportunities of before are gone
+    link.put(start + 25 * MS, 7)
+
+    times = [(arrival_ns - start) / MS for arrival_ns, _ in link.take(start + S)]
+    assert times == [0, 2, 2, 10, 10, 12, 30, 30]
+
+
+def test_a_trace_of_one_time_is_a_rate() -> None:
+    link: Link[int] = Link("a-to-b", LinkSettings(trace_s=(0.001,)))
+    for i in range(5):
+        link.put(S, i)
+
+    assert [arrival_ns - S for arrival_ns, _ in link.take(2 * S)] == [MS * n for n in range(1, 6)]
+
+
+def test_outages_count_from_the_first_message_under_them() -> None:
+    link: Link[int] = Link("a-to-b", LinkSettings(outages_s=((0.010, 0.020), (0.030, 0.031))))
+    start = 3 * S
+    cut = [i for i in range(40) if link.put(start + i * MS, i) == CUT]
+    link.reconfigure(LinkSettings(outages_s=((0.0, 0.002),), delay_s=0.1))
+    cut_again = [i for i in range(5) if link.put(start + S + i * MS, i) == CUT]
+
+    assert cut == [*range(10, 20), 30]
+    assert cut_again == [0, 1]
+    assert link.counts.dropped_outage == 13
+
+
+def test_other_settings_leave_outages_and_trace_where_they_are() -> None:
+    settings = LinkSettings(outages_s=((0.010, 0.020),), trace_s=(0.005, 0.100))
+    link: Link[int] = Link("a-to-b", settings)
+    link.put(0, 0)
+    link.reconfigure(replace(settings, loss=1.0))
+
+    assert link.put(15 * MS, 1) == CUT
+    link.reconfigure(replace(settings, queue=2))
+    link.put(50 * MS, 2)
+    assert link.take(S) == [(5 * MS, 0), (100 * MS, 2)]
+
+
+def test_a_copy_comes_out_with_a_delay_of_its_own() -> None:
+    link: Link[int] = Link("a-to-b", LinkSettings(delay_s=0.1, jitter_s=0.05, duplicate=1.0))
+    assert [link.put(0, i) for i in range(100)] == [DUPLICATED] * 100
+    out = link.take(S)
+
+    assert sorted(i for _, i in out) == sorted(2 * list(range(100)))
+    assert len({arrival_ns for arrival_ns, _ in out}) == 200
+
+
+def test_a_lost_message_has_no_copy() -> None:
+    link: Link[int] = Link("a-to-b", LinkSettings(loss=1.0, duplicate=1.0, corrupt=1.0))
+
+    assert link.put(0, 1) == LOST
+    assert link.counts.duplicated == link.counts.corrupted == 0
+
+
+def test_a_corrupted_item_is_damaged_where_the_sequence_says() -> None:
+    settings = LinkSettings(corrupt=0.5, duplicate=0.5)
+
+    def outcomes() -> list[object]:
+        link: Link[object] = Link("a-to-b", settings, lambda item, place: (item, place))
+        told = [link.put(i, i) for i in range(200)]
+        out = link.take(S)
+        damaged = [item for _, item in out if isinstance(item, tuple)]
+        assert len(damaged) == sum(effects.count(CORRUPTED[0]) for effects in told) == link.counts.corrupted
+        return out
+
+    places = [item[1] for _, item in outcomes() if isinstance(item, tuple)]
+    assert outcomes() == outcomes()
+    assert len(places) > 100
+    assert 0 <= min(places) < 0.1
+    assert 0.9 < max(places) < 1
+
+
+def test_without_a_way_to_damage_it_a_corrupted_item_stays_as_it_is() -> None:
+    link: Link[str] = Link("a-to-b", LinkSettings(corrupt=1.0))
+
+    assert link.put(0, "a") == CORRUPTED
+    assert link.take(0) == [(0, "a")]
 
 
 @settings(deadline=None)
-@given(settings_strategy, st.lists(st.integers(0, 50 * MS), max_size=60), st.integers(1, 20))
-def test_each_message_comes_out_once_in_order_and_never_early(
-    settings: LinkSettings, pauses: list[int], looks: int
+@given(
+    st.lists(any_settings(), min_size=1, max_size=3),
+    st.lists(st.integers(0, 50 * MS), max_size=60),
+    st.integers(1, 20),
+    st.integers(5, 60),
+)
+def test_every_message_is_accounted_for_at_any_moment(
+    chosen: list[LinkSettings], pauses: list[int], looks: int, changes: int
 ) -> None:
-    link: Link[tuple[int, int]] = Link("a-to-b", settings)
-    now_ns, kept, out = 0, [], []
+    link: Link[tuple[int, int]] = Link("a-to-b", chosen[0])
+    now_ns, told, out = 0, [], []
     for i, pause in enumerate(pauses):
         now_ns += pause
-        if link.put(now_ns, (i, now_ns)) is None:
-            kept.append(i)
+        if i % changes == 0:
+            link.reconfigure(chosen[i // changes % len(chosen)])
+        told += link.put(now_ns, (i, now_ns))
         if i % looks == 0:
-            taken = link.take(now_ns)
-            assert all(arrival_ns <= now_ns for arrival_ns, _ in taken)
-            out.append(taken)
-    out.append(link.take(now_ns + 20 * S))
+            out += link.take(now_ns)
+            assert all(arrival_ns <= now_ns for arrival_ns, _ in out)
+        counts = link.counts
+        assert counts.put == i + 1
+        assert counts.put + counts.duplicated == counts.delivered + counts.dropped + counts.under_way
+        assert counts.delivered == len(out)
+    everything = out + link.take(now_ns + 10**15)
+    counts = link.counts
 
-    assert sorted(i for taken in out for _, (i, _) in taken) == kept
+    assert counts.under_way == 0
+    assert all(arrival_ns >= put_ns for arrival_ns, (_, put_ns) in everything)
+    assert told.count(LOST[0]) == counts.dropped_loss
+    assert told.count(CUT[0]) == counts.dropped_outage
+    assert sum(effect.effect == "dropped" for effect in told) == counts.dropped
+    assert sum(effect.effect == "duplicated" for effect in told) == counts.duplicated
+    assert sum(effect.effect == "corrupted" for effect in told) == counts.corrupted
+    copies = len(everything) - len({i for _, (i, _) in everything})
+    assert copies == counts.duplicated
+
+
+@settings(deadline=None)
+@given(any_settings(), st.lists(st.integers(0, 50 * MS), max_size=60), st.integers(1, 20))
+def test_what_is_taken_is_in_order_and_without_overtaking_in_that_of_putting(
+    chosen: LinkSettings, pauses: list[int], looks: int
+) -> None:
+    link: Link[int] = Link("a-to-b", chosen)
+    now_ns, out = 0, []
+    for i, pause in enumerate(pauses):
+        now_ns += pause
+        link.put(now_ns, i)
+        if i % looks == 0:
+            out.append(link.take(now_ns))
+    out.append(link.take(now_ns + 10**15))
+
     for taken in out:
-        assert taken == sorted(taken)  # by arrival, then by number of insertion
-        assert all(arrival_ns >= put_ns for arrival_ns, (_, put_ns) in taken)
+        assert [arrival_ns for arrival_ns, _ in taken] == sorted(arrival_ns for arrival_ns, _ in taken)
+    if not chosen.reorder:
+        assert all(a <= b for a, b in pairwise(i for taken in out for _, i in taken))
+
+
+Fate = tuple[bool, dict[str, tuple[int, object]]]
+
+
+def fates(settings: LinkSettings) -> list[Fate]:
+    """For each of 300 messages: whether it was lost, and arrival and item of the message and of its copy."""
+    link: Link[object] = Link("a-to-b", settings, lambda _, place: place)
+    lost = [LOST[0] in link.put(i * MS, "whole") for i in range(300)]
+    sent = {number: (arrival_ns, item) for arrival_ns, number, item in link._under_way}
+    places = ((i + 1, i + 1.5) for i in range(300))
+    return [
+        (gone, {name: sent[at] for name, at in zip(("message", "copy"), place, strict=True) if at in sent})
+        for gone, place in zip(lost, places, strict=True)
+    ]
+
+
+EVERYTHING = LinkSettings(
+    delay_s=0.1, jitter_s=0.05, loss=0.2, burst_enter=0.1, burst_leave=0.5, duplicate=0.3, corrupt=0.3
+)
 
 
 @pytest.mark.parametrize(
-    ("field", "got"),
-    [
-        ("delay_s", -1e-9),
-        ("delay_s", MAX_DELAY_S * 1.001),
-        ("delay_s", nan),
-        ("delay_s", inf),
-        ("delay_s", "0.1"),
-        ("delay_s", True),
-        ("jitter_s", -0.1),
-        ("jitter_s", nan),
-        ("jitter_s", None),
-        ("loss", -0.1),
-        ("loss", 1.0001),
-        ("loss", nan),
-        ("seed", -1),
-        ("seed", 2**64),
-        ("seed", 1.0),
-        ("seed", False),
-    ],
+    "off", [{"loss": 0.0}, {"burst_enter": 0.0}, {"loss": 0.0, "burst_enter": 0.0, "outages_s": ((0.1, 0.2),)}]
 )
-def test_setting_outside_its_range_is_refused(field: str, got: object) -> None:
-    with pytest.raises(LinkSettingsError) as caught:
-        LinkSettings(**{field: got})
+def test_what_is_lost_changes_nothing_about_the_others(off: dict[str, object]) -> None:
+    before, after = fates(EVERYTHING), fates(replace(EVERYTHING, **off))
 
-    assert caught.value.field == field
-    assert caught.value.got is got
+    both = [(a["message"], b["message"]) for (_, a), (_, b) in zip(before, after, strict=True) if a and b]
+    assert len(both) > 100
+    assert [a for a, _ in both] == [b for _, b in both]
+    assert ["copy" in a for _, a in before if a] != ["copy" in a for _, a in after if a]  # others survive
 
 
-@pytest.mark.parametrize("field", ["delay_s", "jitter_s"])
-def test_limits_are_allowed(field: str) -> None:
-    assert getattr(LinkSettings(**{field: MAX_DELAY_S}), field) == MAX_DELAY_S
-    assert getattr(LinkSettings(**{field: 0}), field) == 0
+def test_without_duplication_messages_fare_as_before() -> None:
+    before, after = fates(EVERYTHING), fates(replace(EVERYTHING, duplicate=0.0))
+
+    assert [lost for lost, _ in before] == [lost for lost, _ in after]
+    assert [a.get("message") for _, a in before] == [a.get("message") for _, a in after]
+    assert any("copy" in a for _, a in before)
+    assert not any("copy" in a for _, a in after)
+
+
+def test_without_corruption_messages_arrive_as_before() -> None:
+    before, after = fates(EVERYTHING), fates(replace(EVERYTHING, corrupt=0.0))
+
+    assert [lost for lost, _ in before] == [lost for lost, _ in after]
+    assert [a["message"][0] for _, a in before if a] == [a["message"][0] for _, a in after if a]
+    assert ["copy" in a for _, a in before] == ["copy" in a for _, a in after]
+    assert {item for _, a in after for _, item in a.values()} == {"whole"}
+
+
+def test_another_delay_changes_nothing_about_what_happens() -> None:
+    before = fates(EVERYTHING)
+    after = fates(replace(EVERYTHING, delay_s=0.3, jitter_s=0.1, distribution="pareto", correlation=0.5))
+
+    assert [lost for lost, _ in before] == [lost for lost, _ in after]
+    assert ["copy" in a for _, a in before] == ["copy" in a for _, a in after]
+    assert [a["message"][1] for _, a in before if a] == [a["message"][1] for _, a in after if a]

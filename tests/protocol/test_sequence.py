@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from protocol.messages import Header
-from protocol.sequence import WINDOW, Arrival, SequenceGuard
+from protocol.sequence import SESSIONS, WINDOW, Arrival, SequenceGuard, Session
 
 
 def header(sequence: int, epoch: int = 1) -> Header:
@@ -188,3 +188,15 @@ def test_agrees_with_an_oracle_that_forgets_nothing(stream: list[tuple[int, int]
         assert guard.gaps == oracle.gaps()
     assert guard.received == judged.count(Arrival.FRESH) + judged.count(Arrival.REORDERED)
     assert guard.received + guard.refused == len(stream)
+
+
+def test_sessions_tell_what_was_seen_of_each_and_only_the_newest_are_remembered() -> None:
+    guard = SequenceGuard()
+    assert guard.sessions == ()
+    for epoch, sequence in ((1, 5), (1, 7), (1, 4), (3, 0), (2, 9), (3, 2), (3, 2)):
+        guard.judge(Header("plant", epoch, sequence, 0, 0, 0, 0))
+    assert guard.sessions == (Session(1, 4, 7, 3), Session(3, 0, 2, 2))
+    for epoch in range(4, 30):
+        guard.judge(Header("plant", epoch, 1, 0, 0, 0, 0))
+    assert len(guard.sessions) == SESSIONS
+    assert guard.sessions[-1] == Session(29, 1, 1, 1)

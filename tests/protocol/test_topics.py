@@ -9,6 +9,8 @@ from protocol.topics import (
     EVENT,
     HEALTH,
     INPUT,
+    LINK_EVENT,
+    LINK_STATE,
     LINKS,
     PROCESSES,
     STATE,
@@ -41,14 +43,21 @@ def test_selector_of_several_publishers_takes_any() -> None:
 def test_row_is_consistent(topic: Topic) -> None:
     assert topic.publishers
     assert topic.queue > 0
-    assert (topic.link is None) == (topic.link_reader is None)
-    assert topic.link_reader is None or topic.link_reader in PROCESSES
-    assert topic.link_reader not in topic.publishers
+    assert set(topic.links) <= set(PROCESSES) - set(topic.publishers)
+
+
+def test_who_reads_through_a_link_may_tell_of_it() -> None:
+    readers = {place.reader for place in LINKS.values()}
+
+    assert readers <= set(LINK_EVENT.publishers)
+    assert readers <= set(LINK_STATE.publishers)
 
 
 def test_links_lead_to_their_topics() -> None:
-    assert {name: topic.name for name, topic in LINKS.items()} == {
-        "operator-to-filter": "command",
-        "filter-to-plant": "input",
-        "plant-to-filter": "state",
+    assert {name: (place.topic.name, place.reader) for name, place in LINKS.items()} == {
+        "operator-to-filter": ("command", "filter"),
+        "filter-to-plant": ("input", "plant"),
+        "plant-to-filter": ("state", "filter"),
+        "plant-to-operator": ("state", "operator"),
     }
+    assert len(LINKS) == sum(len(topic.links) for topic in TOPICS)

@@ -5,9 +5,12 @@ from math import inf, nan
 from typing import Any, TypeAlias
 
 import pytest
+from link_parameters import PARAMETERS
 from msgspec.structs import replace
 
 from protocol.errors import InvalidMessageError
+from protocol.link_effect import CAUSES, EFFECTS
+from protocol.link_settings import DISTRIBUTIONS, RANGES
 from protocol.messages import (
     BarrierChain,
     Certificate,
@@ -18,6 +21,9 @@ from protocol.messages import (
     Health,
     LinkConfig,
     LinkEvent,
+    LinkOutage,
+    LinkSource,
+    LinkState,
     Message,
     OperatorCommand,
     Override,
@@ -33,6 +39,18 @@ from protocol.validation import MAX_VECTOR, RULES, check
 
 CERTIFICATE = Certificate("piqp", accepted=True, primal_residual=0.0, dual_residual=0.0, gap=0.0)
 LONG = (0.0,) * (MAX_VECTOR + 1)
+
+# Fields of a link's parameters and the field that is to be named.
+BAD_PARAMETERS: list[tuple[dict[str, Any], str]] = [
+    *(({field: least - 1e-9}, field) for field, (least, _) in RANGES.items()),
+    *(({field: largest * 1.001}, field) for field, (_, largest) in RANGES.items()),
+    ({"distribution": "gamma"}, "distribution"),
+    ({"quantiles_s": (0.0, 10.001)}, "quantiles_s"),
+    ({"queue": 0}, "queue"),
+    ({"queue": 1_000_001}, "queue"),
+    ({"outages": (LinkOutage(-1e-9, 1.0),)}, "outages[0].start_s"),
+    ({"outages": (LinkOutage(0.0, 1.001e6),)}, "outages[0].end_s"),
+]
 
 # Message type, fields to replace in a valid message, and the field that is to be named.
 REFUSED: list[tuple[type, dict[str, Any], str]] = [
@@ -81,15 +99,16 @@ REFUSED: list[tuple[type, dict[str, Any], str]] = [
     (FilterTick, {"consumed": (Consumed("", 0, 0, 0),)}, "consumed[0].topic"),
     (FilterTick, {"state_age_ns": -2}, "state_age_ns"),
     (FilterTick, {"command_age_ns": -2}, "command_age_ns"),
-    (LinkConfig, {"link": "plant-to-operator"}, "link"),
-    (LinkConfig, {"delay_s": -1e-9}, "delay_s"),
-    (LinkConfig, {"delay_s": 10.001}, "delay_s"),
-    (LinkConfig, {"jitter_s": -1e-9}, "jitter_s"),
-    (LinkConfig, {"jitter_s": 10.001}, "jitter_s"),
-    (LinkConfig, {"loss": -1e-9}, "loss"),
-    (LinkConfig, {"loss": 1.001}, "loss"),
+    (LinkConfig, {"link": "plant-to-recorder"}, "link"),
+    *((LinkConfig, {"parameters": replace(PARAMETERS, **bad)}, f"parameters.{field}") for bad, field in BAD_PARAMETERS),
+    (LinkState, {"link": ""}, "link"),
+    (LinkState, {"topic": ""}, "topic"),
+    (LinkState, {"occasion": "never"}, "occasion"),
+    (LinkState, {"sources": (LinkSource("", 0, 0, 0, 0),)}, "sources[0].source"),
+    *((LinkState, {"parameters": replace(PARAMETERS, **bad)}, f"parameters.{field}") for bad, field in BAD_PARAMETERS),
     (LinkEvent, {"link": ""}, "link"),
-    (LinkEvent, {"effect": ""}, "effect"),
+    (LinkEvent, {"effect": "eaten"}, "effect"),
+    (LinkEvent, {"cause": "hunger"}, "cause"),
     (LinkEvent, {"topic": ""}, "topic"),
     (Health, {"rate_hz": -1e-9}, "rate_hz"),
     (Health, {"late_us_max": -1e-9}, "late_us_max"),
@@ -117,8 +136,16 @@ ALLOWED: list[tuple[type, dict[str, Any]]] = [
     (FilterTick, {"rows": tuple(Row("r", 0.0, -1e-12, active=False) for _ in range(250))}),
     (FilterTick, {"override": Override()}),
     (FilterTick, {"override": Override((0.0, 0.0), allowed_fraction=1.0)}),
-    (LinkConfig, {"delay_s": 0.0, "jitter_s": 0.0, "loss": 0.0}),
-    (LinkConfig, {"delay_s": 10.0, "jitter_s": 10.0, "loss": 1.0}),
+    *(
+        (LinkConfig, {"parameters": replace(PARAMETERS, **{field: limit})})
+        for field, limits in RANGES.items()
+        for limit in limits
+    ),
+    (LinkConfig, {"parameters": replace(PARAMETERS, quantiles_s=(), outages=(), queue=1)}),
+    *((LinkConfig, {"parameters": replace(PARAMETERS, distribution=each)}) for each in DISTRIBUTIONS),
+    *((LinkEvent, {"effect": effect}) for effect in EFFECTS),
+    *((LinkEvent, {"cause": cause}) for cause in ("", *CAUSES)),
+    *((LinkState, {"occasion": each}) for each in ("start", "period", "scheduled", "asked", "end")),
     (Health, {"rate_hz": 0.0, "late_us_max": 0.0, "topics": ()}),
     *((Event, {"severity": severity}) for severity in ("info", "warning", "error")),
     *((FilterTick, {"mode": mode}) for mode in ("off", "safe", "passive", "both")),

@@ -196,5 +196,5 @@ def test_link_events_are_link_events(start: Callable, port: int, log: Log) -> No
     start("operator", "--port", port, "--steps", 20).wait_ready("operator")
     dropped = log.wait_for("passafe/filter/link_event", lambda logged: len(logged) == 20)
     assert [event for _, event in dropped] == [
-        LinkEvent("operator-to-filter", "dropped", "command", sequence) for sequence in range(20)
+        LinkEvent("operator-to-filter", "dropped", "command", sequence, "loss") for sequence in range(20)
     ]

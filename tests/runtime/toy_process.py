@@ -10,7 +10,7 @@ import time
 from collections.abc import Sequence
 
 from protocol.codec import decode
-from protocol.link import LinkSettings
+from protocol.link_settings import LinkSettings
 from protocol.messages import OperatorCommand, PlantInput, Received
 from protocol.topics import COMMAND, INPUT, TOPIC_OF_NAME
 from services.router.process import run_router

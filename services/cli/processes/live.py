@@ -2,10 +2,10 @@
 
 from collections.abc import Callable
 
-from services.assembly import link_settings
 from services.cli.processes.options import ProcessOptions
 from services.runtime.live import run_live
 from services.runtime.node import Node
+from services.scenarios.links import link_changes, link_settings
 
 
 def run_node(
@@ -28,6 +28,7 @@ def run_node(
         rate_hz=options.scenario.rate_hz,
         endpoint=options.endpoint,
         links=link_settings(options.scenario),
+        link_changes=link_changes(options.scenario),
         epoch=epoch,
         lifeline=options.lifeline,
         finished=finished,

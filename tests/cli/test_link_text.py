@@ -1,0 +1,83 @@
+"""Settings of links as a user types them."""
+
+import pytest
+
+from protocol.topics import LINKS
+from services.cli.errors import OptionError
+from services.cli.link_text import LINK_KEYS, link_fields
+from services.cli.options import scenario_from_options
+from services.scenarios.errors import ScenarioError
+from services.scenarios.link_schema import LinkConfig
+
+
+def test_every_setting_has_a_key() -> None:
+    assert sorted(LINK_KEYS.values()) == sorted(LinkConfig.model_fields)
+
+
+def test_all_keys_reach_the_scenario() -> None:
+    text = (
+        "plant-to-operator:delay=0.2,jitter=0.02,distribution=normal,correlation=0.5,reorder=false,loss=0.1,"
+        "burst-enter=0.01,burst-leave=0.2,burst-loss-good=0.001,burst-loss-bad=0.9,duplicate=0.1,corrupt=0.05,"
+        "rate=500,queue=10,outage=2:2.5+5:6,seed=3"
+    )
+    link = scenario_from_options("notomista-cai-2020", links=[text]).links["plant-to-operator"]
+
+    assert link == LinkConfig(
+        delay_s=0.2,
+        jitter_s=0.02,
+        distribution="normal",
+        correlation=0.5,
+        reorder=False,
+        loss=0.1,
+        burst_enter=0.01,
+        burst_leave=0.2,
+        burst_loss_good=0.001,
+        burst_loss_bad=0.9,
+        duplicate=0.1,
+        corrupt=0.05,
+        rate_hz=500.0,
+        queue=10,
+        outages_s=((2.0, 2.5), (5.0, 6.0)),
+        seed=3,
+    )
+
+
+def test_a_histogram_and_nothing_at_all_can_be_typed() -> None:
+    assert link_fields(["distribution=histogram", "quantiles=0.01+0.02+0.1"], "--link") == {
+        "distribution": "histogram",
+        "quantiles_s": ["0.01", "0.02", "0.1"],
+    }
+    assert link_fields(["outage=", "quantiles="], "--link") == {"outages_s": [], "quantiles_s": []}
+
+
+@pytest.mark.parametrize(
+    ("text", "named"),
+    [
+        ("nonsense", "NAME:KEY=VALUE"),
+        ("plant-to-filter:delai=1", "burst-leave"),
+        ("plant-to-filter:delay", "KEY=VALUE"),
+        ("plant-to-filter:", "KEY=VALUE"),
+    ],
+)
+def test_another_form_is_refused_with_what_is_allowed(text: str, named: str) -> None:
+    with pytest.raises(OptionError) as caught:
+        scenario_from_options("notomista-cai-2020", links=[text])
+
+    assert named in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "named"),
+    [
+        ("filter-to-moon:delay=1", "filter-to-moon"),
+        ("plant-to-filter:delay=soon", "delay_s"),
+        ("plant-to-filter:outage=3", "outages_s"),
+        ("plant-to-filter:reorder=perhaps", "reorder"),
+    ],
+)
+def test_a_value_that_cannot_be_is_refused_with_its_field(text: str, named: str) -> None:
+    with pytest.raises(ScenarioError) as caught:
+        scenario_from_options("notomista-cai-2020", links=[text])
+
+    assert named in str(caught.value)
+    assert len(LINKS) == 4

@@ -1,0 +1,181 @@
+"""Links in the closed loop in virtual time: every effect, planned changes, and an account that balances."""
+
+from collections import Counter
+
+import pytest
+
+from protocol.codec import encode
+from protocol.link_settings import LinkSettings
+from protocol.messages import FilterTick, Header, LinkEvent, LinkState, Message, OperatorCommand, PlantState
+from protocol.topics import LINKS, Topic
+from services.assembly import lockstep_loop, steps_of
+from services.runtime.errors import LinkNameError
+from services.runtime.lockstep import Lockstep
+from services.scenarios.load import load_scenario
+
+EVERYTHING = {
+    "delay_s": 0.02,
+    "jitter_s": 0.01,
+    "distribution": "pareto",
+    "correlation": 0.5,
+    "loss": 0.05,
+    "burst_enter": 0.02,
+    "burst_leave": 0.3,
+    "duplicate": 0.1,
+    "corrupt": 0.05,
+    "rate_hz": 800.0,
+    "queue": 10,
+    "outages_s": [(0.1, 0.15)],
+    "seed": 4,
+}
+
+
+class Tape:
+    """Observer that keeps what was sent."""
+
+    def __init__(self) -> None:
+        self.sent: list[tuple[Topic, Header, Message]] = []
+
+    def __call__(self, topic: Topic, header: Header, body: Message) -> None:
+        self.sent.append((topic, header, body))
+
+    def of(self, kind: type) -> list[tuple[Header, Message]]:
+        return [(header, body) for _, header, body in self.sent if isinstance(body, kind)]
+
+    def last_states(self) -> dict[str, LinkState]:
+        return {body.link: body for _, body in self.of(LinkState) if isinstance(body, LinkState)}
+
+    def wire(self) -> list[bytes]:
+        return [encode(header, body) for _, header, body in self.sent]
+
+
+def run(duration_s: float = 0.5, **overrides: object) -> Tape:
+    values = {key.replace("__", "."): value for key, value in overrides.items()} | {"duration_s": duration_s}
+    scenario = load_scenario("notomista-cai-2020", values)
+    tape = Tape()
+    loop = lockstep_loop(scenario, tape)
+    loop.run(steps_of(scenario))
+    loop.finish()
+    return tape
+
+
+def sent(tape: Tape, link: str) -> int:
+    return sum(topic is LINKS[link].topic for topic, _, _ in tape.sent)
+
+
+def balances(state: LinkState) -> bool:
+    dropped = state.dropped_loss + state.dropped_queue + state.dropped_outage
+    return state.put + state.duplicated == state.delivered + dropped + state.under_way
+
+
+def test_every_effect_is_told_one_by_one_and_the_account_balances() -> None:
+    tape = run(**{f"links.{name}": EVERYTHING for name in LINKS})
+    events = Counter((e.link, e.effect, e.cause) for _, e in tape.of(LinkEvent) if isinstance(e, LinkEvent))
+    states = tape.last_states()
+
+    assert set(states) == set(LINKS)
+    for name, state in states.items():
+        assert state.occasion == "end"
+        assert balances(state)
+        assert state.put == sent(tape, name) == state.sources[0].received
+        assert (state.dropped_loss, state.dropped_queue, state.dropped_outage) == tuple(
+            events[name, "dropped", cause] for cause in ("loss", "queue", "outage")
+        )
+        assert state.duplicated == events[name, "duplicated", ""] > 0
+        assert state.corrupted == events[name, "corrupted", ""] > 0
+        assert 0 < state.refused_corrupted <= state.corrupted
+        assert state.refused_repeated > 0
+        assert state.dropped_queue > 0
+    assert {header.source for header, body in tape.of(LinkEvent) if body.link == "plant-to-operator"} == {"operator"}
+
+
+def test_what_the_filter_consumed_is_what_came_out_and_was_not_refused() -> None:
+    tape = run(**{f"links.{name}": EVERYTHING for name in LINKS})
+    ticks = [body for _, body in tape.of(FilterTick) if isinstance(body, FilterTick)]
+    consumed = Counter(message.topic for tick in ticks for message in tick.consumed)
+
+    for name in ("operator-to-filter", "plant-to-filter"):
+        state = tape.last_states()[name]
+        assert consumed[state.topic] == state.delivered - state.refused_corrupted - state.refused_repeated
+
+
+def test_links_that_do_nothing_are_accounted_for_too() -> None:
+    tape = run(**{"links.plant-to-filter": {"delay_s": 0.01}})
+    states = tape.last_states()
+
+    for name in ("operator-to-filter", "filter-to-plant", "plant-to-operator"):
+        assert states[name].put == states[name].delivered == sent(tape, name) > 0
+        assert states[name].under_way == 0
+    assert states["plant-to-filter"].under_way == 10
+    assert balances(states["plant-to-filter"])
+
+
+def test_states_are_told_at_the_start_every_second_and_at_the_end() -> None:
+    told = [
+        (body.occasion, header.sent_ns) for header, body in run(2.2).of(LinkState) if body.link == "filter-to-plant"
+    ]
+
+    assert [occasion for occasion, _ in told] == ["start", "period", "period", "end"]
+    assert [(at_ns - told[0][1]) / 1e9 for _, at_ns in told[:3]] == [0.0, 1.0, 2.0]
+
+
+def test_planned_changes_take_effect_on_time() -> None:
+    changes = [
+        {"at_s": 0.2, "link": "operator-to-filter", "settings": {"loss": 1.0}},
+        {"at_s": 0.1, "link": "operator-to-filter", "settings": {"delay_s": 0.03}},
+        {"at_s": 0.3, "link": "operator-to-filter", "settings": {"loss": 0.0}},
+    ]
+    tape = run(0.4, link_changes=changes)
+    start_ns = tape.of(OperatorCommand)[0][0].sent_ns
+    lost = [e.sequence for _, e in tape.of(LinkEvent) if isinstance(e, LinkEvent)]
+    told = [
+        (body.occasion, (header.sent_ns - start_ns) / 1e9, body.parameters.delay_s, body.parameters.loss)
+        for header, body in tape.of(LinkState)
+        if body.link == "operator-to-filter"
+    ]
+
+    assert lost == list(range(200, 300))
+    assert told[:-1] == [
+        ("start", 0.0, 0.0, 0.0),
+        ("scheduled", 0.1, 0.03, 0.0),
+        ("scheduled", 0.2, 0.03, 1.0),
+        ("scheduled", 0.3, 0.03, 0.0),
+    ]
+    ages = {tick.tick: tick.command_age_ns for _, tick in tape.of(FilterTick) if isinstance(tick, FilterTick)}
+    assert ages[50] == 0
+    assert max(ages.values()) >= 100_000_000
+
+
+def test_runs_with_every_effect_are_the_same_to_the_last_byte() -> None:
+    overrides = {f"links.{name}": EVERYTHING for name in LINKS}
+
+    assert run(0.3, **overrides).wire() == run(0.3, **overrides).wire()
+
+
+def test_an_observer_changes_nothing_about_the_run() -> None:
+    scenario = load_scenario(
+        "notomista-cai-2020", {"duration_s": 0.3, **{f"links.{name}": EVERYTHING for name in LINKS}}
+    )
+    seen, unseen = lockstep_loop(scenario, Tape()), lockstep_loop(scenario)
+    for loop in (seen, unseen):
+        loop.run(steps_of(scenario))
+        loop.finish()
+
+    states = [[link.counts for seat in loop._seats for link in seat.links] for loop in (seen, unseen)]
+    assert states[0] == states[1]
+
+
+def test_what_the_operator_sees_is_late_too() -> None:
+    scenario = load_scenario("notomista-cai-2020", {"links.plant-to-operator": {"delay_s": 0.1}})
+    loop = lockstep_loop(scenario)
+    loop.run(300)
+    operator = next(seat.node for seat in loop._seats if seat.name == "operator")
+    plant = next(seat.node for seat in loop._seats if seat.name == "plant")
+
+    assert isinstance(operator._state, PlantState)
+    assert plant.plant_ns - operator._state.plant_ns == 100_000_000
+
+
+def test_a_link_that_does_not_exist_is_refused() -> None:
+    with pytest.raises(LinkNameError, match="filter-to-moon"):
+        Lockstep([], period_ns=1, links={"filter-to-moon": LinkSettings()})
