@@ -2,7 +2,7 @@
 
 import typer
 
-from services.cli import campaign, demo, feasibility, recover, replay, review, run, scenarios, simulate
+from services.cli import campaign, demo, feasibility, link, recover, replay, review, run, scenarios, simulate
 from services.cli.failure import with_one_line
 
 app = typer.Typer(
@@ -21,6 +21,7 @@ app.command("feasibility")(feasibility.feasibility)
 app.command("review")(review.review)
 app.command("replay")(replay.replay)
 app.command("recover")(recover.recover_log)
+app.add_typer(link.app, name="link")
 app.command("scenarios")(scenarios.scenarios)
 
 

@@ -1,9 +1,16 @@
 """Settings of links as a user types them: ``delay=0.2,loss=0.1``."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict
 from typing import Any, Final
 
+from pydantic import ValidationError
+
+from protocol.link_settings import LinkSettings
+from protocol.link_wire import parameters_of, settings_of
+from protocol.messages import LinkParameters, LinkState
 from services.cli.errors import OptionError
+from services.scenarios.link_schema import LinkConfig
 
 LINK_KEYS: Final = {
     "delay": "delay_s",
@@ -49,6 +56,51 @@ def link_fields(parts: Iterable[str], where: str) -> dict[str, Any]:
             raise OptionError(where, repr(part), f"KEY=VALUE with one of {', '.join(LINK_KEYS)}")
         fields[LINK_KEYS[key]] = _value(key, value)
     return fields
+
+
+def changed_parameters(before: LinkSettings, fields: Mapping[str, Any], where: str) -> LinkParameters:
+    """Return settings with some of them changed.
+
+    Args:
+        before: The settings.
+        fields: What ``link_fields`` returned.
+        where: What the user gave them with, for the message.
+
+    Raises:
+        OptionError: A value that a setting cannot have, or settings that do not go together.
+    """
+    values = asdict(before)
+    del values["trace_s"]
+    try:
+        return parameters_of(LinkConfig.model_validate(values | dict(fields)).settings())
+    except ValidationError as error:
+        first = error.errors()[0]
+        allowed = first["msg"].removeprefix("Input should be ").removeprefix("Value error, ")
+        place = ".".join(str(part) for part in first["loc"])
+        asked = ", ".join(f"{name} {value!r}" for name, value in fields.items())
+        got = f"{place} {first['input']!r}" if place else asked
+        raise OptionError(where, got, allowed) from error
+
+
+def settings_text(state: LinkState) -> str:
+    """Return the settings of a link that are not as they are by default, as a user would type them."""
+    settings, default = settings_of(state.parameters), LinkSettings()
+    parts = [
+        f"{key}={_text(key, getattr(settings, field))}"
+        for key, field in LINK_KEYS.items()
+        if field != "trace" and getattr(settings, field) != getattr(default, field)
+    ]
+    if state.trace_opportunities:
+        parts.append(f"trace of {state.trace_opportunities} times")
+    return " ".join(parts) or "lets everything through at once"
+
+
+def _text(key: str, value: object) -> str:
+    if key == "outage" and isinstance(value, tuple):
+        return _BETWEEN.join(f"{start_s:g}:{end_s:g}" for start_s, end_s in value)
+    if key == "quantiles" and isinstance(value, tuple):
+        return _BETWEEN.join(f"{quantile_s:g}" for quantile_s in value)
+    return f"{value:g}" if isinstance(value, float) else str(value).lower()
 
 
 def _value(key: str, text: str) -> object:

@@ -6,6 +6,8 @@
     * ``PortInUseError``: the router's port is taken
     * ``PublisherError``: a process that may not publish a topic
     * ``LinkNameError``: settings for a link that does not exist
+    * ``LinkSilentError``: nothing was heard of a link
+    * ``LinkRefusedError``: the process that reads a link refused what it was asked for
 """
 
 from collections.abc import Sequence
@@ -87,3 +89,33 @@ class LinkNameError(RuntimeFault):
         self.got = got
         self.allowed = tuple(allowed)
         super().__init__(f"link: got {got!r}, allowed {', '.join(allowed)}")
+
+
+class LinkSilentError(RuntimeFault):
+    """Nothing was heard of a link, or no answer came.
+
+    Attributes:
+        link: Its name.
+        reader: Process at whose inlet it sits.
+        waited_s: For how long.
+    """
+
+    def __init__(self, link: str, reader: str, waited_s: float) -> None:
+        self.link = link
+        self.reader = reader
+        self.waited_s = waited_s
+        super().__init__(f"link {link}: no answer from {reader} within {waited_s:g} s: is it running?")
+
+
+class LinkRefusedError(RuntimeFault):
+    """The process that reads a link refused what it was asked for; the settings before are still in force.
+
+    Attributes:
+        link: Its name.
+        reason: Why, in words.
+    """
+
+    def __init__(self, link: str, reason: str) -> None:
+        self.link = link
+        self.reason = reason
+        super().__init__(f"{link} refused: {reason}")

@@ -42,6 +42,10 @@ class Outlet:
             topic.name: _Line(bus.publisher(topic, source)) for topic in TOPICS if source in topic.publishers
         }
 
+    def sent(self, topic: Topic) -> int:
+        """Messages published on a topic so far, which is the number of the next one."""
+        return self._lines[topic.name].sequence
+
     def publish(
         self, topic: Topic, body: Message | Callable[[], Message], *, scheduled_ns: int, started_ns: int
     ) -> ProtocolError | None:

@@ -1,10 +1,15 @@
 """Settings of links as a user types them."""
 
+from dataclasses import replace
+
 import pytest
 
-from protocol.topics import LINKS
+from protocol.link_settings import LinkSettings
+from protocol.link_wire import parameters_of, settings_of
+from protocol.message_link import MessageLink
+from protocol.messages import LinkState
 from services.cli.errors import OptionError
-from services.cli.link_text import LINK_KEYS, link_fields
+from services.cli.link_text import LINK_KEYS, changed_parameters, link_fields, settings_text
 from services.cli.options import scenario_from_options
 from services.scenarios.errors import ScenarioError
 from services.scenarios.link_schema import LinkConfig
@@ -80,4 +85,55 @@ def test_a_value_that_cannot_be_is_refused_with_its_field(text: str, named: str)
         scenario_from_options("notomista-cai-2020", links=[text])
 
     assert named in str(caught.value)
-    assert len(LINKS) == 4
+
+
+FULL = LinkSettings(
+    delay_s=0.2,
+    jitter_s=0.02,
+    distribution="pareto",
+    correlation=0.5,
+    reorder=False,
+    loss=0.1,
+    outages_s=((2.0, 2.5), (5.0, 6.0)),
+    queue=10,
+)
+
+
+def state_of(settings: LinkSettings) -> LinkState:
+    return MessageLink("plant-to-filter", settings).state("period", ())
+
+
+def test_settings_are_shown_as_they_would_be_typed() -> None:
+    text = settings_text(state_of(FULL))
+
+    assert text == (
+        "delay=0.2 jitter=0.02 distribution=pareto correlation=0.5 reorder=false loss=0.1 queue=10 outage=2:2.5+5:6"
+    )
+    assert changed_parameters(LinkSettings(), link_fields(text.split(), "x"), "x") == parameters_of(FULL)
+    table = LinkSettings(distribution="histogram", quantiles_s=(0.0, 0.5))
+    assert settings_text(state_of(table)) == "distribution=histogram quantiles=0+0.5"
+    assert settings_text(state_of(LinkSettings())) == "lets everything through at once"
+    assert settings_text(state_of(LinkSettings(trace_s=(0.1, 0.2)))) == "trace of 2 times"
+
+
+def test_what_is_not_named_stays_as_it_is() -> None:
+    changed = changed_parameters(FULL, link_fields(["loss=0.3", "outage="], "x"), "x")
+
+    assert settings_of(changed) == replace(FULL, loss=0.3, outages_s=())
+
+
+@pytest.mark.parametrize(
+    ("typed", "named"),
+    [
+        ("delay=soon", "delay_s 'soon'"),
+        ("loss=2", "loss '2'"),
+        ("distribution=histogram", "quantiles_s: 2 to 64 numbers"),
+        ("outage=3:1", "outages_s"),
+    ],
+)
+def test_settings_that_cannot_be_are_refused_in_one_line(typed: str, named: str) -> None:
+    with pytest.raises(OptionError) as caught:
+        changed_parameters(LinkSettings(), link_fields([typed], "x"), "link plant-to-filter")
+
+    assert named in str(caught.value)
+    assert "\n" not in str(caught.value)

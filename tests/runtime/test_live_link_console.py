@@ -1,0 +1,140 @@
+"""Links of real processes, looked at and changed from another one while they run."""
+
+import os
+import signal
+import time
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+
+import pytest
+from msgspec.structs import replace
+
+from protocol.codec import decode
+from protocol.errors import ProtocolError
+from protocol.link_settings import LinkSettings
+from protocol.link_wire import parameters_of, settings_of
+from protocol.messages import Header, LinkConfig, LinkState, Message
+from protocol.topics import INPUT, LINK_CONFIG, LINK_EVENT, LINK_STATE
+from services.runtime.bus import open_bus
+from services.runtime.endpoint import Endpoint
+from services.runtime.errors import LinkNameError, LinkRefusedError, LinkSilentError
+from services.runtime.link_console import LinkConsole, open_link_console
+
+pytestmark = pytest.mark.live
+
+PATIENCE_S = 20.0
+LINK = "operator-to-filter"
+
+
+class Ear:
+    """Hears every message of every topic."""
+
+    def __init__(self, port: int) -> None:
+        self._opened = open_bus(Endpoint(port=port))
+        self._reader = self._opened.__enter__().log_reader()
+        self.heard: list[tuple[Header, Message]] = []
+
+    def until(self, enough: Callable[[list[tuple[Header, Message]]], bool]) -> list[tuple[Header, Message]]:
+        end = time.monotonic() + PATIENCE_S
+        while not enough(self.heard):
+            assert time.monotonic() < end, len(self.heard)
+            for key, data in self._reader.drain():
+                for topic in (INPUT, LINK_CONFIG, LINK_EVENT, LINK_STATE):
+                    if key.endswith(f"/{topic.name}"):
+                        with suppress(ProtocolError):
+                            self.heard.append(decode(topic, data))
+            time.sleep(0.005)
+        return self.heard
+
+    def of(self, kind: type) -> list[tuple[Header, Message]]:
+        return [(header, body) for header, body in self.heard if isinstance(body, kind)]
+
+    def close(self) -> None:
+        self._opened.__exit__(None, None, None)
+
+
+@pytest.fixture
+def ear(router: object, port: int) -> Iterator[Ear]:
+    del router
+    opened = Ear(port)
+    yield opened
+    opened.close()
+
+
+@pytest.fixture
+def console(router: object, port: int) -> Iterator[LinkConsole]:
+    del router
+    with open_link_console(Endpoint(port=port), answer_s=PATIENCE_S) as opened:
+        yield opened
+
+
+def test_a_link_is_changed_while_it_runs_and_answers_with_what_is_in_force(
+    start: Callable, port: int, ear: Ear, console: LinkConsole
+) -> None:
+    start("filter", "--port", port).wait_ready("filter")
+    start("operator", "--port", port).wait_ready("operator")
+    ear.until(lambda _: len(ear.of(INPUT.body)) >= 20)
+    before = console.state(LINK)
+    wanted = replace(before.parameters, delay_s=0.1, jitter_s=0.01)
+    answer = console.configure(LINK, wanted)
+
+    assert settings_of(before.parameters) == LinkSettings()
+    assert answer.parameters == wanted
+    assert (answer.occasion, answer.config_source, answer.refusal) == ("asked", "console", "")
+    ear.until(lambda _: any(_lag_s(body) >= 0.09 for _, body in ear.of(INPUT.body)))
+    (asked_header, _), *_ = ear.of(LinkConfig)
+    (told_header, told), *_ = [(h, s) for h, s in ear.of(LinkState) if s.occasion == "asked"]
+    assert (told.config_epoch, told.config_sequence) == (asked_header.epoch, asked_header.sequence)
+    lags = [(header.sent_ns, _lag_s(body)) for header, body in ear.of(INPUT.body)]
+    assert min(lag for sent_ns, lag in lags if sent_ns < asked_header.sent_ns) < 0.05
+    late = [lag for sent_ns, lag in lags if sent_ns > told_header.sent_ns + 50_000_000]
+    assert min(late) >= 0.09 - 1e-6
+
+
+def _lag_s(body: Message) -> float:
+    """How long a command was under way: the toy filter answers with the times."""
+    _, received_ns, _, sent_ns = body.u
+    return (received_ns - sent_ns) * 1e-9
+
+
+def test_the_last_state_accounts_for_every_message(start: Callable, port: int, ear: Ear) -> None:
+    filtering = start("filter", "--port", port, "--delay", 0.05, "--loss", 0.3)
+    filtering.wait_ready("filter")
+    start("operator", "--port", port, "--steps", 300).wait_ready("operator")
+    ear.until(lambda _: len(ear.of(INPUT.body)) >= 150)
+    os.kill(filtering.pid, signal.SIGTERM)
+    ear.until(lambda _: any(state.occasion == "end" for _, state in ear.of(LinkState)))
+    end = ear.of(LinkState)[-1][1]
+
+    assert end.put + end.duplicated == end.delivered + end.dropped_loss + end.under_way
+    assert end.dropped_loss == len(ear.of(LINK_EVENT.body)) > 0
+    (source,) = end.sources
+    assert source.received == end.put == source.newest - source.first + 1
+
+
+def test_contradictions_are_refused_with_the_reason(
+    start: Callable, port: int, console: LinkConsole, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    start("filter", "--port", port).wait_ready("filter")
+    contradiction = replace(parameters_of(LinkSettings()), distribution="histogram")
+
+    with pytest.raises(LinkRefusedError, match="quantiles_s: got \\(\\), allowed 2 to 64") as caught:
+        console.configure(LINK, contradiction)
+    assert caught.value.link == LINK
+    assert settings_of(console.state(LINK).parameters) == LinkSettings()
+    monkeypatch.setattr(console, "_answer_s", 1.5)
+    assert list(console.states()) == [LINK]
+
+
+def test_silence_is_told_in_time(port: int, router: object) -> None:
+    del router
+    with open_link_console(Endpoint(port=port), answer_s=0.7) as console:
+        began = time.monotonic()
+        with pytest.raises(LinkSilentError, match=r"no answer from plant within 0\.7 s: is it running"):
+            console.configure("filter-to-plant", parameters_of(LinkSettings()))
+        with pytest.raises(LinkSilentError):
+            console.state("filter-to-plant")
+        assert console.states() == {}
+        assert time.monotonic() - began < 5.0
+        with pytest.raises(LinkNameError, match="allowed operator-to-filter"):
+            console.state("filter-to-moon")
