@@ -4,7 +4,7 @@ import random
 from itertools import pairwise
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from passafe import SampledPlant, Tank, damped_point
@@ -159,6 +159,7 @@ def test_a_series_with_a_hole_is_predicted_to_be_disarmed_there_for_good() -> No
     assert (found.phase, found.disarmed_ns) == (FAIL_SAFE, 3 * MS)
 
 
+@settings(max_examples=40)
 @given(st.sets(st.integers(1, 40)), st.integers(1, 12))
 def test_whatever_is_missing_an_input_that_takes_effect_meets_the_state_that_was_predicted(
     lost: set[int], delay: int

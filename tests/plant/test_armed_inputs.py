@@ -3,7 +3,7 @@
 from itertools import count
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from protocol.messages import UNARMED, Header, PlantInput
@@ -72,6 +72,7 @@ def test_a_missing_input_disarms_and_voids_everything_that_waits() -> None:
 
     assert take(held, *range(5)) == [value(0), value(1), None, None, None]
     assert (held.armed, held.disarmed_ns, held.first_ns) == (False, 2 * MS, UNARMED)
+    assert held._waiting == {}
     assert put(held, 5) == REFUSED
 
 
@@ -293,6 +294,7 @@ def test_so_it_is_for_a_first_input_that_did_not_come() -> None:
     assert missed(held, 6, repeats=4, first=3, basis=1) == 0
 
 
+@settings(max_examples=30)
 @given(st.data())
 def test_nothing_takes_effect_out_of_its_arming(data: st.DataObject) -> None:
     """Any messages of filters that play by the rule, in any order: each input that is taken follows the one before."""
