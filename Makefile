@@ -8,7 +8,7 @@ GENERATE := $(BIN)/python -m grpc_tools.protoc -I .
 DEMO ?=
 CAMPAIGN ?= $(basename $(notdir $(wildcard services/scenarios/*.toml)))
 
-.PHONY: help demo test check fast proto lock docs pictures bench campaign atlas clean
+.PHONY: help demo test check fast proto lock docs pictures bench campaign atlas mutation clean
 
 help:  ## list the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 12
@@ -62,6 +62,9 @@ atlas: $(STAMP)  ## the pictures of docs/feasibility.md
 		$(BIN)/passafe feasibility --fix x2=-1 --fix x3=-1 --gain $$gain --out runs/atlas/gain-$$gain && \
 		cp runs/atlas/gain-$$gain/notomista-cai-2020.svg docs/pictures/feasibility-gain-$$gain.svg || exit 1; \
 	done
+
+mutation: $(STAMP)  ## changes the core one thing at a time: does a test notice? hours; goes on where it was interrupted
+	$(BIN)/python benchmarks/mutation.py
 
 lock: $(STAMP)  ## pin what is installed now
 	$(BIN)/python -m pip freeze --exclude-editable | grep -v ' @ ' > constraints.txt

@@ -1,149 +1,254 @@
 """Is every sign, row and gain of the core guarded by a test?
 
-``python benchmarks/mutation.py`` copies the tree, changes one thing at a time in the core's mathematics and runs the
-core's tests on it: a plus for a minus, a minus sign left out, a row left out, a gain or a period halved, a least for a
-largest. A change that no test notices survives and is listed; the exit code then is 1. Ten to sixty seconds a change.
+``python benchmarks/mutation.py`` copies the tree, changes one thing at a time in the core's mathematics
+(``core_changes.py``) and runs the core's tests on it until one fails: those that noticed earlier changes of the same
+file first, then those named after it or importing it, then the others, the quickest first. A change that no test
+notices survives and is listed; the exit code then is 1. What was found is written down as it comes, and the same
+command goes on where it was interrupted; a change is tried again when its file or the tests have changed.
 """
 
 import ast
-import shutil
+import json
+import re
 import subprocess
 import sys
-from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
+from collections import Counter
+from collections.abc import Sequence
+from compileall import compile_dir
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
+from functools import cache
+from hashlib import sha256
 from pathlib import Path
+from py_compile import PycInvalidationMode
+from queue import SimpleQueue
+from shutil import copy, copytree
+from signal import SIGABRT, SIGSEGV
 from tempfile import TemporaryDirectory
-from typing import Annotated, Final
+from time import perf_counter
+from typing import Annotated, Any, Final
 
+import pytest
 import typer
+from core_changes import EQUIVALENT, FILES, ROOT, Change, changes_of
 from rich.console import Console
-from rich.progress import track
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-ROOT: Final = Path(__file__).resolve().parents[1]
-FILES: Final = (
-    "barrier.py",
-    "between_samples.py",
-    "class_k.py",
-    "derivation.py",
-    "enclosure.py",
-    "limits.py",
-    "passivity.py",
-    "quadratic_program.py",
-    "rows.py",
-    "tank.py",
-    "tracking.py",
+TESTS: Final = ROOT / "tests" / "core"
+LIKELY: Final = 8
+"""Files of tests that are tried first, in a run of their own: collecting all of them takes seconds."""
+
+PATIENCE: Final = 10.0
+PATIENCE_S: Final = 60.0
+"""So many times as long as without a change, and so much longer, tests may take; then the change was noticed, too."""
+
+NOTICED: Final = frozenset(
+    {pytest.ExitCode.TESTS_FAILED, pytest.ExitCode.INTERRUPTED, pytest.ExitCode.INTERNAL_ERROR, -SIGSEGV, -SIGABRT}
 )
-GAINS: Final = frozenset({"gain", "gain_below", "k_i", "dt_s", "rate_per_s", "reserve_j", "slack_price", "norm"})
-SWAPPED: Final = {"fmin": "fmax", "fmax": "fmin", "mmax": "mmin", "mmin": "mmax", "min": "max", "max": "min"}
-TIMEOUT_S: Final = 240
+"""Exit codes of tests that fail, cannot be collected or bring the interpreter down; others say nothing of a change."""
+
+
+NO_END: Final = "no end"
+"""Stands for the test that noticed a change where tests took too long."""
+
+
+class Findings:
+    """What became of every change, in a file, a line each.
+
+    Attributes:
+        tests: Digest of the tests that it is about.
+        seconds: What each file of tests takes without a change.
+        noticed_by: By the key of the change: the test that noticed it, or an empty string.
+    """
+
+    def __init__(self, path: Path) -> None:
+        """Read what is known about the present tests."""
+        self._path = path
+        digest = sha256()
+        for file in sorted(TESTS.rglob("*.py")):
+            digest.update(file.read_bytes())
+        self.tests = digest.hexdigest()[:16]
+        self.seconds: dict[str, float] = {}
+        self.noticed_by: dict[str, str] = {}
+        self._guards: Counter[tuple[str, str]] = Counter()
+        lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
+        for line in lines:
+            if line.endswith("}"):  # else it was interrupted there
+                self._learn(json.loads(line))
+
+    def add(self, finding: dict[str, Any]) -> None:
+        """Write down one finding and take it into account from now on."""
+        found = {"tests": self.tests} | finding
+        with self._path.open("a", encoding="utf-8") as file:
+            file.write(json.dumps(found, ensure_ascii=False) + "\n")
+        self._learn(found)
+
+    def order(self, file: str) -> list[str]:
+        """Return the files of tests, most likely to notice a change of one of the core's files first."""
+        stem = Path(file).stem
+        return sorted(
+            self.seconds,
+            key=lambda test: (
+                -self._guards[file, test],
+                stem not in test,
+                not _imports(TESTS / test, stem),
+                self.seconds[test],
+            ),
+        )
+
+    def _learn(self, found: dict[str, Any]) -> None:
+        if found["tests"] != self.tests:
+            return
+        if "seconds" in found:
+            self.seconds[found["file"]] = found["seconds"]
+            return
+        self.noticed_by[found["key"]] = found["noticed_by"]
+        test = re.search(r"test_\w+\.py", found["noticed_by"])
+        if test:
+            self._guards[found["key"].split(":")[0], test[0]] += 1
 
 
 @dataclass(frozen=True, kw_only=True)
-class Mutation:
-    """One change of one file.
+class Copy:
+    """A copy of what the core's tests need."""
 
-    Attributes:
-        file: Name of the core's file.
-        line: Where, from 1.
-        what: In words.
-        text: The whole file with the change.
-    """
+    where: Path
 
-    file: str
-    line: int
-    what: str
-    text: str
+    @classmethod
+    def into(cls, where: Path) -> "Copy":
+        """Make one."""
+        for part in ("passafe", "tests/core", "tests/conftest.py", "pyproject.toml"):
+            source, target = ROOT / part, where / part
+            target.parent.mkdir(parents=True, exist_ok=True)
+            copytree(source, target) if source.is_dir() else copy(source, target)
+        # By content, not by time: a change is made, undone and followed by another within a second.
+        compile_dir(where / "passafe", force=True, quiet=1, invalidation_mode=PycInvalidationMode.CHECKED_HASH)
+        return cls(where=where)
+
+    def failing(self, tests: Sequence[str], timeout_s: float) -> str:
+        """Return what fails first, or an empty string if all of them pass."""
+        paths = [f"tests/core/{test}" for test in tests]
+        command = [sys.executable, "-B", "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *paths]
+        try:
+            done = subprocess.run(  # noqa: S603 - our own tests
+                command, cwd=self.where, capture_output=True, check=False, timeout=timeout_s, text=True
+            )
+        except subprocess.TimeoutExpired:
+            return NO_END
+        if done.returncode == 0:
+            return ""
+        if done.returncode not in NOTICED:
+            raise SystemExit(f"pytest: got exit code {done.returncode}, allowed 0, {sorted(NOTICED)}\n{done.stdout}")
+        named = re.search(r"^(?:FAILED|ERROR) (\S+)", done.stdout, re.MULTILINE)
+        return named[1].removeprefix("tests/core/") if named else f"exit code {done.returncode}"
+
+    def noticed_by(self, change: Change, order: Sequence[str], seconds: dict[str, float]) -> str:
+        """Return what fails first when a change is made."""
+        path = self.where / "passafe" / change.file
+        before = path.read_text(encoding="utf-8")
+        path.write_text(change.text, encoding="utf-8")
+        try:
+            for tests in (order[:LIKELY], order[LIKELY:]):
+                usual_s = sum(seconds[test] for test in tests)
+                noticed = self.failing(tests, PATIENCE * usual_s + PATIENCE_S)
+                if noticed:
+                    return noticed
+        finally:
+            path.write_text(before, encoding="utf-8")
+        return ""
 
 
 def main(
     only: Annotated[str, typer.Option(help="File of the core; all of the mathematics if not given.")] = "",
     every: Annotated[int, typer.Option(min=1, help="Try every so many-th change only.")] = 1,
     workers: Annotated[int, typer.Option(min=1, help="Changes tried at a time.")] = 2,
+    findings: Annotated[Path, typer.Option(help="File of what was found.")] = ROOT / "runs" / "mutation.jsonl",
     show: Annotated[bool, typer.Option("--list", help="List the changes and try none.")] = False,
 ) -> None:
     """Change the core, one thing at a time, and list the changes that no test notices."""
-    files = [only] if only else list(FILES)
-    mutations = [mutation for file in files for mutation in mutations_of(file)][::every]
-    console = Console(width=120)
+    console = Console(width=120, highlight=False)
+    every_change = [change for file in FILES for change in changes_of(file)]
+    stale = EQUIVALENT.keys() - {(change.file, change.what) for change in every_change}
+    if stale:
+        raise SystemExit(f"EQUIVALENT: got {sorted(stale)}, allowed changes that there are")
+    changes = [change for change in every_change if change.file == (only or change.file)][::every]
     if show:
-        for mutation in mutations:
-            console.print(f"{mutation.file}:{mutation.line} {mutation.what}", highlight=False)
+        for change in changes:
+            console.print(f"{change.file}:{change.line} {change.what}{' (equivalent)' * change.is_equivalent}")
         raise typer.Exit
-    with TemporaryDirectory() as folder, ThreadPoolExecutor(workers) as pool:
-        copies = [copy_tree(Path(folder) / f"{k}") for k in range(workers)]
-        tried = pool.map(lambda pair: notices(copies, *pair), enumerate(mutations))
-        noticed = list(track(tried, description="trying", total=len(mutations), console=console))
-    survivors = [mutation for mutation, seen in zip(mutations, noticed, strict=True) if not seen]
-    console.print(f"{len(mutations)} changes, {len(mutations) - len(survivors)} noticed")
-    for mutation in survivors:
-        console.print(f"survived: {mutation.file}:{mutation.line} {mutation.what}", highlight=False)
+    findings.parent.mkdir(parents=True, exist_ok=True)
+    found = Findings(findings)
+    asked = [change for change in changes if not change.is_equivalent]
+    with TemporaryDirectory() as folder:
+        copies: SimpleQueue[Copy] = SimpleQueue()
+        for k in range(workers):
+            copies.put(Copy.into(Path(folder) / f"{k}"))
+        time_tests(found, copies, workers)
+        try_all([change for change in asked if change.key not in found.noticed_by], found, copies, workers)
+    noticed = [found.noticed_by[change.key] for change in asked]
+    survivors = [change for change, test in zip(asked, noticed, strict=True) if not test]
+    console.print(
+        f"{len(asked)} changes, {len(asked) - len(survivors)} noticed, {noticed.count(NO_END)} of them by tests without "
+        f"an end; {len(changes) - len(asked)} others change nothing that can be seen"
+    )
+    for change in survivors:
+        console.print(f"survived: {change.file}:{change.line} {change.what}")
     raise typer.Exit(1 if survivors else 0)
 
 
-def copy_tree(where: Path) -> Path:
-    """Copy what the core's tests need."""
-    for part in ("passafe", "tests/core", "tests/conftest.py", "pyproject.toml"):
-        source, target = ROOT / part, where / part
-        target.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copytree(source, target) if source.is_dir() else shutil.copy(source, target)
-    return where
+def time_tests(found: Findings, copies: "SimpleQueue[Copy]", workers: int) -> None:
+    """Find out how long every file of tests takes, and that it passes, without a change."""
+    unknown = [file.name for file in sorted(TESTS.glob("test_*.py")) if file.name not in found.seconds]
+
+    def timed(test: str) -> tuple[str, str, float]:
+        where = copies.get()
+        start_s = perf_counter()
+        failing = where.failing([test], 1800.0)
+        copies.put(where)
+        return test, failing, perf_counter() - start_s
+
+    with progress() as bar, ThreadPoolExecutor(workers) as pool:
+        task = bar.add_task("tests without a change", total=len(unknown))
+        for test, failing, seconds in pool.map(timed, unknown):
+            if failing:
+                raise SystemExit(f"tests/core: {failing} fails without a change")
+            found.add({"file": test, "seconds": round(seconds, 2)})
+            bar.advance(task)
 
 
-def notices(copies: list[Path], number: int, mutation: Mutation) -> bool:
-    """Tell whether the core's tests fail on a changed tree."""
-    where = copies[number % len(copies)]
-    path = where / "passafe" / mutation.file
-    before = path.read_text(encoding="utf-8")
-    path.write_text(mutation.text, encoding="utf-8")
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "tests/core"]
+def try_all(changes: Sequence[Change], found: Findings, copies: "SimpleQueue[Copy]", workers: int) -> None:
+    """Try changes and write down what became of each."""
+
+    def tried(change: Change) -> tuple[Change, str, float]:
+        where, start_s = copies.get(), perf_counter()
+        noticed = where.noticed_by(change, found.order(change.file), found.seconds)
+        copies.put(where)
+        return change, noticed, perf_counter() - start_s
+
+    pool = ThreadPoolExecutor(workers)
     try:
-        done = subprocess.run(  # noqa: S603 - our own tests
-            command, cwd=where, capture_output=True, check=False, timeout=TIMEOUT_S
-        )
-    except subprocess.TimeoutExpired:
-        return True
+        with progress() as bar:
+            survived = 0
+            task = bar.add_task("changes", total=len(changes))
+            for done in as_completed([pool.submit(tried, change) for change in changes]):
+                change, noticed, seconds = done.result()
+                found.add({"key": change.key, "noticed_by": noticed, "took_s": round(seconds, 1)})
+                survived += not noticed
+                bar.update(task, advance=1, description=f"changes, {survived} survived")
     finally:
-        path.write_text(before, encoding="utf-8")
-    return done.returncode != 0
+        pool.shutdown(cancel_futures=True)
 
 
-def mutations_of(file: str) -> Iterator[Mutation]:
-    """Yield every change of one file."""
-    source = (ROOT / "passafe" / file).read_text(encoding="utf-8")
-    lines = source.splitlines(keepends=True)
-    starts = [0]
-    for line in lines:
-        starts.append(starts[-1] + len(line.encode()))
-    raw = source.encode()
-    for node in ast.walk(ast.parse(source)):
-        for what, replacement in changes(node):
-            begin = starts[node.lineno - 1] + node.col_offset  # type: ignore[attr-defined]  # every one has a place
-            end = starts[node.end_lineno - 1] + node.end_col_offset  # type: ignore[attr-defined]
-            text = (raw[:begin] + replacement.encode() + raw[end:]).decode()
-            yield Mutation(file=file, line=node.lineno, what=what, text=text)  # type: ignore[attr-defined]
+def progress() -> Progress:
+    """Return a bar with the time that is left."""
+    return Progress(TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
 
 
-def changes(node: ast.AST) -> Iterator[tuple[str, str]]:
-    """Yield what may be put in the place of a node: words for it, and source."""
-    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add | ast.Sub):
-        sign = "-" if isinstance(node.op, ast.Add) else "+"
-        yield f"{ast.unparse(node)}: {sign}", f"({ast.unparse(node.left)} {sign} ({ast.unparse(node.right)}))"
-    if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub) and not isinstance(node.operand, ast.Constant):
-        yield f"{ast.unparse(node)}: no minus", f"({ast.unparse(node.operand)})"
-    if isinstance(node, ast.Attribute) and node.attr in GAINS and isinstance(node.ctx, ast.Load):
-        yield f"{ast.unparse(node)}: halved", f"(0.5 * {ast.unparse(node)})"
-    if isinstance(node, ast.Call):
-        yield from _changes_of_call(node)
-
-
-def _changes_of_call(node: ast.Call) -> Iterator[tuple[str, str]]:
-    arguments = ", ".join(ast.unparse(argument) for argument in [*node.args, *node.keywords])
-    if isinstance(node.func, ast.Attribute) and node.func.attr in SWAPPED:
-        other = f"{ast.unparse(node.func.value)}.{SWAPPED[node.func.attr]}"
-        yield f"{ast.unparse(node)}: {SWAPPED[node.func.attr]}", f"{other}({arguments})"
-    if isinstance(node.func, ast.Attribute) and node.func.attr == "append":
-        yield f"{ast.unparse(node)}: left out", "None"
+@cache
+def _imports(test: Path, module: str) -> bool:
+    """Tell whether a test imports a module of the core."""
+    nodes = ast.walk(ast.parse(test.read_text(encoding="utf-8")))
+    return any(isinstance(node, ast.ImportFrom) and node.module == f"passafe.{module}" for node in nodes)
 
 
 if __name__ == "__main__":

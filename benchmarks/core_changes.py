@@ -1,0 +1,109 @@
+"""Changes of the core's mathematics, one thing at a time: what ``mutation.py`` tries.
+
+A plus for a minus, a minus sign left out, a row left out, a gain or a period halved, a least for a largest.
+"""
+
+import ast
+from collections.abc import Iterator
+from dataclasses import dataclass
+from hashlib import sha256
+from pathlib import Path
+from typing import Final
+
+ROOT: Final = Path(__file__).resolve().parents[1]
+FILES: Final = (
+    "barrier.py",
+    "between_samples.py",
+    "class_k.py",
+    "derivation.py",
+    "enclosure.py",
+    "human_input.py",
+    "infeasibility.py",
+    "least_violation.py",
+    "limits.py",
+    "many_decisions.py",
+    "nearest_points.py",
+    "override.py",
+    "passivity.py",
+    "quadratic_program.py",
+    "rows.py",
+    "sampled_plant.py",
+    "tank.py",
+    "tracking.py",
+)
+GAINS: Final = frozenset({"gain", "gain_below", "k_i", "dt_s", "rate_per_s", "reserve_j", "slack_price", "norm"})
+_PAIRS: Final = (("fmin", "fmax"), ("mmin", "mmax"), ("min", "max"), ("minimum", "maximum"), ("argmin", "argmax"))
+SWAPPED: Final = dict(_PAIRS) | {largest: least for least, largest in _PAIRS}
+
+EQUIVALENT: Final[dict[tuple[str, str], str]] = {}
+"""Changes that change nothing that anybody could see, by file and words, with the reason."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Change:
+    """One change of one file.
+
+    Attributes:
+        file: Name of the core's file.
+        line: Where, from 1.
+        what: In words.
+        text: The whole file with the change.
+    """
+
+    file: str
+    line: int
+    what: str
+    text: str
+
+    @property
+    def key(self) -> str:
+        """Name of the change that tells it from others, and from the same one of another version of the file."""
+        return f"{self.file}:{self.line} {self.what} {sha256(self.text.encode()).hexdigest()[:16]}"
+
+    @property
+    def is_equivalent(self) -> bool:
+        """Whether it is known to change nothing."""
+        return (self.file, self.what) in EQUIVALENT
+
+
+def changes_of(file: str) -> Iterator[Change]:
+    """Yield every change of one file."""
+    source = (ROOT / "passafe" / file).read_text(encoding="utf-8")
+    starts = [0]
+    for line in source.splitlines(keepends=True):
+        starts.append(starts[-1] + len(line.encode()))
+    raw = source.encode()
+    for node in ast.walk(ast.parse(source)):
+        for what, replacement in _replacements(node):
+            begin = starts[node.lineno - 1] + node.col_offset  # type: ignore[attr-defined]  # every one has a place
+            end = starts[node.end_lineno - 1] + node.end_col_offset  # type: ignore[attr-defined]
+            text = (raw[:begin] + replacement.encode() + raw[end:]).decode()
+            yield Change(file=file, line=node.lineno, what=what, text=text)  # type: ignore[attr-defined]
+
+
+def _replacements(node: ast.AST) -> Iterator[tuple[str, str]]:
+    """Yield what may be put in the place of a node: words for it, and source."""
+    if isinstance(node, ast.BinOp | ast.AugAssign) and isinstance(node.op, ast.Add | ast.Sub):
+        sign = "-" if isinstance(node.op, ast.Add) else "+"
+        if isinstance(node, ast.AugAssign):
+            changed = f"{ast.unparse(node.target)} {sign}= {ast.unparse(node.value)}"
+        else:
+            changed = f"({ast.unparse(node.left)} {sign} ({ast.unparse(node.right)}))"
+        yield f"{ast.unparse(node)}: {sign}", changed
+    if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub) and not isinstance(node.operand, ast.Constant):
+        yield f"{ast.unparse(node)}: no minus", f"({ast.unparse(node.operand)})"
+    if isinstance(node, ast.Attribute) and node.attr in GAINS and isinstance(node.ctx, ast.Load):
+        yield f"{ast.unparse(node)}: halved", f"(0.5 * {ast.unparse(node)})"
+    if isinstance(node, ast.Call):
+        yield from _replacements_of_call(node)
+
+
+def _replacements_of_call(node: ast.Call) -> Iterator[tuple[str, str]]:
+    arguments = ", ".join(ast.unparse(argument) for argument in [*node.args, *node.keywords])
+    if isinstance(node.func, ast.Attribute) and node.func.attr in SWAPPED:
+        other = f"{ast.unparse(node.func.value)}.{SWAPPED[node.func.attr]}"
+        yield f"{ast.unparse(node)}: {SWAPPED[node.func.attr]}", f"{other}({arguments})"
+    if isinstance(node.func, ast.Name) and node.func.id in SWAPPED:
+        yield f"{ast.unparse(node)}: {SWAPPED[node.func.id]}", f"{SWAPPED[node.func.id]}({arguments})"
+    if isinstance(node.func, ast.Attribute) and node.func.attr == "append":
+        yield f"{ast.unparse(node)}: left out", "None"
