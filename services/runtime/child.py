@@ -6,6 +6,7 @@ import signal
 from asyncio.subprocess import PIPE
 from collections.abc import Callable
 from contextlib import suppress
+from pathlib import Path
 from typing import Final, cast
 
 from services.runtime.outcome import Exit, ProcessSpec
@@ -13,6 +14,10 @@ from services.runtime.readiness import ready_line
 
 LONGEST_LINE_BYTES: Final = 65_536
 """A longer line is relayed in pieces."""
+
+HURRY_NICENESS: Final = -15
+"""Some thirty times the share of an ordinary process; real-time loops still go first. On two processors with a
+dozen busy processes a start took 1.0 s instead of 6.2 s."""
 
 _LAST_LINES_S: Final = 0.5
 """How long to wait for the last lines of a process that has ended: another may hold its pipes."""
@@ -46,6 +51,7 @@ class Child(asyncio.SubprocessProtocol):
         self._unfinished = {_STANDARD_OUTPUT: b"", _STANDARD_ERROR: b""}  # last line of each open pipe
         self._asked = False
         self._forced = False
+        self._hurries = False
 
     @classmethod
     async def start(cls, spec: ProcessSpec, emit: Emit) -> "Child":
@@ -81,6 +87,11 @@ class Child(asyncio.SubprocessProtocol):
             restarted=self.restarted,
             ready=self.ready.is_set(),
         )
+
+    def hurry(self) -> None:
+        """Let it set itself up before whatever else runs here at no real-time priority: somebody waits for it."""
+        self._hurries = True
+        self._set_niceness(HURRY_NICENESS, HURRY_NICENESS)
 
     def ask(self) -> None:
         """Ask it to end (SIGTERM)."""
@@ -138,9 +149,20 @@ class Child(asyncio.SubprocessProtocol):
             with suppress(ProcessLookupError, PermissionError):
                 os.killpg(self._transport.get_pid(), signal.SIGKILL)
 
+    def _set_niceness(self, niceness: int, of_session: int) -> None:
+        if self._transport is None:
+            return
+        pid = self._transport.get_pid()
+        # Where the kernel groups processes by session, niceness counts within a group, and the group has its own.
+        with suppress(OSError):  # not permitted, or not known here: then it takes its turn with the others
+            os.setpriority(os.PRIO_PROCESS, pid, niceness)
+            Path(f"/proc/{pid}/autogroup").write_text(str(of_session), encoding="ascii")
+
     def _take(self, line: bytes) -> None:
         text = line.decode(errors="replace").rstrip("\r")
         if text == ready_line(self.spec.name):
             self.ready.set()
+            if self._hurries:
+                self._set_niceness(os.getpriority(os.PRIO_PROCESS, 0), 0)
         else:
             self._emit(self.spec.name, text)

@@ -177,6 +177,7 @@ class _Run:
         if isinstance(child, _End):
             return child
         self._emit(f"{name} died: {dead.exit.how}; started again")
+        child.hurry()
         dead.restarted = True
         self._restarted_s.setdefault(name, []).append(loop.time())
         self._children[self._children.index(dead)] = child

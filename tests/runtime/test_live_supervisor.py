@@ -206,6 +206,33 @@ def test_a_process_that_dies_is_started_again_and_the_others_are_left_alone(term
     assert gone([pid for _, pid in terminal.said_pid])
 
 
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() != 0, reason="only root may raise priorities")
+def test_one_that_is_started_again_is_preferred_until_it_is_ready(terminal: Terminal) -> None:
+    """The toy says its pid before it is ready."""
+    own = os.getpriority(os.PRIO_PROCESS, 0)
+    preferred: list[bool] = []
+
+    def look(_name: str, pid: int) -> None:
+        preferred.append(os.getpriority(os.PRIO_PROCESS, pid) < own)
+        if len(preferred) == 2:
+            threading.Thread(target=stop_when_ordinary, args=(pid,)).start()
+
+    def stop_when_ordinary(pid: int) -> None:
+        end = time.monotonic() + PATIENCE_S
+        while os.getpriority(os.PRIO_PROCESS, pid) != own and time.monotonic() < end:
+            time.sleep(0.01)
+        preferred.append(os.getpriority(os.PRIO_PROCESS, pid) < own)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    terminal.on_pid = look
+    supervise(
+        [toy("filter", restarts=Restarts())],
+        emit=terminal,
+        on_ready=lambda: os.kill(terminal.pids["filter"]["pid"], signal.SIGKILL),
+    )
+    assert preferred == [False, True, False]
+
+
 def test_one_that_dies_too_often_ends_the_run(terminal: Terminal) -> None:
     def kill(name: str, pid: int) -> None:
         if name == "filter" and terminal.texts.count("all are ready"):

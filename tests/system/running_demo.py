@@ -22,13 +22,14 @@ class RunningDemo:
     Attributes:
         process: The supervisor.
         router: Where the router listens, host:port.
+        router_port: Its port.
         lines: What it has printed so far.
     """
 
     def __init__(self, out: Path, arguments: tuple[str, ...]) -> None:
-        router_port = free_port()
-        self.router = f"127.0.0.1:{router_port}"
-        ports = ("--router-port", str(router_port), "--port", str(free_port()))
+        self.router_port = free_port()
+        self.router = f"127.0.0.1:{self.router_port}"
+        ports = ("--router-port", str(self.router_port), "--port", str(free_port()))
         self.process = subprocess.Popen(
             [sys.executable, "-m", "services.cli", "demo", "--out", str(out), *ports, *arguments],
             stdout=subprocess.PIPE,
