@@ -72,6 +72,10 @@ class Broadcast:
         self.feed.finish(reason)
         self._publish()
 
+    async def next_frame(self) -> None:
+        """Wait until messages have been pumped once more."""
+        await self._next.wait()
+
     async def frames(self) -> AsyncGenerator[str, None]:
         """Frames for one client, the whole history in the first; ends after the one that says so."""
         view = ClientView(self.feed)

@@ -4,6 +4,8 @@
     * ``PageAddressError``: the page's address cannot be listened on
         * ``PagePortInUseError``: another program listens on its port
     * ``SeriesError``: a series for the report that does not fit together
+    * ``LinkUpdateError``: settings of a link that do not go together
+    * ``LinkAnswerError``: nothing was heard of a link
     * ``UndrawableError``: a part of a figure that the picture writer does not know
 """
 
@@ -68,3 +70,35 @@ class UndrawableError(DashboardError):
         self.part = part
         self.allowed = allowed
         super().__init__(f"picture: got a {part}, allowed {', '.join(allowed)}")
+
+
+class LinkUpdateError(DashboardError):
+    """Settings of a link that do not go together.
+
+    Attributes:
+        loc: Where in the settings.
+        got: What was asked for.
+        allowed: What is allowed, in words.
+    """
+
+    def __init__(self, loc: tuple[int | str, ...], got: object, allowed: str) -> None:
+        self.loc = loc
+        self.got = got
+        self.allowed = allowed
+        super().__init__(f"link: got {got}, allowed {allowed}")
+
+
+class LinkAnswerError(DashboardError):
+    """Nothing was heard of a link.
+
+    Attributes:
+        link: Its name.
+        reader: Process at whose inlet it sits.
+        reason: In words.
+    """
+
+    def __init__(self, link: str, reader: str, reason: str) -> None:
+        self.link = link
+        self.reader = reader
+        self.reason = reason
+        super().__init__(f"link {link}: {reason}: is {reader} running?")

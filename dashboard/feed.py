@@ -21,15 +21,17 @@ from protocol.messages import (
     Header,
     Health,
     LinkEvent,
+    LinkState,
     Message,
     PlantState,
     ScenarioInfo,
     TopicHealth,
 )
-from protocol.topics import EVENT, HEALTH, LINK_EVENT, SCENARIO, STATE, TICK, TOPIC_OF_BODY, Topic
+from protocol.topics import EVENT, HEALTH, LINK_EVENT, LINK_STATE, SCENARIO, STATE, TICK, TOPIC_OF_BODY, Topic
+from services.runtime.link_board import LinkBoard
 from services.scenarios.schema import Scenario
 
-TOPICS_READ: Final[tuple[Topic, ...]] = (TICK, STATE, HEALTH, EVENT, SCENARIO, LINK_EVENT)
+TOPICS_READ: Final[tuple[Topic, ...]] = (TICK, STATE, HEALTH, EVENT, SCENARIO, LINK_EVENT, LINK_STATE)
 """Topics that the feed understands; it ignores messages of others."""
 
 
@@ -80,6 +82,7 @@ class Feed:
         traffic: Arrivals by source and topic.
         refused: Messages refused before they could be taken, by topic.
         link_effects: Messages of this run that a link did something to, by link and effect.
+        links: Newest states of the links.
         unfit: Messages whose numbers do not fit the scenario.
         end: Why the run is over, once it is.
         capacity: Rows kept for charts.
@@ -109,6 +112,7 @@ class Feed:
         self.notices: deque[Notice] = deque(maxlen=notices)
         self.traffic: dict[tuple[str, str], Traffic] = {}
         self.refused: dict[str, int] = {}
+        self.links = LinkBoard()
         self._notices_made = 0
         self._epochs: dict[str, int] = {}
         self._bin_ns = NS_PER_S // frame_hz
@@ -120,6 +124,7 @@ class Feed:
             Event: self._take_event,
             ScenarioInfo: self._take_scenario,
             LinkEvent: self._take_link_event,
+            LinkState: self.links.take,
         }
         self._clear()
         if scenario is not None:

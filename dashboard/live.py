@@ -5,7 +5,6 @@ from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import aclosing, asynccontextmanager
 from pathlib import Path
 from typing import Final
-from urllib.parse import urlsplit
 
 from bokeh.settings import settings as bokeh_settings
 from fastapi import APIRouter, FastAPI, Request, Response, WebSocket, WebSocketDisconnect
@@ -14,6 +13,9 @@ from fastapi.staticfiles import StaticFiles
 
 from dashboard.broadcast import Broadcast
 from dashboard.frames import json_text
+from dashboard.link_requests import LinkRequests
+from dashboard.link_routes import link_routes
+from dashboard.origin import same_origin
 from dashboard.page import LivePage
 from dashboard.snapshot import liveness_json, status_json
 
@@ -32,13 +34,14 @@ HEADERS: Final = {
 """The browser loads nothing from other hosts. Inline styles stay allowed: BokehJS styles its elements so."""
 
 
-def create_app(broadcast: Broadcast, *, window_s: float = 20.0) -> FastAPI:
+def create_app(broadcast: Broadcast, links: LinkRequests, *, window_s: float = 20.0) -> FastAPI:
     """Make the application.
 
     While it runs, ``app.state.broadcasting`` is the task that pumps messages; it ends only by failing.
 
     Args:
         broadcast: What to show, and where it comes from.
+        links: Changes links.
         window_s: Stretch of time that charts show.
     """
     page = LivePage(broadcast.feed, window_s=window_s)
@@ -55,6 +58,7 @@ def create_app(broadcast: Broadcast, *, window_s: float = 20.0) -> FastAPI:
     app.middleware("http")(_add_headers)
     app.include_router(_page_routes(page))
     app.include_router(_state_routes(broadcast))
+    app.include_router(link_routes(links))
     app.mount("/static/bokeh", StaticFiles(directory=bokeh_settings.bokehjs_path()), name="bokeh")
     app.mount("/static", StaticFiles(directory=Path(__file__).parent / "static"), name="static")
     return app
@@ -109,15 +113,6 @@ def _state_routes(broadcast: Broadcast) -> APIRouter:
         await _serve_client(websocket, broadcast)
 
     return router
-
-
-def same_origin(websocket: WebSocket) -> bool:
-    """Tell whether a page of this server asks: a page of another site may not read the robot's state.
-
-    Programs that are no browser send no ``Origin`` and are let in.
-    """
-    origin = websocket.headers.get("origin")
-    return origin is None or urlsplit(origin).netloc == websocket.headers.get("host")
 
 
 async def _serve_client(websocket: WebSocket, broadcast: Broadcast) -> None:

@@ -10,6 +10,7 @@ from dashboard.feed import Feed, scenario_id
 from dashboard.figures.page import ROBOT, STATES, TICKS, LiveCharts, live_charts
 from dashboard.frames import json_text
 from dashboard.palette import STATUS_STYLES
+from protocol.topics import LINKS
 from services.review.properties import Tolerances
 from services.scenarios.schema import Scenario
 
@@ -88,6 +89,7 @@ class LivePage:
             scenario=scenario,
             texts=[text for text in CHART_TEXTS if text.name in charts.divs],
             divs=charts.divs,
+            links=list(LINKS),
             statuses=[(status.name, style) for status, style in STATUS_STYLES.items()],
             setup=json_text(self._setup(scenario)).replace("<", "\\u003c"),
         )

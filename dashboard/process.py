@@ -6,6 +6,7 @@ import socket
 import sys
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Final
 
 from fastapi import FastAPI
@@ -14,8 +15,11 @@ from dashboard.address import listening_socket
 from dashboard.broadcast import FRAME_HZ, Broadcast
 from dashboard.bus_pump import BusPump
 from dashboard.feed import Feed
+from dashboard.link_requests import LinkRequests
 from dashboard.live import create_app
 from dashboard.server import page_server
+from protocol.messages import LinkConfig
+from protocol.topics import LINK_CONFIG
 from services.runtime.bus import open_bus
 from services.runtime.endpoint import LOOPBACK, Endpoint
 from services.runtime.outlet import Outlet
@@ -59,10 +63,19 @@ def serve(
     with stop_requests(lifeline=lifeline) as stop, listening_socket(host, port) as listener:
         feed = Feed(scenario)
         with open_bus(endpoint) as bus:
-            pump = BusPump(bus, feed, Outlet(bus, NAME, time.time_ns()))
+            outlet = Outlet(bus, NAME, time.time_ns())
+            pump = BusPump(bus, feed, outlet)
             broadcast = Broadcast(feed, pump=pump, clock=time.monotonic_ns, frame_hz=frame_hz)
-            asyncio.run(_run(create_app(broadcast), broadcast, listener, stop))
+            links = LinkRequests(broadcast, partial(_ask, outlet))
+            asyncio.run(_run(create_app(broadcast, links), broadcast, listener, stop))
     return stop.reason
+
+
+def _ask(outlet: Outlet, config: LinkConfig, now_ns: int) -> tuple[str, int, int]:
+    """Publish a request for other settings of a link; return what its answer will name."""
+    number = outlet.sent(LINK_CONFIG)
+    outlet.publish(LINK_CONFIG, config, scheduled_ns=now_ns, started_ns=now_ns)
+    return outlet.source, outlet.epoch, number
 
 
 async def _run(app: FastAPI, broadcast: Broadcast, listener: socket.socket, stop: Stop) -> None:

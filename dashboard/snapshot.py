@@ -7,13 +7,16 @@ from collections.abc import Mapping
 from math import hypot
 from typing import Any, Final, TypeAlias
 
+from msgspec.structs import asdict
+
 from dashboard.columns import COMMAND_AGE, POWER_MARGIN, STATE_AGE, TANK, measured_h, psi
 from dashboard.decimation import NS_PER_S, Worst
 from dashboard.feed import Feed
 from dashboard.palette import PHASE_MEANINGS, STATUS_STYLES
 from dashboard.traffic import Traffic
+from protocol.link_effect import LinkCounts
 from protocol.messages import FilterTick, PlantState
-from protocol.topics import HEALTH, PROCESSES, STATE, TICK, TOPIC_OF_NAME
+from protocol.topics import HEALTH, LINKS, PROCESSES, STATE, TICK, TOPIC_OF_NAME
 
 Json: TypeAlias = dict[str, Any]
 
@@ -44,6 +47,7 @@ def status_json(feed: Feed, now_ns: int) -> Json:
             {"link": link, "effect": effect, "count": count}
             for (link, effect), count in sorted(feed.link_effects.items())
         ],
+        "link_states": [link_json(feed, name, now_ns) for name in LINKS],
         "events": [
             {
                 "number": notice.number,
@@ -188,6 +192,25 @@ def _worst_json(feed: Feed) -> Json:
 def _worst(worst: Mapping[str, Worst], column: str) -> Json | None:
     found = worst.get(column)
     return None if found is None else found._asdict()
+
+
+def link_json(feed: Feed, name: str, now_ns: int) -> Json:
+    """One link at ``now_ns``: its settings in force and counts, null as long as nothing was heard of it."""
+    topic, reader = LINKS[name]
+    heard = feed.links.newest(name)
+    about: Json = {"link": name, "topic": topic.name, "reader": reader, "age_s": None, "settings": None, "counts": None}
+    if heard is None:
+        return about
+    state = asdict(heard.state)
+    return about | {
+        "age_s": (now_ns - heard.received_ns) / NS_PER_S,
+        "settings": asdict(heard.state.parameters)
+        | {
+            "outages": [(outage.start_s, outage.end_s) for outage in heard.state.parameters.outages],
+            "trace_opportunities": heard.state.trace_opportunities,
+        },
+        "counts": {field: state[field] for field in (*LinkCounts._fields, "refused_corrupted", "refused_repeated")},
+    }
 
 
 def _process_json(feed: Feed, name: str, now_ns: int) -> Json:

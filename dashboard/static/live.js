@@ -3,6 +3,7 @@
 // A drawing that takes long is followed by a rest as long as it took: a control loop may share the processor.
 import { applyRows, chartsReady, moveObstacles, moveRobot, startOver } from "./charts.js";
 import { connect } from "./connection.js";
+import { showLinks } from "./links.js";
 import { forgetEvents, showConnection, showLost, showState } from "./readouts.js";
 
 const setup = JSON.parse(document.getElementById("setup").textContent);
@@ -65,6 +66,7 @@ function draw(at) {
   if (at - numbersShownAt >= NUMBERS_EVERY_MS || now.liveness.state === "ended") {
     numbersShownAt = at;
     showState(now);
+    showLinks(now);
   }
   restAfter(begin);
 }

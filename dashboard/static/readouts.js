@@ -4,7 +4,7 @@ const { tolerances } = JSON.parse(document.getElementById("setup").textContent);
 
 const byId = (id) => document.getElementById(id);
 
-function setText(element, text) {
+export function setText(element, text) {
   if (element && element.textContent !== text) element.textContent = text;
 }
 
@@ -30,7 +30,7 @@ function setSigned(element, value, unit, tolerance) {
 }
 
 // Makes a table body have these rows of text; cells are reused, so nothing flickers and selection stays.
-function fill(bodyId, rows, decorate) {
+export function fill(bodyId, rows, decorate) {
   const body = byId(bodyId);
   while (body.rows.length > rows.length) body.deleteRow(-1);
   rows.forEach((cells, r) => {

@@ -9,9 +9,10 @@ from protocol.link_wire import settings_of
 from protocol.messages import LinkState
 from protocol.topics import LINKS
 from services.cli.errors import OptionError
-from services.cli.link_text import LINK_KEYS, changed_parameters, link_fields, settings_text
+from services.cli.link_text import LINK_KEYS, changed_parameters, link_fields, require_ranges, settings_text
 from services.cli.options import DEFAULT_ROUTER, RouterOption, parse_endpoint
 from services.runtime.errors import LinkSilentError
+from services.runtime.inlet import require_links
 from services.runtime.link_console import ANSWER_S, open_link_console
 
 app = typer.Typer(help="Look at the links of a running system, and change them.", no_args_is_help=True)
@@ -31,6 +32,7 @@ def show(
 
     Example: `passafe link show` while `passafe demo` runs in another terminal.
     """
+    require_links([] if name is None else [name])
     with open_link_console(parse_endpoint(router), answer_s=wait) as console:
         states = console.states() if name is None else {name: console.state(name)}
     if not states:
@@ -52,9 +54,11 @@ def set_link(
 
     Example: `passafe link set plant-to-filter delay=0.2 jitter=0.02 loss=0.1`
     """
+    require_links([name])
     fields = link_fields(settings, "KEY=VALUE")
     if "trace" in fields:
         raise OptionError("trace", repr(fields["trace"]), "only when a system starts: --link, or the scenario")
+    require_ranges(fields, f"link {name}")  # told without asking anybody
     with open_link_console(parse_endpoint(router), answer_s=wait) as console:
         before = console.state(name)
         wanted = changed_parameters(settings_of(before.parameters), fields, f"link {name}")

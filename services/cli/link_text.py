@@ -10,7 +10,7 @@ from protocol.link_settings import LinkSettings
 from protocol.link_wire import parameters_of, settings_of
 from protocol.messages import LinkParameters, LinkState
 from services.cli.errors import OptionError
-from services.scenarios.link_schema import LinkConfig
+from services.scenarios.link_schema import LinkConfig, LinkFields
 
 LINK_KEYS: Final = {
     "delay": "delay_s",
@@ -58,6 +58,22 @@ def link_fields(parts: Iterable[str], where: str) -> dict[str, Any]:
     return fields
 
 
+def require_ranges(fields: Mapping[str, Any], where: str) -> None:
+    """Check each field by itself.
+
+    Args:
+        fields: What ``link_fields`` returned.
+        where: What the user gave them with, for the message.
+
+    Raises:
+        OptionError: A value that a setting cannot have.
+    """
+    try:
+        LinkFields.model_validate(fields)
+    except ValidationError as error:
+        raise _option_error(error, fields, where) from error
+
+
 def changed_parameters(before: LinkSettings, fields: Mapping[str, Any], where: str) -> LinkParameters:
     """Return settings with some of them changed.
 
@@ -74,12 +90,7 @@ def changed_parameters(before: LinkSettings, fields: Mapping[str, Any], where: s
     try:
         return parameters_of(LinkConfig.model_validate(values | dict(fields)).settings())
     except ValidationError as error:
-        first = error.errors()[0]
-        allowed = first["msg"].removeprefix("Input should be ").removeprefix("Value error, ")
-        place = ".".join(str(part) for part in first["loc"])
-        asked = ", ".join(f"{name} {value!r}" for name, value in fields.items())
-        got = f"{place} {first['input']!r}" if place else asked
-        raise OptionError(where, got, allowed) from error
+        raise _option_error(error, fields, where) from error
 
 
 def settings_text(state: LinkState) -> str:
@@ -93,6 +104,14 @@ def settings_text(state: LinkState) -> str:
     if state.trace_opportunities:
         parts.append(f"trace of {state.trace_opportunities} times")
     return " ".join(parts) or "lets everything through at once"
+
+
+def _option_error(error: ValidationError, fields: Mapping[str, Any], where: str) -> OptionError:
+    first = error.errors()[0]
+    allowed = first["msg"].removeprefix("Input should be ").removeprefix("Value error, ")
+    place = ".".join(str(part) for part in first["loc"])
+    asked = ", ".join(f"{name} {value!r}" for name, value in fields.items())
+    return OptionError(where, f"{place} {first['input']!r}" if place else asked, allowed)
 
 
 def _text(key: str, value: object) -> str:

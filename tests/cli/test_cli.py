@@ -30,7 +30,9 @@ def simulated(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return log
 
 
-@pytest.mark.parametrize("command", ["", "demo", "run", "simulate", "campaign", "review", "replay", "recover"])
+@pytest.mark.parametrize(
+    "command", ["", "demo", "run", "simulate", "campaign", "review", "replay", "recover", "link", "link set"]
+)
 def test_every_command_explains_itself(command: str) -> None:
     done = passafe(*command.split(), "--help")
 
@@ -55,6 +57,10 @@ def test_every_command_explains_itself(command: str) -> None:
         (("replay", "missing.mcap"), "missing.mcap"),
         (("recover", "missing.mcap", "--out", "whole.mcap"), "missing.mcap"),
         (("run", "plant", "--router", "nowhere"), "--router"),
+        (("link", "set", "plant-to-moon", "delay=1"), "plant-to-moon"),
+        (("link", "set", "plant-to-filter", "loss=2"), "loss"),
+        (("link", "set", "plant-to-filter", "trace=x.csv"), "trace"),
+        (("link", "show", "plant-to-moon"), "plant-to-moon"),
     ],
 )
 def test_nonsense_gets_one_clear_line_and_no_traceback(arguments: tuple[str, ...], named: str, tmp_path: Path) -> None:

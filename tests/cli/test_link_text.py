@@ -9,7 +9,7 @@ from protocol.link_wire import parameters_of, settings_of
 from protocol.message_link import MessageLink
 from protocol.messages import LinkState
 from services.cli.errors import OptionError
-from services.cli.link_text import LINK_KEYS, changed_parameters, link_fields, settings_text
+from services.cli.link_text import LINK_KEYS, changed_parameters, link_fields, require_ranges, settings_text
 from services.cli.options import scenario_from_options
 from services.scenarios.errors import ScenarioError
 from services.scenarios.link_schema import LinkConfig
@@ -120,6 +120,12 @@ def test_what_is_not_named_stays_as_it_is() -> None:
     changed = changed_parameters(FULL, link_fields(["loss=0.3", "outage="], "x"), "x")
 
     assert settings_of(changed) == replace(FULL, loss=0.3, outages_s=())
+
+
+@pytest.mark.parametrize("typed", ["delay=soon", "loss=2", "distribution=gamma", "outage=3", "queue=0"])
+def test_a_value_out_of_range_is_refused_before_anybody_is_asked(typed: str) -> None:
+    with pytest.raises(OptionError, match=r"link x: got .*, allowed"):
+        require_ranges(link_fields([typed], "x"), "link x")
 
 
 @pytest.mark.parametrize(

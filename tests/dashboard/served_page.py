@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from typing import Any
 
 import httpx
+from answering_links import AnsweringLinks
 from closed_form import ClosedFormRun
 from msgspec import structs
 from websockets.sync.client import ClientConnection, connect
@@ -17,6 +18,7 @@ from websockets.sync.client import ClientConnection, connect
 from dashboard.address import listening_socket
 from dashboard.broadcast import Broadcast
 from dashboard.feed import Feed
+from dashboard.link_requests import LinkRequests
 from dashboard.live import create_app
 from dashboard.server import page_server
 from protocol.messages import FilterTick
@@ -30,6 +32,7 @@ class FastRun:
         speed: May be changed; 0 until then means that nothing happens.
         fails: Set it to make the pump raise.
         next_tick: Fields to change in the next tick, once.
+        links: Links that answer.
     """
 
     def __init__(self, feed: Feed, *, speed: float = 5.0, frame_hz: float = 100.0) -> None:
@@ -37,6 +40,7 @@ class FastRun:
         self.speed = speed
         self.fails = False
         self.next_tick: dict[str, Any] = {}
+        self.links = AnsweringLinks(feed)
         self.broadcast = Broadcast(feed, pump=self._pump, clock=time.monotonic_ns, frame_hz=frame_hz)
         self._before_ns: int | None = None
         self._run_ns = 0.0
@@ -46,6 +50,9 @@ class FastRun:
         del pace
         if self.fails:
             raise RuntimeError("the pump is broken")
+        if self._before_ns is None:
+            self.links.tell(now_ns, "start")
+        self.links.pump(now_ns)
         self._run_ns += self.speed * (now_ns - (self._before_ns or now_ns))
         self._before_ns = now_ns
         for header, body, _ in self._run.until(int(self._run_ns)):
@@ -73,6 +80,10 @@ class ServedPage:
         """Open the WebSocket."""
         return connect(f"ws://{self.host}/live", compression=None, max_queue=None, **options)
 
+    def put(self, path: str, json: object, **headers: str) -> httpx.Response:
+        """Put JSON to a path."""
+        return self._client.put(self.url + path, json=json, headers=headers)
+
     def in_loop(self, function: Callable[..., object], *arguments: object) -> None:
         """Call a function in the server's event loop and wait for it."""
 
@@ -83,11 +94,12 @@ class ServedPage:
 
 
 @contextmanager
-def serve_page(broadcast: Broadcast, *, port: int = 0) -> Iterator[ServedPage]:
+def serve_page(run: FastRun, *, port: int = 0, answer_s: float = 30.0) -> Iterator[ServedPage]:
     """Serve until the end of the block."""
+    broadcast = run.broadcast
     with listening_socket("127.0.0.1", port) as listener, httpx.Client(timeout=30, verify=False) as client:  # noqa: S501 - no TLS here
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 4096)  # so that a slow reader is felt soon
-        server = page_server(create_app(broadcast))
+        server = page_server(create_app(broadcast, LinkRequests(broadcast, run.links.ask, answer_s=answer_s)))
         loop = asyncio.new_event_loop()
         thread = threading.Thread(target=_run, args=(loop, server.serve(sockets=[listener])))
         thread.start()

@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from served_page import FastRun, ServedPage, serve_page
 
 from dashboard.feed import Feed
 from dashboard.report_page import report_page
+from protocol.link_settings import LinkSettings
 from protocol.messages import BarrierChain, FilterStatus
 from services.scenarios.schema import Scenario
 
@@ -79,7 +81,7 @@ def run() -> FastRun:
 
 @pytest.fixture
 def served(run: FastRun) -> Iterator[ServedPage]:
-    with serve_page(run.broadcast) as page:
+    with serve_page(run) as page:
         yield page
 
 
@@ -142,7 +144,7 @@ def test_what_moves_is_drawn_where_it_is_now(watched: Watched) -> None:
     disk = values["filter"]["barriers"][0]
     values["filter"]["barriers"] = [disk | {"centre": (3.0, 1.0), "motion": motion}]
     run = FastRun(Feed(Scenario.model_validate(values)), speed=3.0, frame_hz=30.0)
-    with serve_page(run.broadcast) as served:
+    with serve_page(run) as served:
         watched.page.goto(served.url)
         watched.wait_for("globalThis.Bokeh && Bokeh.documents.length && Bokeh.documents[0].get_model_by_name('robot')")
         p1, p2 = rows_of("moving_0", "p1_m"), rows_of("moving_0", "p2_m")
@@ -152,6 +154,42 @@ def test_what_moves_is_drawn_where_it_is_now(watched: Watched) -> None:
         assert len(place) == 2
         assert place[1] - 1.0 == pytest.approx(-(place[0] - 3.0) / 2)
     assert watched.complaints == [] or all("WebSocket" in text for text in watched.complaints)
+
+
+def test_a_link_is_changed_from_the_page(watched: Watched, served: ServedPage, run: FastRun) -> None:
+    watched.page.goto(served.url)
+    watched.wait_for("document.getElementById('link-states').rows.length === 4")
+    watched.page.select_option("#link-name", "plant-to-filter")
+    watched.wait_for("document.getElementById('link-delay').value === '0'")
+    for field, value in (("delay", "200"), ("jitter", "20"), ("loss", "12.5")):
+        watched.page.fill(f"#link-{field}", value)
+    watched.page.click("#link-form button")
+    watched.wait_for(
+        "document.getElementById('link-answer').textContent"
+        " === 'plant-to-filter: now 200 ms, jitter 20 ms, loss 12.5 %'"
+    )
+    watched.wait_for("document.getElementById('link-states').rows[2].cells[1].textContent === '200'")
+    settings = run.links.links["plant-to-filter"].settings
+    assert (settings.delay_s, settings.jitter_s, settings.loss) == (0.2, 0.02, 0.125)
+    run.links.links["plant-to-filter"].reconfigure(LinkSettings(distribution="pareto", rate_hz=400.0, duplicate=0.02))
+    served.in_loop(run.links.tell, time.monotonic_ns())
+    watched.wait_for(
+        "document.getElementById('link-states').rows[2].cells[4].textContent"
+        " === 'pareto, copies 2 %, 400/s, queue 1000'"
+    )
+    assert watched.complaints == []
+
+
+def test_why_a_link_was_not_changed_is_told(watched: Watched, served: ServedPage, run: FastRun) -> None:
+    table = LinkSettings(distribution="histogram", quantiles_s=(0.0, 0.1))
+    run.links.links["operator-to-filter"].reconfigure(table)
+    watched.page.goto(served.url)
+    watched.wait_for("document.getElementById('link-delay').value === '0'")
+    served.in_loop(run.links.tell, time.monotonic_ns())
+    watched.page.fill("#link-jitter", "20")
+    watched.page.click("#link-form button")
+    watched.wait_for("document.getElementById('link-answer').textContent.includes('jitter_s: 0 where distribution')")
+    assert run.links.asked == []
 
 
 def test_the_end_of_the_run_is_told(watched: Watched, served: ServedPage, run: FastRun) -> None:
@@ -164,14 +202,14 @@ def test_the_end_of_the_run_is_told(watched: Watched, served: ServedPage, run: F
 
 
 def test_a_lost_connection_is_told_and_mended(watched: Watched, run: FastRun) -> None:
-    with serve_page(run.broadcast) as served:
+    with serve_page(run) as served:
         watched.page.goto(served.url)
         watched.wait_for("document.getElementById('connection').textContent === 'live'")
         port = served.port
     watched.wait_for("document.getElementById('connection').textContent === 'lost'")
     assert "the run has ended, or the dashboard does not answer" in watched.text("#banner")
     again = FastRun(Feed(paper_scenario()), speed=3.0, frame_hz=30.0)
-    with serve_page(again.broadcast, port=port):
+    with serve_page(again, port=port):
         watched.wait_for("document.getElementById('connection').textContent === 'live'")
         watched.wait_for("document.getElementById('banner').hidden")
 
@@ -186,7 +224,7 @@ def test_silence_is_told(watched: Watched, served: ServedPage, run: FastRun) -> 
 
 def test_a_page_drawn_for_another_scenario_loads_itself_again(watched: Watched) -> None:
     run = FastRun(Feed(), speed=0.0)
-    with serve_page(run.broadcast) as served:
+    with serve_page(run) as served:
         watched.page.goto(served.url)
         assert "No scenario is known yet" in watched.text("header")
         run.speed = 3.0

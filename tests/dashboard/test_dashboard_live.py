@@ -24,13 +24,13 @@ def run() -> FastRun:
 @pytest.fixture
 def page(run: FastRun) -> Iterator[ServedPage]:
     """A page of its own, for tests that change something."""
-    with serve_page(run.broadcast) as served:
+    with serve_page(run) as served:
         yield served
 
 
 @pytest.fixture(scope="module")
 def shared_page() -> Iterator[ServedPage]:
-    with serve_page(FastRun(Feed(paper_scenario())).broadcast) as served:
+    with serve_page(FastRun(Feed(paper_scenario()))) as served:
         yield served
 
 
@@ -65,6 +65,7 @@ def test_the_page_has_a_place_for_every_chart_and_table(shared_page: ServedPage)
         "Ages of state and command",
         "Processes",
         "Events",
+        "Links",
     ):
         assert f">{heading}</h2>" in response.text
     assert response.text.count("data-root-id") == 7
@@ -79,6 +80,7 @@ def test_everything_the_page_loads_is_served_here(shared_page: ServedPage) -> No
         ("/static/connection.js", "// The WebSocket"),
         ("/static/charts.js", "// Moves rows"),
         ("/static/readouts.js", "// Numbers"),
+        ("/static/links.js", "// The links"),
         ("/static/common.css", "/* Type"),
         ("/static/live.css", "/* Layout"),
     ):
@@ -212,7 +214,7 @@ def test_a_new_scenario_changes_the_page(page: ServedPage, run: FastRun) -> None
 
 def test_a_page_without_scenario_says_so() -> None:
     run = FastRun(Feed(), speed=0.0)
-    with serve_page(run.broadcast) as page:
+    with serve_page(run) as page:
         text = page.get("/").text
         assert "No scenario is known yet" in text
         assert page.get("/charts.js").text == ""
@@ -226,6 +228,7 @@ def test_there_are_only_our_own_files_beside_bokeh_s() -> None:
     static = Path(dashboard.live.__file__).parent / "static"
     assert {file.name for file in static.iterdir()} == {
         "charts.js",
+        "links.js",
         "common.css",
         "connection.js",
         "live.css",
