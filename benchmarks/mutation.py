@@ -188,8 +188,8 @@ def main(
     noticed = [found.noticed_by[change.key] for change in asked]
     survivors = [change for change, test in zip(asked, noticed, strict=True) if not test]
     console.print(
-        f"{len(asked)} changes, {len(asked) - len(survivors)} noticed, {noticed.count(NO_END)} of them by tests without "
-        f"an end; {len(changes) - len(asked)} others change nothing that can be seen"
+        f"{len(asked)} changes, {len(asked) - len(survivors)} noticed, {noticed.count(NO_END)} of them by tests "
+        f"without an end; {len(changes) - len(asked)} others change nothing that can be seen"
     )
     for change in survivors:
         console.print(f"survived: {change.file}:{change.line} {change.what}")

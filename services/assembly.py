@@ -1,8 +1,14 @@
 """From a scenario to the nodes of its loop: the same ones live and in lockstep."""
 
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Self
+
 from passafe.filter import SafetyPassivityFilter
 from passafe.human_input import HandModel, HumanInputEstimator
 from passafe.models.robot import Robot
+from passafe.sampled_plant import SampledPlant
+from protocol.topics import Topic
 from protocol.validation import MAX_VECTOR
 from services.arming.fail_safe import FailSafe
 from services.filter.arming import Arming, Loose
@@ -14,7 +20,7 @@ from services.filter.wording import Wording
 from services.operator.node import OperatorNode
 from services.operator.scenario_source import source_of
 from services.plant.node import PlantNode
-from services.runtime.lockstep import Lockstep, Observer
+from services.runtime.lockstep import Lockstep, Observer, Tap
 from services.scenarios.design import design_of, limits_of, robot_of, sampled_plant_of, tank_of
 from services.scenarios.info import scenario_info
 from services.scenarios.links import link_changes, link_settings
@@ -30,62 +36,115 @@ def period_ns(scenario: Scenario) -> int:
     return round(1e9 / scenario.rate_hz)
 
 
-def plant_node(scenario: Scenario) -> PlantNode:
-    """Return the plant of a scenario."""
-    robot = robot_of(scenario)
+@dataclass(frozen=True, kw_only=True)
+class Derived:
+    """What a scenario's plant and filter are derived into: the part of its nodes that takes time and has no memory.
+
+    Loops that run one after the other may share it, however their links, starts, operators and times differ, as long
+    as ``key_of`` is the same for their scenarios.
+
+    Attributes:
+        robot: The robot.
+        core: Its filter.
+        plant: Its model, stepped at the scenario's rate.
+        fail_safe: What is in force at the plant where no input follows.
+        wording: Puts what the filter overrides into words.
+    """
+
+    robot: Robot
+    core: SafetyPassivityFilter
+    plant: SampledPlant
+    fail_safe: FailSafe
+    wording: Wording
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> Self:
+        """Derive them.
+
+        Raises:
+            ScenarioError: The model does not take its parameters or x0.
+            DesignError: Some part of the design cannot be used.
+        """
+        robot = robot_of(scenario)
+        core = SafetyPassivityFilter(design_of(scenario, robot))
+        return cls(
+            robot=robot,
+            core=core,
+            plant=sampled_plant_of(scenario, robot),
+            fail_safe=FailSafe(
+                robot,
+                limits_of(scenario, robot),
+                period_ns=period_ns(scenario),
+                hold_ns=round(scenario.plant.hold_s * 1e9),
+            ),
+            wording=Wording(core, robot, input_unit(scenario)),
+        )
+
+    @staticmethod
+    def key_of(scenario: Scenario) -> str:
+        """Return what of a scenario is derived from, as text."""
+        plant = {"model", "parameters", "hold_s"}
+        part = scenario.model_dump_json(include={"name": True, "rate_hz": True, "plant": plant, "filter": True})
+        return f"{len(scenario.plant.x0)} {part}"
+
+
+def plant_node(scenario: Scenario, derived: Derived | None = None) -> PlantNode:
+    """Return the plant of a scenario.
+
+    Args:
+        scenario: What to build.
+        derived: What was derived from it before.
+    """
+    derived = Derived.of(scenario) if derived is None else derived
     return PlantNode(
-        sampled_plant_of(scenario, robot),
-        fail_safe_of(scenario, robot),
+        derived.plant,
+        derived.fail_safe,
         x0=scenario.plant.x0,
         period_ns=period_ns(scenario),
         playout_ns=_whole_periods(scenario.plant.playout_s, scenario),
-        limits=limits_of(scenario, robot),
+        limits=limits_of(scenario, derived.robot),
     )
 
 
-def fail_safe_of(scenario: Scenario, robot: Robot) -> FailSafe:
-    """Return what is in force at the scenario's plant where no input follows."""
-    hold_ns = round(scenario.plant.hold_s * 1e9)
-    return FailSafe(robot, limits_of(scenario, robot), period_ns=period_ns(scenario), hold_ns=hold_ns)
-
-
-def filter_node(scenario: Scenario, driver: str, epoch: int) -> FilterNode:
+def filter_node(scenario: Scenario, driver: str, epoch: int, derived: Derived | None = None) -> FilterNode:
     """Return the filter of a scenario.
 
     Args:
         scenario: What to build.
         driver: ``live`` or ``lockstep``, for the log.
         epoch: Its session, as the driver stamps it on what it sends.
+        derived: What was derived from the scenario before.
     """
-    robot = robot_of(scenario)
-    core = SafetyPassivityFilter(design_of(scenario, robot))
+    derived = Derived.of(scenario) if derived is None else derived
     tick_ns = period_ns(scenario)
-    foresight, series = _foresight_of(scenario, robot)
+    foresight, series = _foresight_of(scenario, derived)
     return FilterNode(
-        core,
+        derived.core,
         period_ns=tick_ns,
         foresight=foresight,
         series=series,
         schedule=EffectSchedule(
             period_ns=tick_ns, playout_ns=_whole_periods(scenario.plant.playout_s, scenario), epoch=epoch
         ),
-        request=request_of(scenario, robot.system.m),
+        request=request_of(scenario, derived.robot.system.m),
         state_stale_ns=round(scenario.filter.stale_s * 1e9),
         starts_nearest=scenario.filter.start == "nearest",
-        wording=Wording(core, robot, input_unit(scenario)),
+        wording=derived.wording,
         info=scenario_info(scenario, driver),
     )
 
 
-def _foresight_of(scenario: Scenario, robot: Robot) -> tuple[Predictor | NoPrediction, Arming | Loose]:
+def _foresight_of(scenario: Scenario, derived: Derived) -> tuple[Predictor | NoPrediction, Arming | Loose]:
     """Return what tells the state for which an input is made, and how inputs are sent."""
     tick_ns, hold_ns = period_ns(scenario), round(scenario.plant.hold_s * 1e9)
     tank = tank_of(scenario)
     if not scenario.filter.prediction:
         return NoPrediction(tank), Loose(period_ns=tick_ns, hold_ns=hold_ns)
-    repeats = min(scenario.filter.repeats, MAX_VECTOR // robot.system.m)
-    predictor = Predictor(sampled_plant_of(scenario, robot), fail_safe_of(scenario, robot), tank, tick_ns)
-    return predictor, Arming(period_ns=tick_ns, hold_ns=hold_ns, repeats=repeats)
+    repeats = min(scenario.filter.repeats, MAX_VECTOR // derived.robot.system.m)
+    return (
+        Predictor(derived.plant, derived.fail_safe, tank, tick_ns),
+        Arming(period_ns=tick_ns, hold_ns=hold_ns, repeats=repeats),
+    )
 
 
 def request_of(scenario: Scenario, inputs: int) -> AsSent:
@@ -116,20 +175,34 @@ def steps_of(scenario: Scenario) -> int:
     return round(scenario.duration_s * scenario.rate_hz) + round(scenario.plant.playout_s * scenario.rate_hz) + 1
 
 
-def lockstep_loop(scenario: Scenario, observer: Observer | None = None) -> Lockstep:
+def lockstep_loop(
+    scenario: Scenario,
+    observer: Observer | None = None,
+    *,
+    taps: Mapping[Topic, Tap] | None = None,
+    derived: Derived | None = None,
+) -> Lockstep:
     """Return the whole loop of a scenario in virtual time.
 
     Args:
         scenario: What to run.
         observer: Called with every message, see ``Lockstep``.
+        taps: Called with what the nodes hand over, by topic, see ``Lockstep``.
+        derived: What was derived from the scenario before; no other loop may be running on it.
     """
     epoch = 1
+    derived = Derived.of(scenario) if derived is None else derived
     return Lockstep(
-        [plant_node(scenario), operator_node(scenario, epoch), filter_node(scenario, "lockstep", epoch)],
+        [
+            plant_node(scenario, derived),
+            operator_node(scenario, epoch),
+            filter_node(scenario, "lockstep", epoch, derived),
+        ],
         period_ns=period_ns(scenario),
         links=link_settings(scenario),
         link_changes=link_changes(scenario),
         wall_offset_ns=VIRTUAL_WALL_NS,
         epoch=epoch,
         observer=observer,
+        taps=taps,
     )

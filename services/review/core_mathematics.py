@@ -3,10 +3,10 @@
 from functools import cache
 
 import casadi as ca
-import numpy as np
 
 from passafe.passivity import power_margin
 from passafe.sampled_plant import held_flow
+from services.review.elementwise import Elementwise
 from services.review.mathematics import FloatArray
 from services.scenarios.design import barriers_of, robot_of, storage_of
 from services.scenarios.schema import Scenario
@@ -29,23 +29,23 @@ class CoreMathematics:
         robot = robot_of(scenario)
         self._system = system = robot.system
         h = ca.vertcat(ca.SX(0, 1), *(barrier.h for barrier in barriers_of(scenario, robot)))
-        self._h = ca.Function("h", [system.x, system.t], [h])
+        self._h = Elementwise("h", [system.x, system.t], h)
         margin = power_margin(system, storage_of(scenario, robot))
-        self._margin = ca.Function("power_margin", [system.x, system.u], [margin])
+        self._margin = Elementwise("power_margin", [system.x, system.u], margin)
         self._flow = cache(self._derive_flow)
 
     def h(self, x: FloatArray, t_s: FloatArray) -> FloatArray:
         """Barrier values, shape (barriers, N), for x of shape (n, N) and plant time t_s, s, of shape (N,)."""
-        return np.asarray(self._h(x, t_s.reshape(1, -1)).full(), dtype=np.float64)
+        return self._h(x, t_s.reshape(1, -1))
 
     def power_margin(self, x: FloatArray, u: FloatArray) -> FloatArray:
         """h_u(x, u), W, shape (N,), for x of shape (n, N) and u of shape (m, N)."""
-        return np.asarray(self._margin(x, u).full(), dtype=np.float64).reshape(-1)
+        return self._margin(x, u).reshape(-1)
 
     def flow(self, x: FloatArray, u: FloatArray, duration_s: float) -> FloatArray:
         """State ``duration_s`` after x with u held, shape (n, N), for x (n, N) and u (m, N)."""
-        return np.asarray(self._flow(duration_s)(x, u).full(), dtype=np.float64)
+        return self._flow(duration_s)(x, u)
 
-    def _derive_flow(self, duration_s: float) -> ca.Function:
+    def _derive_flow(self, duration_s: float) -> Elementwise:
         x_next, _, _ = held_flow(self._system, duration_s)
-        return ca.Function("flow", [self._system.x, self._system.u], [x_next])
+        return Elementwise("flow", [self._system.x, self._system.u], x_next)

@@ -36,6 +36,7 @@ class Margins:
 
     Attributes:
         h_min: Smallest barrier value, at samples and between them.
+        h_min_barrier: Which barrier it is of, counted in the scenario's order.
         h_min_at_samples: The same at samples only: what the filter could act on.
         power_margin_min: Smallest power margin h_u(x, u), W, at samples and between them.
         power_margin_min_at_samples: The same at samples only.
@@ -45,6 +46,7 @@ class Margins:
     """
 
     h_min: Extremum | None = None
+    h_min_barrier: int | None = None
     h_min_at_samples: Extremum | None = None
     power_margin_min: Extremum | None = None
     power_margin_min_at_samples: Extremum | None = None
@@ -60,15 +62,16 @@ class Margins:
         t_s, x, u = trajectory.t_s, trajectory.x, trajectory.u
         # A state of 1e200 overflows in x²; the extremum then says so, and a warning would say no more.
         with np.errstate(over="ignore", invalid="ignore"):
-            h = _lowest_barrier(mathematics.h(x, t_s), t_s)
+            at_samples = _Lowest.of(mathematics.h(x, t_s), t_s)
             power = Extremum.lowest(mathematics.power_margin(x, u), t_s)
-            h_between, power_between = _between(trajectory, mathematics, points)
+            lowest, power_between = _between(trajectory, mathematics, points, at_samples)
             mismatch, mismatch_t_s = trajectory.mismatch(mathematics)
             norms = np.linalg.norm(u, axis=0)
         return cls(
-            h_min=_smaller(h, h_between),
-            h_min_at_samples=h,
-            power_margin_min=_smaller(power, power_between),
+            h_min=None if lowest is None else lowest.h,
+            h_min_barrier=None if lowest is None else lowest.barrier,
+            h_min_at_samples=None if at_samples is None else at_samples.h,
+            power_margin_min=_smaller(power_between, power),
             power_margin_min_at_samples=power,
             tank_min_j=Extremum.lowest(tank_ledger(trajectory, passivity), t_s),
             u_norm_max=Extremum.highest(norms, t_s),
@@ -82,37 +85,48 @@ def tank_ledger(trajectory: Trajectory, passivity: PassivityConfig) -> FloatArra
     E ← min(E + ∫yᵀu − ΔV, E_max) from one sample to the next, beginning at ``tank_initial_j``. Between two
     samples with messages missing it takes the sum at once.
     """
-    gained = np.diff(trajectory.energy_in_j) - np.diff(trajectory.energy_stored_j)
-    ledger = np.empty(trajectory.samples)
-    session = None
-    for k in range(trajectory.samples):
-        if trajectory.session[k] != session:
-            session = trajectory.session[k]
-            energy_j = passivity.tank_initial_j
+    gained = np.diff(trajectory.energy_in_j, prepend=0.0) - np.diff(trajectory.energy_stored_j, prepend=0.0)
+    ledger: list[float] = []
+    session: int | None = None
+    energy_j, initial_j, max_j = 0.0, passivity.tank_initial_j, passivity.tank_max_j
+    for gain_j, its_session in zip(gained.tolist(), trajectory.session.tolist(), strict=True):
+        if its_session != session:
+            session, energy_j = its_session, initial_j
         else:
-            energy_j = min(energy_j + float(gained[k - 1]), passivity.tank_max_j)
-        ledger[k] = energy_j
-    return ledger
+            energy_j = min(energy_j + gain_j, max_j)
+        ledger.append(energy_j)
+    return np.array(ledger, dtype=np.float64)
+
+
+class _Lowest(NamedTuple):
+    """The smallest of several barriers' values, and whose it is."""
+
+    h: Extremum
+    barrier: int
+
+    @classmethod
+    def of(cls, h: FloatArray, t_s: FloatArray) -> "_Lowest | None":
+        """Take it from h of shape (barriers, N); ``None`` without barriers."""
+        if not h.shape[0]:
+            return None
+        lowest = [Extremum.lowest(values, t_s) for values in h]
+        barrier = min(range(len(lowest)), key=lowest.__getitem__)
+        return cls(lowest[barrier], barrier)
 
 
 def _between(
-    trajectory: Trajectory, mathematics: PlantMathematics, points: int
-) -> tuple[Extremum | None, Extremum | None]:
-    h_min: Extremum | None = None
+    trajectory: Trajectory, mathematics: PlantMathematics, points: int, lowest: _Lowest | None
+) -> tuple[_Lowest | None, Extremum | None]:
+    """Return the lowest barrier value, that at samples included, and the lowest power margin between samples."""
     power_min: Extremum | None = None
     for instants in trajectory.between(mathematics, points):
-        h_min = _smaller(h_min, _lowest_barrier(mathematics.h(instants.x, instants.t_s), instants.t_s))
+        found = _Lowest.of(mathematics.h(instants.x, instants.t_s), instants.t_s)
+        if lowest is not None and found is not None:
+            lowest = min(lowest, found)
         margin = mathematics.power_margin(instants.x, instants.u)
         power_min = _smaller(power_min, Extremum.lowest(margin, instants.t_s))
-    return h_min, power_min
+    return lowest, power_min
 
 
-def _lowest_barrier(h: FloatArray, t_s: FloatArray) -> Extremum | None:
-    """Smallest over barriers and instants, for h of shape (barriers, N); ``None`` without barriers."""
-    return Extremum.lowest(h.min(axis=0), t_s) if h.shape[0] else None
-
-
-def _smaller(a: Extremum | None, b: Extremum | None) -> Extremum | None:
-    if a is None or b is None:
-        return b if a is None else a
-    return min(a, b)
+def _smaller(a: Extremum | None, b: Extremum) -> Extremum:
+    return b if a is None else min(a, b)

@@ -1,21 +1,18 @@
 """What a run must keep, and whether it did."""
 
-from collections.abc import Sequence
 from typing import Final
 
 from pydantic import BaseModel, ConfigDict
 
-from protocol.messages import Certificate, FilterStatus, FilterTick, PlantInput, PlantPhase, PlantState
+from protocol.messages import PlantPhase, PlantState
 from protocol.topics import COMMAND, INPUT, STATE, TICK
-from services.review.continuity import Logged
+from services.review.evidence import Answers, Inputs
 from services.review.log import RunLog
 from services.review.margins import Extremum, Margins
 from services.review.trajectory import NS_PER_S, Trajectory
 from services.scenarios.schema import Scenario
 
 CONTROL_TOPICS: Final = (COMMAND, INPUT, STATE, TICK)
-ANSWERED: Final = (FilterStatus.PASSED, FilterStatus.MODIFIED, FilterStatus.RELAXED)
-"""Statuses that claim a certified answer; every other is a defined fallback and claims none."""
 
 
 class Tolerances(BaseModel):
@@ -64,23 +61,47 @@ class Property(BaseModel):
 
 
 def judge_properties(
-    log: RunLog, trajectory: Trajectory, margins: Margins, tolerances: Tolerances
+    scenario: Scenario,
+    inputs: Inputs,
+    answers: Answers,
+    trajectory: Trajectory,
+    margins: Margins,
+    tolerances: Tolerances,
 ) -> dict[str, Property]:
-    """Judge every property of a run, by name."""
-    scenario = log.identity.scenario
+    """Judge every property that is one of the run, not of its log, by name.
+
+    Args:
+        scenario: What was run.
+        inputs: What the filter sent.
+        answers: What it claimed.
+        trajectory: What the plant did.
+        margins: How near it came to its limits.
+        tolerances: What still counts as kept.
+    """
     return {
         "safe": _safe(margins, scenario, tolerances),
         "passive": _passive(margins, scenario, tolerances),
-        "bounded": _bounded(log.of(PlantInput), trajectory, scenario.filter.input_bound, tolerances),
-        "certified": _certified(log.of(FilterTick), tolerances.certificate, required=scenario.filter.mode != "off"),
+        "bounded": _bounded(inputs, trajectory, scenario.filter.input_bound, tolerances),
+        "certified": _certified(answers, tolerances.certificate, required=scenario.filter.mode != "off"),
         "consistent": _at_most(
             margins.mismatch_max,
             tolerances.mismatch_relative,
             required=True,
             what="distance of each state from where the model goes from the state before, relative",
         ),
-        "complete": _complete(log, trajectory),
     }
+
+
+def judge_completeness(log: RunLog, trajectory: Trajectory) -> Property:
+    """Judge whether a log shows the whole run."""
+    missing = sum(log.counts[topic.name].gaps for topic in CONTROL_TOPICS)
+    return Property(
+        holds=missing == 0 and log.finished and _shows_the_start(log, trajectory),
+        required=True,
+        worst=float(missing),
+        at_s=_first_gap_s(log),
+        demand="messages of command, input, state and tick missing = 0, from the first state to the end",
+    )
 
 
 def _at_least(worst: Extremum | None, limit: float, *, required: bool, what: str) -> Property:
@@ -124,46 +145,26 @@ def _passive(margins: Margins, scenario: Scenario, tolerances: Tolerances) -> Pr
     )
 
 
-def _bounded(
-    inputs: Sequence[Logged[PlantInput]], trajectory: Trajectory, bound: float, tolerances: Tolerances
-) -> Property:
-    worst: Extremum | None = None
+def _bounded(inputs: Inputs, trajectory: Trajectory, bound: float, tolerances: Tolerances) -> Property:
+    found = []
     if trajectory.samples:
-        worst = Extremum.highest(abs(trajectory.u).max(axis=0), trajectory.t_s)
-    for sent in inputs:
-        largest = max(map(abs, sent.body.u))
-        if worst is None or largest > worst.value:
-            worst = Extremum(largest, sent.body.effective_plant_ns / NS_PER_S)
+        found.append(Extremum.highest(abs(trajectory.u).max(axis=0), trajectory.t_s))
+    if inputs.largest.size:
+        found.append(Extremum.highest(inputs.largest, inputs.at_ns / NS_PER_S))
+    worst = max(found, key=lambda extremum: extremum.value, default=None)
     limit = bound * (1 + tolerances.input_relative)
     return _at_most(worst, limit, required=True, what="largest |u_i| sent or applied")
 
 
-def _certified(ticks: Sequence[Logged[FilterTick]], limit: float, *, required: bool) -> Property:
-    uncertified = [
-        tick.body for tick in ticks if tick.body.status in ANSWERED and not _is_accepted(tick.body.certificate, limit)
-    ]
+def _certified(answers: Answers, limit: float, *, required: bool) -> Property:
+    uncertified = answers.uncertified(limit)
+    judged, count = uncertified.size > 0, int(uncertified.sum())
     return Property(
-        holds=not uncertified if ticks else None,
+        holds=count == 0 if judged else None,
         required=required,
-        worst=float(len(uncertified)) if ticks else None,
-        at_s=uncertified[0].effective_plant_ns / NS_PER_S if uncertified else None,
+        worst=float(count) if judged else None,
+        at_s=float(answers.at_ns[uncertified.argmax()] / NS_PER_S) if count else None,
         demand=f"ticks that claim an answer without a certificate accepted within {limit:g} = 0",
-    )
-
-
-def _is_accepted(certificate: Certificate, limit: float) -> bool:
-    residuals = (certificate.primal_residual, certificate.dual_residual, certificate.gap)
-    return certificate.accepted and max(residuals) <= limit
-
-
-def _complete(log: RunLog, trajectory: Trajectory) -> Property:
-    missing = sum(log.counts[topic.name].gaps for topic in CONTROL_TOPICS)
-    return Property(
-        holds=missing == 0 and log.finished and _shows_the_start(log, trajectory),
-        required=True,
-        worst=float(missing),
-        at_s=_first_gap_s(log),
-        demand="messages of command, input, state and tick missing = 0, from the first state to the end",
     )
 
 

@@ -1,24 +1,25 @@
 """The verdict on one run: what ``passafe review --json`` prints."""
 
-from collections import Counter
 from collections.abc import Mapping
 from typing import Final, Literal, Self
 
 from pydantic import BaseModel, ConfigDict
 
-from protocol.messages import FilterTick, PlantState
+from protocol.messages import FilterTick, PlantInput, PlantState
 from protocol.topics import COMMAND, STATE, TICK
 from services.review.disarmings import disarmings
 from services.review.errors import MismatchedLogError
+from services.review.evidence import Answers, Inputs
 from services.review.identity import Driver
 from services.review.log import RunLog
 from services.review.margins import Extremum, Margins
 from services.review.mathematics import PlantMathematics
-from services.review.properties import Property, Tolerances, judge_properties
+from services.review.properties import Property, Tolerances, judge_completeness, judge_properties
 from services.review.steering import Steering
 from services.review.steering_of_log import steering_of
 from services.review.timing import Spread, Timing, ticks_missed
 from services.review.trajectory import NS_PER_S, Trajectory
+from services.scenarios.schema import Scenario
 
 POINTS_PER_PERIOD: Final = 10
 """Instants judged in every period, besides the samples themselves."""
@@ -52,6 +53,7 @@ class Verdict(BaseModel):
         missed_at_start: Messages missing before the first one, by topic.
         undecodable: Messages in the log that are not valid for their topic, by topic.
         h_min: Smallest barrier value.
+        h_min_barrier: Name of the barrier that it is of.
         h_min_at_samples: The same at samples only.
         power_margin_min: Smallest power margin h_u(x, u), W.
         power_margin_min_at_samples: The same at samples only.
@@ -92,6 +94,7 @@ class Verdict(BaseModel):
     missed_at_start: dict[str, int]
     undecodable: dict[str, int]
     h_min: float | None
+    h_min_barrier: str | None
     h_min_at_samples: float | None
     power_margin_min: float | None
     power_margin_min_at_samples: float | None
@@ -136,8 +139,11 @@ class Verdict(BaseModel):
         tolerances = Tolerances() if tolerances is None else tolerances
         trajectory = trajectory_of(log)
         margins = Margins.of(trajectory, mathematics, scenario.filter.passivity, points_per_period)
-        properties = judge_properties(log, trajectory, margins, tolerances)
         ticks = log.of(FilterTick)
+        inputs = Inputs.of(sent.body for sent in log.of(PlantInput))
+        answers = Answers.of([tick.body for tick in ticks])
+        properties = judge_properties(scenario, inputs, answers, trajectory, margins, tolerances)
+        properties["complete"] = judge_completeness(log, trajectory)
         timing = Timing.of(log)
         without_input = disarmings(log.of(PlantState))
         solve_us_p50, solve_us_p99 = _percentiles(timing.solve_us)
@@ -159,12 +165,13 @@ class Verdict(BaseModel):
             missed_at_start={name: count.missed_at_start for name, count in log.counts.items()},
             undecodable={name: count.undecodable for name, count in log.counts.items()},
             h_min=_value(margins.h_min),
+            h_min_barrier=barrier_named(scenario, margins.h_min_barrier),
             h_min_at_samples=_value(margins.h_min_at_samples),
             power_margin_min=_value(margins.power_margin_min),
             power_margin_min_at_samples=_value(margins.power_margin_min_at_samples),
             tank_min_j=_value(margins.tank_min_j),
             u_norm_max=_value(margins.u_norm_max),
-            status_counts=dict(Counter(tick.body.status.name for tick in ticks)),
+            status_counts=answers.counts,
             solve_us_p50=solve_us_p50,
             solve_us_p99=solve_us_p99,
             late_us_p50=late_us_p50,
@@ -195,6 +202,11 @@ def trajectory_of(log: RunLog) -> Trajectory:
             got = f"{len(state.body.x)} numbers, allowed {allowed} as in the scenario"
             raise MismatchedLogError(log.path, f"{where}: got {got}")
     return Trajectory.of(states)
+
+
+def barrier_named(scenario: Scenario, number: int | None) -> str | None:
+    """Return the name of a barrier of a scenario by its number, counted in the order of the file."""
+    return None if number is None else scenario.barriers[number].name
 
 
 def decide(properties: Mapping[str, Property]) -> Outcome:

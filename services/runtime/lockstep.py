@@ -1,6 +1,7 @@
 """All nodes of a closed loop in one process, in virtual time: the same nodes as live, without a network."""
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 from protocol.link_settings import LinkSettings
 from protocol.message_link import MessageLink
@@ -11,6 +12,9 @@ from services.runtime.link_control import LinkChange, LinkControl
 from services.runtime.node import Node
 
 Observer = Callable[[Topic, Header, Message], None]
+
+Tap = Callable[[Any], object]
+"""Takes what a node hands over for a topic: a message, or what makes one, unmade."""
 
 START_NS = 1_000_000_000
 """Virtual monotonic time of the first step; not zero, so that no time is mistaken for a missing one."""
@@ -39,6 +43,7 @@ class Lockstep:
         wall_offset_ns: int = 0,
         epoch: int = 1,
         observer: Observer | None = None,
+        taps: Mapping[Topic, Tap] | None = None,
     ) -> None:
         """Connect the nodes.
 
@@ -51,11 +56,14 @@ class Lockstep:
             epoch: Session epoch in every header.
             observer: Called with every message at the moment it is sent; without one, telemetry that nobody
                 subscribes to is not even made.
+            taps: By topic, each called with what a node hands over for it, before and whether or not a message is made
+                of that: who needs only a few figures of every tick does not pay for its telemetry.
         """
         self.now_ns = START_NS
         self._period_ns = period_ns
         self._wall_offset_ns = wall_offset_ns
         self._observer = observer
+        self._taps = taps or {}
         self._seats = [_Seat(node, epoch) for node in nodes]
         self._readers: dict[Topic, list[_Reader]] = {}
         self._ended: dict[Topic, list[LinkSource]] = {}  # what sessions that were killed had sent
@@ -172,6 +180,8 @@ class Lockstep:
             inbox.sort(key=_arrival)
         for topic, made in seat.node.step(now_ns, inbox):
             route = seat.routes.get(topic) or self._route(seat, topic)
+            if route.tap is not None:
+                route.tap(made)
             if route.readers or observer is not None:
                 self._send(seat, route, made() if callable(made) else made)
 
@@ -195,7 +205,7 @@ class Lockstep:
         """Return the way of a sender's topic, made when it is first gone."""
         if topic not in sender.routes:
             readers = [reader for reader in self._readers.get(topic, ()) if reader[0] is not sender]
-            sender.routes[topic] = _Route(topic, readers)
+            sender.routes[topic] = _Route(topic, readers, self._taps.get(topic))
         return sender.routes[topic]
 
 
@@ -225,9 +235,10 @@ _Reader = tuple[_Seat, MessageLink | None]
 class _Route:
     """One topic of one sender: who reads it, and how many messages have gone that way."""
 
-    def __init__(self, topic: Topic, readers: list[_Reader]) -> None:
+    def __init__(self, topic: Topic, readers: list[_Reader], tap: Tap | None) -> None:
         self.topic = topic
         self.readers = readers
+        self.tap = tap
         self.sent = 0
 
 

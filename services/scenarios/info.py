@@ -2,6 +2,7 @@
 
 import json
 import platform
+from functools import cache
 from importlib.metadata import version
 from typing import Final
 
@@ -13,6 +14,11 @@ COMPUTES_WITH: Final = ("passafe", "casadi", "piqp", "numpy", "scipy", "eclipse-
 
 def versions() -> dict[str, str]:
     """Return the versions of passafe, of what it computes with and of the interpreter."""
+    return dict(_versions())
+
+
+@cache  # reading them takes longer than building a loop
+def _versions() -> dict[str, str]:
     return {name: version(name) for name in COMPUTES_WITH} | {"python": platform.python_version()}
 
 
