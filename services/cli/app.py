@@ -2,7 +2,19 @@
 
 import typer
 
-from services.cli import campaign, demo, feasibility, link, recover, replay, review, run, scenarios, simulate
+from services.cli import (
+    campaign,
+    demo,
+    experiment,
+    feasibility,
+    link,
+    recover,
+    replay,
+    review,
+    run,
+    scenarios,
+    simulate,
+)
 from services.cli.failure import with_one_line
 
 app = typer.Typer(
@@ -16,6 +28,7 @@ app = typer.Typer(
 app.command("demo")(demo.demo)
 app.command("run")(run.run)
 app.command("simulate")(simulate.simulate)
+app.command("experiment")(experiment.experiment)
 app.command("campaign")(campaign.campaign)
 app.command("feasibility")(feasibility.feasibility)
 app.command("review")(review.review)

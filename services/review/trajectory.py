@@ -56,18 +56,29 @@ class Trajectory:
         moving = [state for state in states if state.body.phase is not PlantPhase.WAITING]
         epochs = np.array([state.header.epoch for state in moving], dtype=np.uint64)
         sequences = np.array([state.header.sequence for state in moving], dtype=np.uint64)
-        plant_ns = np.array([state.body.plant_ns for state in moving], dtype=np.int64)
         session = np.cumsum(np.diff(epochs, prepend=epochs[:1]) != 0)
+        follows = (np.diff(session, append=-1) == 0) & (np.diff(sequences, append=np.zeros(1, dtype=np.uint64)) == 1)
+        return cls._of([state.body for state in moving], session, follows)
+
+    @classmethod
+    def unbroken(cls, states: Sequence[PlantState]) -> Self:
+        """Take it from the states of one session in which none is missing, those before its time began left out."""
+        follows = np.ones(len(states), dtype=np.bool_)
+        follows[-1:] = False
+        return cls._of(states, np.zeros(len(states), dtype=np.int64), follows)
+
+    @classmethod
+    def _of(cls, states: Sequence[PlantState], session: NDArray[np.int64], follows: NDArray[np.bool_]) -> Self:
+        plant_ns = np.array([state.plant_ns for state in states], dtype=np.int64)
         period_ns = np.diff(plant_ns, append=plant_ns[-1:])
-        followed = (np.diff(session, append=-1) == 0) & (np.diff(sequences, append=np.zeros(1, dtype=np.uint64)) == 1)
         return cls(
             t_s=np.asarray(plant_ns / NS_PER_S, dtype=np.float64),
-            x=_columns([state.body.x for state in moving]),
-            u=_columns([state.body.u for state in moving]),
-            energy_in_j=np.array([state.body.energy_in_j for state in moving], dtype=np.float64),
-            energy_stored_j=np.array([state.body.energy_stored_j for state in moving], dtype=np.float64),
+            x=_columns([state.x for state in states]),
+            u=_columns([state.u for state in states]),
+            energy_in_j=np.array([state.energy_in_j for state in states], dtype=np.float64),
+            energy_stored_j=np.array([state.energy_stored_j for state in states], dtype=np.float64),
             session=session,
-            period_s=np.where(followed, period_ns, 0) / NS_PER_S,
+            period_s=np.where(follows, period_ns, 0) / NS_PER_S,
         )
 
     @property

@@ -26,7 +26,8 @@ def load_scenario(name_or_file: str, overrides: Mapping[str, Any] | None = None)
 
     Args:
         name_or_file: For example ``notomista-cai-2020`` or ``./mine.toml``.
-        overrides: Values to put in place of the file's, by dotted name: ``{"filter.mode": "off"}``.
+        overrides: Values to put in place of the file's, by dotted name: ``{"filter.mode": "off"}``. An entry of a
+            list is reached by its number or, where it has one, by its name: ``filter.barriers.disk.radius``.
 
     Raises:
         UnknownScenarioError: Neither a shipped name nor a file.
@@ -62,7 +63,7 @@ def scenario_from(data: Any, source: str, overrides: Mapping[str, Any] | None = 
     if not isinstance(data, dict):
         raise ScenarioError(source, "file", type(data).__name__, "a table of fields")
     for dotted, value in (overrides or {}).items():
-        _put(data, dotted.split("."), value)
+        _put(data, source, dotted, value)
     try:
         scenario = Scenario.model_validate(data)
     except ValidationError as error:
@@ -75,10 +76,30 @@ def scenario_from(data: Any, source: str, overrides: Mapping[str, Any] | None = 
     return scenario
 
 
-def _put(data: dict[str, Any], path: list[str], value: object) -> None:
-    for part in path[:-1]:
-        data = data.setdefault(part, {})
-    data[path[-1]] = value
+def _put(data: dict[str, Any], source: str, dotted: str, value: object) -> None:
+    *path, last = dotted.split(".")
+    place: Any = data
+    for part in path:
+        place = place.setdefault(part, {}) if isinstance(place, dict) else place[_index(place, part, source, dotted)]
+    if isinstance(place, dict):
+        place[last] = value
+    else:
+        place[_index(place, last, source, dotted)] = value
+
+
+def _index(place: object, part: str, source: str, dotted: str) -> int:
+    """Return the index of the entry of a list that a part of a dotted name means."""
+    if not isinstance(place, list):
+        raise ScenarioError(
+            source, dotted, f"{part!r} of {_shown(place)}", "a name that leads through tables and lists"
+        )
+    names = [entry.get("name") if isinstance(entry, dict) else None for entry in place]
+    if part in names:
+        return names.index(part)
+    if part.isdecimal() and int(part) < len(place):
+        return int(part)
+    allowed = [*filter(None, names), *map(str, range(len(place)))]
+    raise ScenarioError(source, dotted, repr(part), ", ".join(allowed) or "nothing: the list is empty")
 
 
 def _allowed(message: str) -> str:

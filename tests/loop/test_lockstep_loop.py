@@ -5,8 +5,9 @@ import pytest
 
 from protocol.codec import encode
 from protocol.messages import FilterStatus, FilterTick, Header, LinkEvent, Message, PlantPhase, PlantState
-from protocol.topics import Topic
-from services.assembly import lockstep_loop, steps_of
+from protocol.topics import STATE, TICK, Topic
+from services.assembly import Derived, lockstep_loop, steps_of
+from services.filter.telemetry import TickRecord
 from services.scenarios.load import load_scenario
 
 LINKS = ("operator-to-filter", "filter-to-plant", "plant-to-filter")
@@ -116,6 +117,52 @@ def test_the_continuous_law_diverges_in_passive_and_says_so() -> None:
     assert min(infeasible) == pytest.approx(2.23, abs=0.05)
     assert np.abs(u).max() <= 100.0
     assert len(ticks) == 4006
+
+
+def test_a_tap_gets_what_the_node_hands_over_and_no_message_is_made_for_it() -> None:
+    scenario = load_scenario("notomista-cai-2020", {"duration_s": 0.05})
+    tape, states, records = Tape(), [], []
+    lockstep_loop(scenario, tape, taps={STATE: states.append, TICK: records.append}).run(steps_of(scenario))
+    alone: list[object] = []
+    lockstep_loop(scenario, taps={TICK: alone.append}).run(steps_of(scenario))
+
+    assert states == tape.of(PlantState)
+    assert all(isinstance(record, TickRecord) for record in [*records, *alone])
+    assert [record() for record in records] == tape.of(FilterTick)
+    assert len(alone) == len(records)
+
+
+def test_loops_one_after_the_other_may_share_what_was_derived() -> None:
+    links = bad_links(delay_s=0.01, loss=0.2)
+    scenarios = [load_scenario("notomista-cai-2020", {"duration_s": 0.2} | more) for more in ({}, links)]
+    derived = Derived.of(scenarios[0])
+    tapes = []
+    for scenario in (*scenarios, *scenarios):
+        tapes.append(Tape())
+        lockstep_loop(scenario, tapes[-1], derived=derived).run(steps_of(scenario))
+    alone = Tape()
+    lockstep_loop(scenarios[1], alone).run(steps_of(scenarios[1]))
+
+    assert Derived.key_of(scenarios[0]) == Derived.key_of(scenarios[1])
+    assert tapes[0].wire() == tapes[2].wire()
+    assert tapes[1].wire() == tapes[3].wire() == alone.wire()
+
+
+@pytest.mark.parametrize(
+    "overrides",
+    [
+        {"filter.mode": "off"},
+        {"filter.k_i": 50.0},
+        {"filter.barriers.disk.radius": 0.5},
+        {"rate_hz": 500.0},
+        {"plant.parameters.sigma": 2.0},
+        {"filter.passivity.storage": "kinetic"},
+    ],
+)
+def test_what_is_derived_anew_has_another_key(overrides: dict[str, object]) -> None:
+    plain, other = load_scenario("notomista-cai-2020"), load_scenario("notomista-cai-2020", overrides)
+
+    assert Derived.key_of(plain) != Derived.key_of(other)
 
 
 def test_without_an_observer_the_loop_runs_and_makes_no_telemetry() -> None:

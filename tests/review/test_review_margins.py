@@ -65,3 +65,21 @@ def test_a_single_sample_has_margins_and_nothing_between() -> None:
     assert margins.h_min == margins.h_min_at_samples == Extremum(3.0, 0.003)
     assert margins.power_margin_min == Extremum(-2.0, 0.003)
     assert margins.mismatch_max is None
+
+
+class TwoDisks(DampedPoint):
+    """The disk, and another at (3, 0) of radius 1."""
+
+    def h(self, x: np.ndarray, t_s: np.ndarray) -> np.ndarray:
+        there = np.sum((x[:2] - np.array([[3.0], [0.0]])) ** 2, axis=0, keepdims=True) - 1
+        return np.vstack([super().h(x, t_s), there])
+
+
+@pytest.mark.parametrize(("to", "nearest"), [(1.2, 0), (1.8, 1)])
+def test_the_barrier_that_came_nearest_is_told_by_its_number(to: float, nearest: int) -> None:
+    way = [Logged(header("plant", k), state(k, (1.5 + (to - 1.5) * k / 9, 0, 0, 0), (0, 0))) for k in range(10)]
+    margins = Margins.of(Trajectory.of(way), TwoDisks(), scenario().filter.passivity, 4)
+
+    assert margins.h_min_barrier == nearest
+    assert margins.h_min is not None
+    assert margins.h_min.value == pytest.approx(1.2**2 - 1)

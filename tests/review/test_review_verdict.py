@@ -57,6 +57,11 @@ def test_h_and_power_margin_are_recomputed_and_not_read_from_the_filter(tmp_path
     assert passive.worst == verdict.power_margin_min
 
 
+def test_the_barrier_that_came_nearest_is_named(tmp_path: Path) -> None:
+    assert judged(coasting(Run()), tmp_path).h_min_barrier == "disk"
+    assert Verdict.of(RunLog.read(Run().write(tmp_path / "none.mcap")), DampedPoint()).h_min_barrier is None
+
+
 def test_the_worst_between_two_samples_is_found(tmp_path: Path) -> None:
     # One period of 1 s from x₁ = 1.2, x₂ = −1 with u = 3: x₁(s) = 1.2 − 4(1 − e⁻ˢ) + 3s, least at ln(4/3).
     run = Run()

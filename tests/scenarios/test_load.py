@@ -60,6 +60,25 @@ def test_nonsense_names_the_field(field: str, value: object) -> None:
     assert field.split(".", maxsplit=1)[0] in refusal.value.field or field.rpartition(".")[2] in str(refusal.value)
 
 
+def test_an_entry_of_a_list_is_reached_by_number_or_by_name() -> None:
+    gains = {"filter.barriers.disk.class_k.2.gain": 7.0, "filter.barriers.0.radius": 0.5, "plant.x0.3": -0.25}
+
+    scenario = load_scenario(NAME, gains)
+
+    [disk] = scenario.filter.barriers
+    assert [gamma.gain for gamma in disk.class_k] == [10.0, 10.0, 7.0]
+    assert getattr(disk, "radius", None) == 0.5
+    assert scenario.plant.x0 == (2.0, 2.0, -1.0, -0.25)
+
+
+@pytest.mark.parametrize("dotted", ["filter.barriers.disc.radius", "filter.barriers.1.radius", "plant.x0.4", "name.x"])
+def test_a_name_that_leads_nowhere_is_told(dotted: str) -> None:
+    with pytest.raises(ScenarioError, match="allowed") as refusal:
+        load_scenario(NAME, {dotted: 1.0})
+
+    assert refusal.value.field == dotted
+
+
 def test_two_barriers_may_not_share_a_name() -> None:
     barrier = load_scenario(NAME).filter.barriers[0].model_dump()
 

@@ -1,0 +1,205 @@
+"""Single runs: the figures are the review's, and depend on nothing but what was asked for."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from studies import BOTH_WAYS, DELAY, NAME, study
+
+from protocol.messages import PlantPhase, PlantState
+from services.assembly import lockstep_loop
+from services.experiment.bench import Bench
+from services.experiment.figures import NUMERIC, Figures
+from services.experiment.kept import REVIEWED
+from services.experiment.load import Study
+from services.experiment.runs import Result, cells_of, run_of
+from services.experiment.tape import Tape
+from services.recorder.lockstep_log import LockstepLog
+from services.recorder.log_writer import LogWriter, run_metadata
+from services.review.core_mathematics import CoreMathematics
+from services.review.log import RunLog
+from services.review.verdict import Verdict, trajectory_of
+from services.scenarios.info import versions
+from services.scenarios.load import load_scenario
+
+BAD_LINKS = {
+    f"links.{name}": {"delay_s": 0.02, "jitter_s": 0.03, "loss": 0.3}
+    for name in ("operator-to-filter", "plant-to-filter", "filter-to-plant")
+}
+
+
+def results(swept: Study, bench: Bench | None = None) -> list[Result]:
+    bench = bench or Bench(swept)
+    cells = cells_of(swept.experiment)
+    return [bench.result(run_of(swept.experiment, cell, seed)) for cell in cells for seed in swept.experiment.seeds.all]
+
+
+def figures(swept: Study) -> Figures:
+    [result] = results(swept)
+    assert result.figures is not None, result.error
+    return result.figures
+
+
+@pytest.mark.parametrize("scenario", [NAME, "walls-and-disks", "moving-disk", "lagged-point"])
+@pytest.mark.parametrize("mode", ["off", "both"])
+def test_every_figure_is_what_a_review_of_the_same_run_s_log_says(scenario: str, mode: str, tmp_path: Path) -> None:
+    swept = study(scenario, 0.3, overrides=BAD_LINKS | {"filter.mode": mode})
+    [result] = results(swept)
+    bench, path = Bench(swept), tmp_path / "run.mcap"
+    effective = bench.scenario_of(result.run)
+    metadata = run_metadata(scenario_json=effective.model_dump_json(), versions=versions(), driver="lockstep")
+    with LogWriter(path, metadata) as log:
+        bench.play(effective, LockstepLog(log))
+    verdict = Verdict.of(RunLog.read(path), CoreMathematics(effective))
+
+    assert result.figures is not None
+    assert {name: getattr(result.figures, name) for name in REVIEWED} == {
+        name: getattr(verdict, name) for name in REVIEWED
+    }
+    assert result.figures.properties == {name: entry.holds for name, entry in verdict.properties.items()}
+    assert verdict.properties["complete"].holds
+
+
+def test_a_run_does_not_depend_on_those_before_it() -> None:
+    swept = study(overrides=BAD_LINKS, axes=[DELAY | {"keys": ["plant.playout_s"]}], seeds={"count": 3}, tracking=True)
+    bench = Bench(swept)
+    first = results(swept, bench)
+
+    again = results(swept, bench)[::-1] + results(swept)[::-1]
+
+    assert [one.figures for one in again] == [one.figures for one in first[::-1]] * 2
+    assert len({str(one.figures) for one in first}) == 6
+
+
+def test_the_run_lasts_as_long_in_plant_time_however_late_it_begins() -> None:
+    late = figures(study(overrides=dict.fromkeys(BOTH_WAYS, 0.3)))
+
+    assert late.duration_s == pytest.approx(0.1)
+    assert late.properties["complete"] is True
+    assert late.verdict == "holds"
+
+
+def test_a_robot_that_no_input_reaches_never_starts_and_proves_nothing() -> None:
+    lost = figures(study(overrides={"links.filter-to-plant.loss": 1.0}))
+
+    assert (lost.duration_s, lost.h_min, lost.final_x, lost.verdict) == (0.0, None, None, "unproven")
+    assert lost.properties["complete"] is False
+
+
+def test_time_in_hold_and_fail_safe_is_what_the_plant_was_in() -> None:
+    swept = study(duration_s=0.5, overrides={"links.filter-to-plant.loss": 0.9, "plant.hold_s": 0.005})
+    bench = Bench(swept)
+    scenario = bench.scenario_of(run_of(swept.experiment, cells_of(swept.experiment)[0], 0))
+    phases: list[PlantPhase] = []
+
+    def observe(_topic: object, _header: object, body: object) -> None:
+        if isinstance(body, PlantState):
+            phases.append(body.phase)
+
+    tape = bench.play(scenario, observe)
+    found = bench.figures(scenario)
+
+    assert tape.plant_ns == 500_000_000
+    moving = [phase for phase in phases if phase is not PlantPhase.WAITING][:-1]
+    assert found.fail_safe_s == pytest.approx(moving.count(PlantPhase.FAIL_SAFE) * 1e-3)
+    assert found.hold_s == pytest.approx(moving.count(PlantPhase.HOLDING) * 1e-3)
+    assert min(found.fail_safe_s, found.hold_s) > 0.05
+    assert found.unserved_share == pytest.approx((found.hold_s + found.fail_safe_s) / found.duration_s)
+
+
+def test_the_tape_holds_what_a_log_holds(tmp_path: Path) -> None:
+    scenario = load_scenario(NAME, BAD_LINKS | {"duration_s": 0.1})
+    bench, path = Bench(study()), tmp_path / "run.mcap"
+    metadata = run_metadata(scenario_json=scenario.model_dump_json(), versions=versions(), driver="lockstep")
+    with LogWriter(path, metadata) as log:
+        tape = bench.play(scenario, LockstepLog(log))
+    logged, taped = trajectory_of(RunLog.read(path)), tape.trajectory()
+
+    for name in ("t_s", "x", "u", "energy_in_j", "energy_stored_j", "session", "period_s"):
+        assert np.array_equal(getattr(logged, name), getattr(taped, name)), name
+
+
+def test_a_tape_costs_no_telemetry_and_changes_nothing() -> None:
+    scenario = load_scenario(NAME, {"duration_s": 0.05})
+    bench = Bench(study())
+    kit = bench._kit(scenario)
+    tape = Tape(kit.derived.core)
+    made: list[object] = []
+    loop = lockstep_loop(scenario, taps=tape.taps, derived=kit.derived)
+
+    def refuse(_record: object) -> object:
+        made.append(_record)
+        raise AssertionError("telemetry was made")
+
+    for seat in loop._seats:
+        if seat.name == "filter":
+            seat.node._telemetry.message = refuse  # type: ignore[attr-defined]
+    loop.run(60)
+
+    assert not made
+    assert tape.answers().status.size == 60
+
+
+def test_tracking_is_the_distance_from_the_same_run_without_links() -> None:
+    clean, late = results(study(duration_s=0.5, axes=[DELAY | {"values": [0.0, 0.1]}], tracking=True))
+
+    assert clean.figures is not None
+    assert late.figures is not None
+    assert clean.figures.tracking_max == clean.figures.final_error == 0.0
+    assert 0.0 < (late.figures.tracking_rms or 0) < (late.figures.tracking_max or 0) < 0.5
+
+
+def test_random_starts_are_safe_seeded_and_the_same_in_every_mode() -> None:
+    modes = {mode: {"filter.mode": mode} for mode in ("off", "safe", "both")}
+    swept = study(start="random", variants=modes, seeds={"count": 2}, axes=[DELAY])
+    bench, cells = Bench(swept), cells_of(swept.experiment)
+    starts = {
+        seed: {bench.scenario_of(run_of(swept.experiment, cell, seed)).plant.x0 for cell in cells} for seed in (0, 1)
+    }
+
+    assert len(starts[0]) == len(starts[1]) == 1
+    assert starts[0] != starts[1]
+    for [x0] in starts.values():
+        assert np.hypot(*x0[:2]) > 1.0
+
+
+def test_every_seed_has_links_of_its_own_unless_the_file_names_one() -> None:
+    link = "links.plant-to-filter"
+    swept, fixed = study(overrides={f"{link}.loss": 0.5}), study(overrides={f"{link}.loss": 0.5, f"{link}.seed": 77})
+
+    def seed_of(one: Study, seed: int) -> int:
+        run = run_of(one.experiment, cells_of(one.experiment)[0], seed)
+        return Bench(one).scenario_of(run).links["plant-to-filter"].seed
+
+    assert [seed_of(swept, seed) for seed in (3, 4)] == [3, 4]
+    assert [seed_of(fixed, seed) for seed in (3, 4)] == [77, 77]
+
+
+@pytest.mark.parametrize(
+    ("overrides", "told"),
+    [
+        ({"plant.parameters.sigma": -1.0}, "sigma"),
+        ({"plant.start_low": [-0.1, -0.1, 0, 0], "plant.start_high": [0.1, 0.1, 0, 0]}, "plant.start_low"),
+        ({"duration_s": -1.0}, "duration_s"),
+    ],
+)
+def test_a_run_that_cannot_be_run_says_why(overrides: dict[str, Any], told: str) -> None:
+    [result] = results(study(start="random", overrides=overrides))
+
+    assert result.figures is None
+    assert told in result.error
+    assert "\n" not in result.error
+
+
+def test_a_result_survives_its_line_in_a_file() -> None:
+    [result] = results(study(overrides={"filter.barriers": []}))
+
+    assert result.figures is not None
+    assert result.figures.h_min is None
+    assert Result.model_validate_json(result.model_dump_json()) == result
+
+
+def test_what_a_criterion_may_ask_about_are_the_numbers() -> None:
+    assert "h_min" in NUMERIC
+    assert not {"final_x", "status_counts", "properties", "verdict", "h_min_barrier"} & set(NUMERIC)

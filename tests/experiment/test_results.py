@@ -1,0 +1,203 @@
+"""From results to files: records that are gone on with, tables, summaries, logs of single runs."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pytest
+from pyarrow import csv, parquet
+from studies import DELAY, study
+
+from services.experiment.bench import Bench
+from services.experiment.errors import RecordsError
+from services.experiment.kept import chosen, write_log
+from services.experiment.load import Study
+from services.experiment.plan import Plan
+from services.experiment.records import Records
+from services.experiment.summary import Summary
+from services.experiment.tables import boundaries_table, cells_table, runs_table, write_tables
+from services.feasibility.share import Share
+from services.review.log import RunLog
+
+MODES: dict[str, Any] = {"off": {"filter.mode": "off"}, "both": {}}
+
+
+def swept(**fields: object) -> Study:
+    """Unprotected and protected, from just outside the disk and on the way into it."""
+    at_the_disk = {"plant.x0": [1.3, 0.0, -2.0, 0.0], "links.plant-to-filter.loss": 0.2}
+    defaults: dict[str, object] = {"variants": MODES, "axes": [DELAY], "seeds": {"count": 2}}
+    return study(duration_s=0.4, overrides=at_the_disk, **(defaults | fields))
+
+
+def done(one: Study) -> Plan:
+    plan, bench = Plan(one.experiment), Bench(one)
+    waiting = list(plan.first())
+    while waiting:
+        waiting += plan.after(bench.result(waiting.pop(0)))
+    return plan
+
+
+@pytest.fixture(scope="module")
+def finished() -> tuple[Study, Plan]:
+    one = swept()
+    return one, done(one)
+
+
+def test_an_interrupted_sweep_goes_on_where_it_was(finished: tuple[Study, Plan], tmp_path: Path) -> None:
+    one, plan = finished
+    path, all_results = tmp_path / "r.jsonl", list(plan.results.values())
+    assert len(list(Records(path, one).add(all_results[:3]))) == 3
+    with path.open("a", encoding="utf-8") as file:
+        file.write('{"run": {"cell": 0, "var')  # killed while it wrote
+
+    again = Records(path, one)
+    assert list(again.results.values()) == all_results[:3]
+    list(again.add(all_results[3:]))
+    assert Records(path, one).results == plan.results
+
+
+def test_more_seeds_may_be_asked_for_and_other_words_used(finished: tuple[Study, Plan], tmp_path: Path) -> None:
+    one, plan = finished
+    path = tmp_path / "r.jsonl"
+    list(Records(path, one).add(plan.results.values()))
+    more = swept(seeds={"count": 5}, title="In other words")
+
+    assert len(list(Plan(more.experiment, Records(path, more).results).first())) == 4 * 5 - 4 * 2
+
+
+@pytest.mark.parametrize("other", [{"tracking": True}, {"axes": []}, {"start": "random"}, {"variants": {"both": {}}}])
+def test_another_experiment_s_results_are_not_mixed_in(other: dict[str, Any], tmp_path: Path) -> None:
+    Records(tmp_path / "r.jsonl", swept())
+
+    with pytest.raises(RecordsError, match="another experiment, scenario or version"):
+        Records(tmp_path / "r.jsonl", swept(**other))
+
+
+def test_a_changed_scenario_or_version_and_other_files_are_told(tmp_path: Path) -> None:
+    path, one = tmp_path / "r.jsonl", swept()
+    Records(path, one)
+    changed = one.model_copy(update={"scenario": one.scenario | {"rate_hz": 500.0}})
+    with pytest.raises(RecordsError, match="another experiment, scenario or version"):
+        Records(path, changed)
+    heading = json.loads(path.read_text(encoding="utf-8"))
+    heading["versions"]["numpy"] = "0.1"
+    path.write_text(json.dumps(heading) + "\n", encoding="utf-8")
+    with pytest.raises(RecordsError, match="version"):
+        Records(path, one)
+    path.write_text("nonsense\n", encoding="utf-8")
+    with pytest.raises(RecordsError, match="no results"):
+        Records(path, one)
+
+
+def test_one_row_a_run_the_same_as_csv_and_as_parquet(finished: tuple[Study, Plan], tmp_path: Path) -> None:
+    _, plan = finished
+    write_tables({"runs": runs_table(plan)}, tmp_path)
+    text, columns = csv.read_csv(tmp_path / "runs.csv"), parquet.read_table(tmp_path / "runs.parquet")
+
+    assert columns.num_rows == text.num_rows == 8
+    assert text.column_names == columns.column_names
+    assert columns["variant"].to_pylist() == ["off"] * 4 + ["both"] * 4
+    assert columns["delay_s"].to_pylist() == [0.0, 0.0, 0.01, 0.01] * 2
+    assert columns["seed"].to_pylist() == [0, 1] * 4
+    assert text["h_min"].to_pylist() == columns["h_min"].to_pylist()
+    by_key = {(r.run.variant, r.run.values["delay_s"], r.run.seed): r.figures for r in plan.results.values()}
+    for row in columns.to_pylist():
+        figures = by_key[row["variant"], row["delay_s"], row["seed"]]
+        assert figures is not None
+        assert row["h_min"] == figures.h_min
+        assert row["final_x0"] == (figures.final_x or ())[0]
+        assert row["ticks_PASSED"] == figures.status_counts.get("PASSED", 0)
+        assert row["holds_safe"] == figures.properties["safe"]
+        assert row["keeps_safe"] == (row["h_min"] >= 0)
+        assert row["error"] == ""
+
+
+def test_cells_have_spread_share_and_its_interval(finished: tuple[Study, Plan]) -> None:
+    _, plan = finished
+    summary = Summary.of(plan)
+    rows = cells_table(summary).to_pylist()
+    runs = runs_table(plan).to_pylist()
+
+    assert [(row["variant"], row["delay_s"], row["runs"]) for row in rows] == [
+        ("off", 0.0, 2), ("off", 0.01, 2), ("both", 0.0, 2), ("both", 0.01, 2)
+    ]  # fmt: skip
+    for row in rows:
+        of_cell = [run for run in runs if (run["variant"], run["delay_s"]) == (row["variant"], row["delay_s"])]
+        h = [run["h_min"] for run in of_cell]
+        assert (row["h_min_min"], row["h_min_max"]) == (min(h), max(h))
+        assert row["h_min_median"] == pytest.approx(sum(h) / 2)
+        assert row["worst_seed"] == min(of_cell, key=lambda run: run["h_min"])["seed"]
+    assert [row["breaks_safe"] for row in rows] == [1.0, 1.0, 0.0, 0.0]
+    # Wilson's interval for 0 of 2 with z = 1.96: from 0 to z²/(2 + z²).
+    assert rows[2]["breaks_safe_low"] == 0.0
+    assert rows[2]["breaks_safe_high"] == pytest.approx(1.959964**2 / (2 + 1.959964**2), rel=1e-6)
+
+
+def test_runs_that_could_not_be_run_break_everything_and_are_counted() -> None:
+    plan = done(swept(axes=[{"key": "plant.parameters.sigma", "values": [1.0, -1.0]}], seeds={"count": 1}))
+    summary = Summary.of(plan)
+
+    assert (summary.runs, summary.errors) == (4, 2)
+    broken = summary.cells[1]
+    assert (broken.errors, broken.figures["h_min"]) == (1, None)
+    assert broken.breaking["safe"] == broken.breaking["verdict"] == Share.counted(1, 1)
+    assert "sigma" in runs_table(plan).to_pylist()[1]["error"]
+
+
+def test_values_of_every_kind_are_columns() -> None:
+    axes = [
+        {"key": "filter.between_samples", "values": [True, False]},
+        {"key": "operator.source", "values": [{"kind": "constant", "value": [-1.0, 0.0]}]},
+        {"key": "plant.playout_s", "values": [0, 0.01]},
+    ]
+    table = runs_table(done(swept(variants={"both": {}}, axes=axes, seeds={"count": 1})))
+
+    assert table.schema.field("filter.between_samples").type == pa.bool_()
+    assert table.schema.field("plant.playout_s").type == pa.float64()
+    assert table["operator.source"].to_pylist() == ["constant, [-1.0, 0.0]"] * 4
+
+
+def test_boundaries_are_a_row_for_each_cell_and_criterion() -> None:
+    # The closer to the disk an unprotected robot begins, the deeper it gets.
+    axis = {"name": "x", "kind": "bisect", "key": "plant.x0.0", "low": 1.0, "high": 2.0, "tolerance": 0.1}
+    criteria = {"deep": {"figure": "h_min", "at_most": -0.3}, "solvent": {"figure": "tank_min_j", "at_least": 0.0}}
+    summary = Summary.of(done(swept(axes=[axis], variants={"off": {"filter.mode": "off"}}, criteria=criteria)))
+    deep, solvent = boundaries_table(summary).to_pylist()
+
+    assert (deep["variant"], deep["criterion"], solvent["criterion"]) == ("off", "deep", "solvent")
+    assert deep["holds_up_to"] < deep["fails_from"] <= deep["holds_up_to"] + 0.1
+    assert deep["tried"] == solvent["tried"] > 5
+    assert [cell.probe for cell in summary.cells] == sorted(cell.probe or 0 for cell in summary.cells)
+
+
+def test_the_worst_run_of_each_cell_is_written_down_and_is_the_same_run(
+    finished: tuple[Study, Plan], tmp_path: Path
+) -> None:
+    one, plan = finished
+    worst = chosen(plan, "worst", 20)
+
+    assert [result.run.cell for result in worst[:2]] in ([0, 1], [1, 0])  # unprotected: the worst of all
+    assert sorted(result.run.cell for result in worst) == [0, 1, 2, 3]
+    kept = write_log(one, worst[0], tmp_path)
+    assert kept.differing == ()
+    assert RunLog.read(kept.path).identity.scenario.filter.mode == "off"
+
+
+def test_a_log_of_another_run_is_found_out(finished: tuple[Study, Plan], tmp_path: Path) -> None:
+    one, plan = finished
+    [first, *_] = chosen(plan, "worst", 1)
+    assert first.figures is not None
+    doctored = first.model_copy(update={"figures": first.figures.model_copy(update={"h_min": 0.5, "ticks": 1})})
+
+    assert write_log(one, doctored, tmp_path).differing == ("h_min", "ticks")
+
+
+def test_of_failed_runs_no_more_than_asked_for_are_kept_the_worst_first(finished: tuple[Study, Plan]) -> None:
+    _, plan = finished
+    failed = chosen(plan, "failed", 20)
+
+    assert [result.run.variant for result in failed] == ["off"] * 4
+    assert chosen(plan, "failed", 2) == failed[:2]
+    assert [r.figures.h_min for r in failed if r.figures] == sorted(r.figures.h_min or 0 for r in failed if r.figures)
+    assert chosen(plan, "none", 20) == []
