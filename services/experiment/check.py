@@ -8,7 +8,7 @@ from services.assembly import Derived
 from services.experiment.axes import BisectAxis, GridAxis
 from services.experiment.load import Study
 from services.experiment.runs import cells_of, run_of
-from services.operator.sources import build_source
+from services.operator.scenario_source import source_of
 from services.scenarios.design import design_of, robot_of
 
 
@@ -31,7 +31,7 @@ def check(study: Study) -> None:
                 designed.add(key)
                 robot = robot_of(scenario)
                 design_of(scenario, robot)
-                build_source(scenario.operator.source, robot.system.m)
+                source_of(scenario)
 
 
 def _one_by_one(study: Study) -> Iterator[dict[str, JsonValue]]:
