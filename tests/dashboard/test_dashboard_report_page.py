@@ -131,3 +131,24 @@ def test_a_script_cannot_end_its_element() -> None:
     text = inline_script('a = "</script><!--";')
     assert "</script" not in text
     assert "<!--" not in text
+
+
+def test_the_account_of_every_link_is_told() -> None:
+    account = {
+        "link": "plant-to-filter",
+        "sent": 100,
+        "lost_on_bus": 1,
+        "duplicated": 4,
+        "delivered": 90,
+        "dropped": {"loss": 10, "queue": 2, "outage": 0},
+        "under_way": 1,
+        "corrupted": 3,
+        "differences": {},
+    }
+    wrong = account | {"link": "filter-to-plant", "differences": {"balance": 2}}
+    page = report_page(
+        verdict() | {"links": [account, wrong]}, run_series(), configuration=CONFIGURATION, versions=VERSIONS
+    )
+
+    assert cells(page, "plant-to-filter") == ["100", "1", "4", "90", "10", "2", "0", "1", "3", "exact"]
+    assert cells(page, "filter-to-plant")[-1] == "balance: 2"

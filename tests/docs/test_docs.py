@@ -11,10 +11,13 @@ from typing import get_args
 
 import pytest
 
+from protocol.topics import LINKS
 from services.assembly import lockstep_loop
+from services.cli.link_text import LINK_KEYS
 from services.operator.scenario_source import crossover_loop
 from services.scenarios.barrier_schema import BarrierConfig, Motion
-from services.scenarios.load import scenario_from
+from services.scenarios.link_schema import LinkConfig
+from services.scenarios.load import load_scenario, scenario_from
 from services.scenarios.single_barriers import POINTS
 from services.scenarios.source_schema import AdversarySource, HumanSource, Source
 
@@ -101,6 +104,20 @@ def test_the_barrier_of_one_s_own_decides_as_it_stands() -> None:
 
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith("1 MODIFIED")
+
+
+def test_the_page_of_links_names_every_setting_and_its_planned_changes_can_be_planned() -> None:
+    page = ROOT / "docs" / "links.md"
+    text = page.read_text(encoding="utf-8")
+    changes = tomllib.loads(blocks(page, "toml")[0])["link_changes"]
+
+    for field in LinkConfig.model_fields:
+        assert f"`{field}`" in text, field
+    for key in LINK_KEYS:
+        assert f"`{key}" in text or key.startswith("burst-"), key
+    for link in LINKS:
+        assert f"`{link}`" in text
+    assert len(load_scenario("notomista-cai-2020", {"link_changes": changes}).link_changes) == 1
 
 
 @pytest.mark.parametrize("command", commands())

@@ -12,6 +12,7 @@ from running_demo import RunningDemo, running_demo
 
 from protocol.messages import FilterTick, LinkConfig, LinkState, PlantState
 from protocol.topics import LINKS
+from services.review.link_accounts import link_accounts
 from services.review.log import RunLog
 
 pytestmark = pytest.mark.live
@@ -95,3 +96,11 @@ def test_the_page_s_server_changes_a_link_and_answers_with_what_is_in_force(chan
     assert changed.put.json()["settings"]["delay_s"] == 0.25
     answered = next(s for s in changed.log.of(LinkState) if s.body.config_source == "dashboard")
     assert (answered.header.source, answered.body.parameters.delay_s) == ("operator", 0.25)
+
+
+def test_every_message_of_every_link_is_accounted_for(changed: Changed) -> None:
+    accounts = link_accounts(changed.log)
+
+    assert [account.link for account in accounts] == list(LINKS)
+    assert [account.text for account in accounts if account.differences or not account.final] == []
+    assert accounts[0].dropped["loss"] > 0
