@@ -159,6 +159,22 @@ def test_a_series_with_a_hole_is_predicted_to_be_disarmed_there_for_good() -> No
     assert (found.phase, found.disarmed_ns) == (FAIL_SAFE, 3 * MS)
 
 
+def test_a_break_earlier_than_foreseen_counts_even_where_state_and_input_are_the_same() -> None:
+    """Equal inputs: the plant that lacks the third holds the second, and looks as if the third were in force."""
+    truth, predictor = TruePlant(), make_predictor()
+    predictor.confirm(truth.state())
+    sent_ahead(predictor, [(1.0, 1.0)] * 4, 1, 3)
+    predictor.at(10 * MS)
+    for u in ((1.0, 1.0), (1.0, 1.0), None, None):
+        truth.advance(u)
+    predictor.confirm(truth.state())
+
+    found = predictor.at(10 * MS)
+    while truth.k < 10:
+        truth.advance(None)
+    assert found.sample.x == truth.sample.x
+
+
 @settings(max_examples=40)
 @given(st.sets(st.integers(1, 40)), st.integers(1, 12))
 def test_whatever_is_missing_an_input_that_takes_effect_meets_the_state_that_was_predicted(
