@@ -8,10 +8,10 @@ GENERATE := $(BIN)/python -m grpc_tools.protoc -I .
 DEMO ?=
 CAMPAIGN ?= $(basename $(notdir $(wildcard services/scenarios/*.toml)))
 
-.PHONY: help demo test check fast proto lock docs pictures bench campaign atlas mutation clean
+.PHONY: help demo test check fast proto lock docs pictures bench campaign atlas delay-atlas mutation clean
 
 help:  ## list the targets
-	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 12
+	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 13
 
 $(STAMP): pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; sys.exit("passafe needs Python 3.11 or newer; this is " + sys.version.split()[0] + ". Try: make PYTHON=python3.12 …") if sys.version_info < (3, 11) else None'
@@ -51,6 +51,7 @@ bench: $(STAMP)  ## benchmarks; the peers are installed first
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[peers]'
 	$(BIN)/python benchmarks/filter_step.py
 	$(BIN)/python benchmarks/lockstep_speed.py
+	$(BIN)/python benchmarks/experiment_speed.py
 	$(BIN)/python benchmarks/human_input.py
 	$(BIN)/python benchmarks/campaign_speed.py
 
@@ -65,6 +66,10 @@ atlas: $(STAMP)  ## the pictures of docs/feasibility.md
 
 mutation: $(STAMP)  ## changes the core one thing at a time: does a test notice? hours; goes on where it was interrupted
 	$(BIN)/python benchmarks/mutation.py
+
+delay-atlas: $(STAMP)  ## the delay-margin atlas of docs/experiments.md; it goes on where it was interrupted
+	$(BIN)/passafe experiment delay-margin --keep none --out runs/delay-margin
+	cp runs/delay-margin/boundaries.svg docs/pictures/delay-margin.svg
 
 lock: $(STAMP)  ## pin what is installed now
 	$(BIN)/python -m pip freeze --exclude-editable | grep -v ' @ ' > constraints.txt

@@ -36,10 +36,11 @@ def boundary_charts(experiment: Experiment, summary: Summary) -> list[Chart]:
         Chart(
             name=f"boundary-{name}-{number}",
             x_label=f"{over.name}{where}",
-            y_label=f"{axis.name} at which {name} fails",
+            y_label=f"{name} up to {axis.name}",
             curves=tuple(_boundary_curve(found, name, over, axis, experiment) for found in _by_variant(cells)),
             limit=axis.high,
             limit_label="not tried beyond",
+            least=axis.low,
         )
         for name in experiment.criteria
         for number, (where, cells) in enumerate(_panels(summary.boundaries, over).items())

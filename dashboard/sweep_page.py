@@ -9,6 +9,7 @@ from dashboard.page import TEMPLATES
 from dashboard.report_page import STATIC, number
 from dashboard.svg.chart import Placed, picture
 from dashboard.sweep import charts_of
+from services.experiment.agreement import Agreement
 from services.experiment.plan import Plan
 from services.experiment.runs import Cell, shown
 from services.experiment.summary import CellSummary, Summary
@@ -38,13 +39,14 @@ class KeptLine(NamedTuple):
     figure: str
 
 
-def sweep_page(plan: Plan, summary: Summary, kept: Sequence[KeptLine]) -> str:
+def sweep_page(plan: Plan, summary: Summary, kept: Sequence[KeptLine], agreement: Sequence[Agreement] = ()) -> str:
     """Return the page as HTML that refers to no other host, and to no other file but the logs that were kept.
 
     Args:
         plan: The experiment with its results.
         summary: What they came to.
         kept: Logs of single runs.
+        agreement: Figures of runs that were made live too.
 
     Raises:
         UndrawableError: A chart has a part that the picture writer does not know.
@@ -63,6 +65,7 @@ def sweep_page(plan: Plan, summary: Summary, kept: Sequence[KeptLine]) -> str:
         spread=_spread,
         charts=[_drawn(chart) for chart in charts_of(plan, summary)],
         kept=kept,
+        agreement=agreement,
         configuration=experiment.model_dump_json(indent=2),
         versions=versions(),
         css=(STATIC / "common.css").read_text("utf-8") + (STATIC / "report.css").read_text("utf-8"),

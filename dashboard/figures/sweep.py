@@ -56,6 +56,7 @@ class Chart:
         curves: One for each variant.
         limit: Height of a line that matters, if there is one.
         limit_label: What it is.
+        least: A height that is in view whatever the curves are, if there is one.
         points: Whether the curves are points without order, to be drawn without a line between them.
     """
 
@@ -65,6 +66,7 @@ class Chart:
     curves: tuple[Curve, ...]
     limit: float | None = None
     limit_label: str = ""
+    least: float | None = None
     points: bool = False
 
 
@@ -87,6 +89,10 @@ def sweep_figure(chart: Chart) -> figure:
         limit.line_dash = "dotted"
         drawn.add_glyph(_table((min(places), max(places)), (chart.limit,) * 2), limit)
         legend.append(key(drawn, chart.limit_label, limit))
+    if chart.least is not None and places:
+        drawn.add_glyph(
+            _table(places[:1], (chart.least,)), Scatter(x=X, y=Y, size=0, line_color=None, fill_color=PAPER)
+        )
     add_legend(drawn, legend, columns=LEGEND_COLUMNS)
     return drawn
 

@@ -13,6 +13,7 @@ import typer
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from services.cli.experiment_live import live_beside_lockstep, show_agreement
 from services.cli.experiment_report import show, show_kept, write_report
 from services.cli.options import writable_folder
 from services.experiment.check import check
@@ -42,6 +43,10 @@ def experiment(
     ] = None,
     keep: Annotated[Keep, typer.Option("--keep", help="Runs to write a log of.")] = "worst",
     keep_most: Annotated[int, typer.Option("--keep-most", min=0, help="Logs to write, at most; the worst runs.")] = 20,
+    live: Annotated[
+        int,
+        typer.Option("--live", metavar="N", min=0, help="Cells to run as real processes too, and compare."),
+    ] = 0,
 ) -> None:
     """Run a scenario under many conditions in virtual time, and say what of it holds where.
 
@@ -49,7 +54,7 @@ def experiment(
     named variants, seeds and criteria; docs/experiments.md explains it. Every run is the loop of `passafe simulate`
     without a log, judged as by `passafe review`. Results are written as they come: the same command goes on where it
     was interrupted. Writes runs, cells and boundaries as CSV and Parquet, one HTML page, and logs of the worst runs.
-    Exits with 0 if every run could be run, whatever it showed.
+    Exits with 0 if every run could be run, whatever it showed, and live runs agree with lockstep.
 
     Example: `passafe experiment delay --seeds 2 --out runs/delay`
     """
@@ -66,12 +71,15 @@ def experiment(
             console.print(f"interrupted after {len(plan.results)} runs; the same command goes on in {folder}")
             raise typer.Exit(INTERRUPTED)
         kept = _kept(plan, study, keep, keep_most, folder, workers)
+    agreement = live_beside_lockstep(plan, study, live, folder / "live", console) if live else []
     summary = Summary.of(plan)
-    write_report(plan, summary, kept, folder)
+    write_report(plan, summary, kept, agreement, folder)
     show(summary, study.experiment, console)
     show_kept(kept, console)
+    if agreement:
+        show_agreement(agreement, console)
     console.print(f"page      {folder / 'report.html'}")
-    broken = summary.errors or any(log.differing for log in kept)
+    broken = summary.errors or any(log.differing for log in kept) or not all(one.agrees for one in agreement)
     raise typer.Exit(1 if broken else 0)
 
 

@@ -7,18 +7,21 @@ from typing import Final
 from rich.console import Console
 from rich.table import Table
 
+from services.experiment.agreement import Agreement
 from services.experiment.kept import KeptLog
 from services.experiment.plan import Plan
 from services.experiment.runs import shown
 from services.experiment.schema import Experiment
 from services.experiment.summary import CellSummary, Summary
-from services.experiment.tables import boundaries_table, cells_table, runs_table, write_tables
+from services.experiment.tables import agreement_table, boundaries_table, cells_table, runs_table, write_tables
 
 MOST_ROWS: Final = 40
 """Rows that the terminal shows."""
 
 
-def write_report(plan: Plan, summary: Summary, kept: Sequence[KeptLog], folder: Path) -> None:
+def write_report(
+    plan: Plan, summary: Summary, kept: Sequence[KeptLog], agreement: Sequence[Agreement], folder: Path
+) -> None:
     """Write tables, summary, page and, where an axis was bisected, the picture of its boundaries."""
     from dashboard.sweep import boundary_charts  # noqa: PLC0415 - a second that a refusal need not wait
     from dashboard.sweep_page import KeptLine, sweep_page, sweep_picture  # noqa: PLC0415 - likewise
@@ -26,6 +29,8 @@ def write_report(plan: Plan, summary: Summary, kept: Sequence[KeptLog], folder: 
     tables = {"runs": runs_table(plan), "cells": cells_table(summary)}
     if summary.boundaries:
         tables["boundaries"] = boundaries_table(summary)
+    if agreement:
+        tables["agreement"] = agreement_table(agreement)
     write_tables(tables, folder)
     (folder / "summary.json").write_text(summary.model_dump_json(indent=2), encoding="utf-8")
     worst = plan.experiment.worst.figure
@@ -38,7 +43,7 @@ def write_report(plan: Plan, summary: Summary, kept: Sequence[KeptLog], folder: 
         )
         for log in kept
     ]
-    (folder / "report.html").write_text(sweep_page(plan, summary, lines), encoding="utf-8")
+    (folder / "report.html").write_text(sweep_page(plan, summary, lines, agreement), encoding="utf-8")
     charts = boundary_charts(plan.experiment, summary)
     if charts:
         columns = len(charts) // len(plan.experiment.criteria)

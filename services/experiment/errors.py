@@ -7,6 +7,7 @@
     * ``RecordsError``: a file of results that cannot be gone on with
     * ``WorkerLostError``: a worker process that is gone
     * ``SchedulerError``: a cluster that cannot be used
+    * ``LiveRunError``: a live run without a log
 """
 
 from collections.abc import Sequence
@@ -78,3 +79,15 @@ class SchedulerError(SweepError):
     def __init__(self, address: str, got: str, allowed: str) -> None:
         self.address = address
         super().__init__(f"--scheduler {address}: got {got}, allowed {allowed}")
+
+
+class LiveRunError(SweepError):
+    """A live run that left no log.
+
+    Attributes:
+        scenario: File with what was run.
+    """
+
+    def __init__(self, scenario: Path, got: str) -> None:
+        self.scenario = scenario
+        super().__init__(f"live run of {scenario}: got {got}, allowed a run that writes its log")

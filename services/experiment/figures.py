@@ -35,7 +35,7 @@ class Figures(BaseModel):
         power_margin_min: Smallest power margin, W, at and between samples.
         power_margin_min_at_samples: The same at samples only.
         u_norm_max: Largest ‖u‖₂ in force.
-        hold_s: Plant time under an input held beyond its period, s.
+        held_s: Plant time under an input held beyond its period, s.
         fail_safe_s: Plant time under the plant's own law, s.
         unserved_share: Share of plant time in one of these two.
         inputs_late: Inputs that came after their time.
@@ -66,7 +66,7 @@ class Figures(BaseModel):
     power_margin_min: float | None
     power_margin_min_at_samples: float | None
     u_norm_max: float | None
-    hold_s: float
+    held_s: float
     fail_safe_s: float
     unserved_share: float | None
     inputs_late: int
@@ -112,7 +112,7 @@ def figures_of(
     properties = judge_properties(scenario, tape.inputs(), answers, trajectory, margins, Tolerances())
     properties["complete"] = _completeness(scenario, trajectory)
     phases = tape.phases()
-    hold_s, fail_safe_s = (_spent_s(phases, phase, trajectory) for phase in (PlantPhase.HOLDING, PlantPhase.FAIL_SAFE))
+    held_s, fail_safe_s = (_spent_s(phases, phase, trajectory) for phase in (PlantPhase.HOLDING, PlantPhase.FAIL_SAFE))
     moved = trajectory.samples > 0
     duration_s = float(trajectory.t_s[-1] - trajectory.t_s[0]) if moved else 0.0
     slack = _percentiles(tape.input_slack_ns(), 50, 0)
@@ -128,9 +128,9 @@ def figures_of(
         power_margin_min=_value(margins.power_margin_min),
         power_margin_min_at_samples=_value(margins.power_margin_min_at_samples),
         u_norm_max=_value(margins.u_norm_max),
-        hold_s=hold_s,
+        held_s=held_s,
         fail_safe_s=fail_safe_s,
-        unserved_share=(hold_s + fail_safe_s) / duration_s if duration_s else None,
+        unserved_share=(held_s + fail_safe_s) / duration_s if duration_s else None,
         inputs_late=tape.inputs_late,
         inputs_refused=tape.inputs_refused,
         input_slack_ms_p50=slack[0],

@@ -9,6 +9,7 @@ from pyarrow import csv, parquet
 from pydantic import JsonValue
 
 from protocol.messages import FilterStatus
+from services.experiment.agreement import Agreement
 from services.experiment.figures import NUMERIC
 from services.experiment.plan import Plan
 from services.experiment.runs import Result, shown
@@ -68,6 +69,11 @@ def boundaries_table(summary: Summary) -> pa.Table:
             for name, boundary in one.boundaries.items()
         ]
     )
+
+
+def agreement_table(found: Sequence[Agreement]) -> pa.Table:
+    """Return a row for every figure of every run that was made both live and in lockstep."""
+    return _table([one._asdict() | {"agrees": one.agrees} for one in found])
 
 
 def write_tables(tables: Mapping[str, pa.Table], folder: Path) -> list[Path]:

@@ -14,6 +14,10 @@ import pytest
 from protocol.topics import LINKS
 from services.assembly import lockstep_loop
 from services.cli.link_text import LINK_KEYS
+from services.experiment.bench import Bench
+from services.experiment.check import check
+from services.experiment.load import Study, experiment_from
+from services.experiment.plan import Plan
 from services.operator.scenario_source import crossover_loop
 from services.scenarios.barrier_schema import BarrierConfig, Motion
 from services.scenarios.link_schema import LinkConfig
@@ -118,6 +122,20 @@ def test_the_page_of_links_names_every_setting_and_its_planned_changes_can_be_pl
     for link in LINKS:
         assert f"`{link}`" in text
     assert len(load_scenario("notomista-cai-2020", {"link_changes": changes}).link_changes) == 1
+
+
+def test_the_example_experiment_and_its_bisected_axis_can_be_run() -> None:
+    whole, axis = (tomllib.loads(text) for text in blocks(ROOT / "docs" / "experiments.md", "toml"))
+    scenario = load_scenario(whole["scenario"]).model_dump(mode="json", exclude_unset=True)
+    whole["overrides"]["duration_s"] = 0.05
+    for content in (whole, whole | axis):
+        study = Study(experiment=experiment_from(content, "docs/experiments.md"), scenario=scenario)
+        check(study)
+        result = Bench(study).result(next(Plan(study.experiment).first()))
+        assert result.figures is not None, result.error
+
+    kinds = {axis["kind"] for axis in (*whole["axes"], *axis["axes"]) if "kind" in axis}
+    assert kinds == {"uniform", "bisect"}
 
 
 @pytest.mark.parametrize("command", commands())

@@ -103,9 +103,9 @@ def test_time_in_hold_and_fail_safe_is_what_the_plant_was_in() -> None:
     assert tape.plant_ns == 500_000_000
     moving = [phase for phase in phases if phase is not PlantPhase.WAITING][:-1]
     assert found.fail_safe_s == pytest.approx(moving.count(PlantPhase.FAIL_SAFE) * 1e-3)
-    assert found.hold_s == pytest.approx(moving.count(PlantPhase.HOLDING) * 1e-3)
-    assert min(found.fail_safe_s, found.hold_s) > 0.01
-    assert found.unserved_share == pytest.approx((found.hold_s + found.fail_safe_s) / found.duration_s)
+    assert found.held_s == pytest.approx(moving.count(PlantPhase.HOLDING) * 1e-3)
+    assert min(found.fail_safe_s, found.held_s) > 0.01
+    assert found.unserved_share == pytest.approx((found.held_s + found.fail_safe_s) / found.duration_s)
 
 
 def test_the_tape_holds_what_a_log_holds(tmp_path: Path) -> None:

@@ -22,7 +22,7 @@ distributed: Any = pytest.importorskip("distributed")
 def swept() -> Study:
     bad = {"links.plant-to-filter.loss": 0.2, "links.filter-to-plant.jitter_s": 0.02}
     jitter = {"name": "j", "kind": "log-uniform", "key": "links.plant-to-filter.jitter_s", "low": 0.001, "high": 0.1}
-    hold = {"name": "held_s", "kind": "bisect", "key": "plant.hold_s", "low": 0.0, "high": 0.2, "steps": 1, "scan": 1}
+    hold = {"name": "hold_s", "kind": "bisect", "key": "plant.hold_s", "low": 0.0, "high": 0.2, "steps": 1, "scan": 1}
     return study(
         overrides=bad,
         start="random",

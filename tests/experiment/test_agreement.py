@@ -1,0 +1,124 @@
+"""Live beside lockstep: what is compared, and what is found out."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from studies import study
+
+from services.cli.experiment_live import run_live, spread
+from services.experiment.agreement import DRAWS, TOLERANCES, compare, draws_of
+from services.experiment.bench import Bench
+from services.experiment.errors import LiveRunError
+from services.experiment.figures import Figures
+from services.experiment.runs import Cell, cells_of, run_of
+from services.recorder.lockstep_log import LockstepLog
+from services.recorder.log_writer import LogWriter, run_metadata
+from services.review.core_mathematics import CoreMathematics
+from services.review.log import RunLog
+from services.review.verdict import Verdict
+from services.scenarios.info import versions
+from services.scenarios.schema import Scenario
+
+DELAY = {"links.plant-to-filter.delay_s": 0.02, "links.filter-to-plant.delay_s": 0.01}
+
+
+def scenario(duration_s: float = 0.3, **overrides: object) -> tuple[Bench, Scenario]:
+    swept = study(duration_s=duration_s, overrides=DELAY | overrides)
+    bench = Bench(swept)
+    return bench, bench.scenario_of(run_of(swept.experiment, cells_of(swept.experiment)[0], 0))
+
+
+@pytest.fixture(scope="module")
+def same(tmp_path_factory: pytest.TempPathFactory) -> tuple[Verdict, Figures]:
+    """A verdict on a log, and the figures, of the same run in lockstep."""
+    bench, chosen = scenario()
+    path = tmp_path_factory.mktemp("log") / "run.mcap"
+    metadata = run_metadata(scenario_json=chosen.model_dump_json(), versions=versions(), driver="lockstep")
+    with LogWriter(path, metadata) as log:
+        bench.play(chosen, LockstepLog(log))
+    return Verdict.of(RunLog.read(path), CoreMathematics(chosen)), bench.figures(chosen)
+
+
+def test_the_same_run_agrees_in_every_figure_without_any_difference(same: tuple[Verdict, Figures]) -> None:
+    found = compare("cell", same[0], [same[1]])
+    compared = {one.figure.partition(":")[0] for one in found}
+
+    assert [one for one in found if not one.agrees or one.difference] == []
+    assert compared == {*TOLERANCES, "holds"}
+    assert all(one.reason for one in found)
+
+
+@pytest.mark.parametrize(
+    ("changes", "figure", "difference"),
+    [
+        ({"h_min": -0.5}, "h_min", None),
+        ({"tank_min_j": 0.5}, "tank_min_j", 0.5),
+        ({"ticks": 400}, "ticks", None),
+        ({"final_x": (0.0, 0.0, 0.0, 0.0)}, "final_x:0", None),
+        ({"status_counts": {"STALE": 1}}, "status_share:STALE", 1 / 316),
+        ({"h_min": None}, "h_min", float("inf")),
+    ],
+)
+def test_a_figure_that_is_off_is_told_with_by_how_much(
+    changes: dict[str, Any], figure: str, difference: float | None, same: tuple[Verdict, Figures]
+) -> None:
+    found = {one.figure: one for one in compare("cell", same[0].model_copy(update=changes), [same[1]])}
+
+    assert found[figure].difference > 0
+    assert difference is None or found[figure].difference == pytest.approx(difference, rel=1e-2)
+    assert found[figure].agrees == (found[figure].difference <= found[figure].tolerance)
+    if figure != "status_share:STALE":
+        assert not found[figure].agrees
+
+
+def test_where_links_are_random_a_live_run_must_lie_within_what_several_draws_show(
+    same: tuple[Verdict, Figures],
+) -> None:
+    low, high = (same[1].model_copy(update={"u_norm_max": value}) for value in (10.0, 40.0))
+    within, outside = (same[0].model_copy(update={"u_norm_max": value}) for value in (25.0, 42.5))
+
+    [one] = [one for one in compare("cell", within, [high, low]) if one.figure == "u_norm_max"]
+    [other] = [one for one in compare("cell", outside, [high, low]) if one.figure == "u_norm_max"]
+
+    assert (one.low, one.high, one.difference, one.agrees) == (10.0, 40.0, 0.0, True)
+    assert (other.difference, other.agrees) == (2.5, False)
+
+
+def test_only_random_links_are_drawn_again_and_with_seeds_of_their_own() -> None:
+    _, delayed = scenario()
+    _, lossy = scenario(**{"links.plant-to-filter.loss": 0.1})
+
+    assert draws_of(delayed) == [delayed]
+    seeds = [draw.links["plant-to-filter"].seed for draw in draws_of(lossy)]
+    assert len(set(seeds)) == DRAWS
+    assert lossy.links["plant-to-filter"].seed not in seeds
+
+
+def test_cells_are_spread_evenly() -> None:
+    cells = [Cell(number=number, variant="base", values={}) for number in range(9)]
+
+    assert [cell.number for cell in spread(cells, 3)] == [0, 4, 8]
+    assert [cell.number for cell in spread(cells, 1)] == [0]
+    assert spread(cells, 20) == cells
+
+
+@pytest.mark.live
+def test_a_live_run_is_compared_with_lockstep_in_every_figure(tmp_path: Path) -> None:
+    """How close they are depends on the machine; that the robot did the same does not."""
+    bench, chosen = scenario(duration_s=2.0)
+    verdict = run_live(chosen, tmp_path)
+    found = {one.figure: one for one in compare("cell", verdict, [bench.figures(one) for one in draws_of(chosen)])}
+
+    assert verdict.driver == "live"
+    assert verdict.duration_s == pytest.approx(2.0, abs=0.01)
+    assert found["holds:safe"].agrees
+    assert found["final_x:0"].live == pytest.approx(found["final_x:0"].low, abs=0.1)
+
+
+@pytest.mark.live
+def test_a_live_run_that_fails_says_why(tmp_path: Path) -> None:
+    _, chosen = scenario(**{"operator.source": {"kind": "keyboard"}})
+
+    with pytest.raises(LiveRunError, match="allowed a run that writes its log"):
+        run_live(chosen, tmp_path)
