@@ -12,7 +12,8 @@ from typing import Final, NamedTuple
 from protocol.messages import FilterStatus
 from services.experiment.figures import Figures
 from services.review.verdict import Verdict
-from services.scenarios.schema import LinkConfig, Scenario
+from services.scenarios.link_schema import LinkConfig
+from services.scenarios.schema import Scenario
 
 DRAWS: Final = 20
 """Seeds of the links in lockstep, where anything about them is random."""
