@@ -65,6 +65,7 @@ def report_page(
         properties=lines,
         not_required=[line.name for line in lines if line.outcome == "violated" and line.required == "no"],
         facts=_facts(verdict),
+        links=verdict.get("links") or (),
         timing=_timing_lines(verdict.get("timing") or {}),
         statuses=[(status.name, style) for status, style in STATUS_STYLES.items()],
         counts=verdict.get("status_counts") or {},

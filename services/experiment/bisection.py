@@ -77,4 +77,4 @@ def most_values(axis: BisectAxis, criteria: int) -> int:
     while width > axis.widest and halvings < 60:  # noqa: PLR2004 - a float has no more digits
         width /= 2
         halvings += 1
-    return axis.scan + 2 + criteria * halvings
+    return axis.scan + 2 + criteria * (halvings + 1)  # one more: widths round
