@@ -45,6 +45,8 @@ def print_verdict(verdict: Verdict, log: Path) -> None:
             f"filter step p50 {verdict.solve_us_p50:.0f} µs, p99 {verdict.solve_us_p99:.0f} µs",
             highlight=False,
         )
+    for account in verdict.links:
+        console.print(f"link      {account.text}", highlight=False, soft_wrap=True)
     console.print(f"verdict   [bold]{verdict.verdict}[/]")
     console.print(f"log       {log}", highlight=False, soft_wrap=True)
 

@@ -1,5 +1,6 @@
 """What a run must keep, and whether it did."""
 
+from collections.abc import Sequence
 from typing import Final
 
 from pydantic import BaseModel, ConfigDict
@@ -7,6 +8,7 @@ from pydantic import BaseModel, ConfigDict
 from protocol.messages import PlantPhase, PlantState
 from protocol.topics import COMMAND, INPUT, STATE, TICK
 from services.review.evidence import Answers, Inputs
+from services.review.link_accounts import LinkAccount
 from services.review.log import RunLog
 from services.review.margins import Extremum, Margins
 from services.review.trajectory import NS_PER_S, Trajectory
@@ -165,6 +167,22 @@ def _certified(answers: Answers, limit: float, *, required: bool) -> Property:
         worst=float(count) if judged else None,
         at_s=float(answers.at_ns[uncertified.argmax()] / NS_PER_S) if count else None,
         demand=f"ticks that claim an answer without a certificate accepted within {limit:g} = 0",
+    )
+
+
+def judge_links(accounts: Sequence[LinkAccount]) -> Property:
+    """Judge whether the log accounts for every message of every link; required of logs that tell of their links.
+
+    Args:
+        accounts: What the log tells of each link; none if it is older than they are.
+    """
+    worst = max((max(account.differences.values(), default=0) for account in accounts), default=None)
+    return Property(
+        holds=None if worst is None else worst == 0,
+        required=bool(accounts),
+        worst=None if worst is None else float(worst),
+        at_s=None,
+        demand="messages of a link that its states, its events and the log tell differently = 0",
     )
 
 

@@ -11,10 +11,11 @@ from services.review.disarmings import disarmings
 from services.review.errors import MismatchedLogError
 from services.review.evidence import Answers, Inputs
 from services.review.identity import Driver
+from services.review.link_accounts import LinkAccount, link_accounts
 from services.review.log import RunLog
 from services.review.margins import Extremum, Margins
 from services.review.mathematics import PlantMathematics
-from services.review.properties import Property, Tolerances, judge_completeness, judge_properties
+from services.review.properties import Property, Tolerances, judge_completeness, judge_links, judge_properties
 from services.review.steering import Steering
 from services.review.steering_of_log import steering_of
 from services.review.timing import Spread, Timing, ticks_missed
@@ -26,6 +27,9 @@ POINTS_PER_PERIOD: Final = 10
 
 CONTROL_LOOP: Final = {"operator": COMMAND, "filter": TICK, "plant": STATE}
 """What each process of the loop publishes in every step."""
+
+EVIDENCE: Final = ("complete", "links-reconciled")
+"""Properties of the log rather than of the robot: without them nothing is shown to be broken, nor kept."""
 
 Outcome = Literal["holds", "fails", "unproven"]
 
@@ -70,6 +74,7 @@ class Verdict(BaseModel):
         timing: More percentiles of these, of every process, and of the way from operator to plant.
         final_x: Last state of the plant.
         steering: How well the robot was steered; ``None`` where no simulated person did.
+        links: What became of the messages of every link, by session of the process that reads it.
         points_per_period: Instants judged in every period, besides the samples.
         tolerances: What still counts as kept.
         properties: What the run must keep, by name.
@@ -110,6 +115,7 @@ class Verdict(BaseModel):
     timing: Timing
     final_x: tuple[float, ...] | None
     steering: Steering | None
+    links: list[LinkAccount]
     points_per_period: int
     tolerances: Tolerances
     properties: dict[str, Property]
@@ -144,6 +150,8 @@ class Verdict(BaseModel):
         answers = Answers.of([tick.body for tick in ticks])
         properties = judge_properties(scenario, inputs, answers, trajectory, margins, tolerances)
         properties["complete"] = judge_completeness(log, trajectory)
+        accounts = link_accounts(log)
+        properties["links-reconciled"] = judge_links(accounts)
         timing = Timing.of(log)
         without_input = disarmings(log.of(PlantState))
         solve_us_p50, solve_us_p99 = _percentiles(timing.solve_us)
@@ -181,6 +189,7 @@ class Verdict(BaseModel):
             timing=timing,
             final_x=tuple(trajectory.x[:, -1].tolist()) if trajectory.samples else None,
             steering=steering_of(log, trajectory, mathematics),
+            links=accounts,
             points_per_period=points_per_period,
             tolerances=tolerances,
             properties=properties,
@@ -212,7 +221,7 @@ def barrier_named(scenario: Scenario, number: int | None) -> str | None:
 def decide(properties: Mapping[str, Property]) -> Outcome:
     """Outcome of a run from its properties; see ``Verdict.verdict``."""
     required = {name: entry for name, entry in properties.items() if entry.required}
-    if any(entry.holds is False for name, entry in required.items() if name != "complete"):
+    if any(entry.holds is False for name, entry in required.items() if name not in EVIDENCE):
         return "fails"
     return "holds" if all(entry.holds for entry in required.values()) else "unproven"
 

@@ -1,6 +1,7 @@
 """Links in the closed loop in virtual time: every effect, planned changes, and an account that balances."""
 
 from collections import Counter
+from pathlib import Path
 
 import pytest
 
@@ -8,7 +9,11 @@ from protocol.codec import encode
 from protocol.link_settings import LinkSettings
 from protocol.messages import FilterTick, Header, LinkEvent, LinkState, Message, OperatorCommand, PlantState
 from protocol.topics import LINKS, Topic
-from services.assembly import lockstep_loop, steps_of
+from services.assembly import filter_node, lockstep_loop, steps_of
+from services.recorder.lockstep_log import LockstepLog
+from services.recorder.log_writer import LogWriter, run_metadata
+from services.review.link_accounts import link_accounts
+from services.review.log import RunLog
 from services.runtime.errors import LinkNameError
 from services.runtime.lockstep import Lockstep
 from services.scenarios.load import load_scenario
@@ -179,3 +184,23 @@ def test_what_the_operator_sees_is_late_too() -> None:
 def test_a_link_that_does_not_exist_is_refused() -> None:
     with pytest.raises(LinkNameError, match="filter-to-moon"):
         Lockstep([], period_ns=1, links={"filter-to-moon": LinkSettings()})
+
+
+def test_a_killed_reader_s_links_are_accounted_for_over_its_sessions(tmp_path: Path) -> None:
+    overrides = {"duration_s": 0.6, **{f"links.{name}": EVERYTHING for name in LINKS}}
+    scenario = load_scenario("notomista-cai-2020", overrides)
+    path = tmp_path / "run.mcap"
+    metadata = run_metadata(scenario_json=scenario.model_dump_json(), versions={}, driver="lockstep")
+    with LogWriter(path, metadata) as log:
+        loop = lockstep_loop(scenario, LockstepLog(log))
+        loop.run(200)
+        loop.kill("filter")
+        loop.run(100)
+        loop.revive(filter_node(scenario, "lockstep", 2), 2)
+        loop.run(300)
+        loop.finish()
+    accounts = link_accounts(RunLog.read(path))
+
+    assert [account.link for account in accounts] == list(LINKS)
+    assert [account.differences for account in accounts] == [{}] * 4
+    assert accounts[0].sent == 600
