@@ -92,7 +92,8 @@ def _replacements(node: ast.AST) -> Iterator[tuple[str, str]]:
         yield f"{ast.unparse(node)}: {sign}", changed
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub) and not isinstance(node.operand, ast.Constant):
         yield f"{ast.unparse(node)}: no minus", f"({ast.unparse(node.operand)})"
-    if isinstance(node, ast.Attribute) and node.attr in GAINS and isinstance(node.ctx, ast.Load):
+    is_number = isinstance(node, ast.Attribute) and node.attr in GAINS and ast.unparse(node) != "np.linalg.norm"
+    if is_number and isinstance(node.ctx, ast.Load):
         yield f"{ast.unparse(node)}: halved", f"(0.5 * {ast.unparse(node)})"
     if isinstance(node, ast.Call):
         yield from _replacements_of_call(node)

@@ -47,7 +47,6 @@ NOTICED: Final = frozenset(
 )
 """Exit codes of tests that fail, cannot be collected or bring the interpreter down; others say nothing of a change."""
 
-
 NO_END: Final = "no end"
 """Stands for the test that noticed a change where tests took too long."""
 

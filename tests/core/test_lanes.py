@@ -94,21 +94,22 @@ def test_a_chosen_value_is_not_spoiled_by_one_that_is_not_chosen() -> None:
 
 
 def test_places_are_used_again_and_results_may_repeat() -> None:
-    """Many passing values, one result twice, one that later operations read, and an argument handed through."""
+    """Many passing values, one result twice, results that others are made of, and an argument handed through."""
     x = ca.SX.sym("x", 3)
     total = x[0] + x[1] * x[2]
-    value = total
+    early = ca.sqrt(total**2 + 2)
+    value = ca.sqrt(early**2 + 1)
     for k in range(40):
         value = ca.sqrt(1 + value**2) + k * total
-    results = [ca.vertcat(value, total, value), x[1], ca.SX(2.5)]
+    results = [ca.vertcat(value, total, value), early, x[1], ca.SX(2.5)]
     function = dense_function("f", [x], results)
-    lanes = Lanes(Layout.of({"x": 3, "values": 3, "same": 1, "constant": 1}), 40)
-    evaluate = lanes.bind(function, ["x"], ["values", "same", "constant"])
+    lanes = Lanes(Layout.of({"x": 3, "values": 3, "early": 1, "same": 1, "constant": 1}), 40)
+    evaluate = lanes.bind(function, ["x"], ["values", "early", "same", "constant"])
     lanes.part("x")[:] = np.random.default_rng(1).normal(size=(3, 40))
     evaluate()
     for lane in range(40):
         expected = [each.full().ravel().tolist() for each in function(lanes.part("x")[:, lane])]
-        got = [lanes.part(name)[:, lane].tolist() for name in ("values", "same", "constant")]
+        got = [lanes.part(name)[:, lane].tolist() for name in ("values", "early", "same", "constant")]
         assert got == expected
 
 
