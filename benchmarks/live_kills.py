@@ -34,6 +34,7 @@ from services.review.log import RunLog
 from services.review.verdict import Verdict
 from services.runtime.bus import Bus, open_bus
 from services.runtime.endpoint import Endpoint
+from services.runtime.errors import BusError
 from services.runtime.outcome import Restarts
 from services.runtime.realtime import RECORDER_PRIORITY, request_realtime
 from services.scenarios.load import load_scenario
@@ -51,6 +52,10 @@ QUIET_S = (0.3, 3.0)
 OUTAGE_S = (0.05, 1.0)
 BETWEEN_S = 0.2
 """How long after the end of an outage a state counts as one of after it."""
+
+
+class NoRobotError(Exception):
+    """A demo that did not come up."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -122,7 +127,7 @@ class Running:
     def heard(self, topic: Topic, wanted: Callable[[Header, Message], bool], patience_s: float = PATIENCE_S) -> bool:
         """Wait for a message; tell whether one came in time."""
         end = time.monotonic() + patience_s
-        while time.monotonic() < end:
+        while time.monotonic() < end and self.process.poll() is None:
             if any(wanted(*decode(topic, data)) for data in self._readers[topic].drain()):
                 return True
             time.sleep(0.005)
@@ -189,7 +194,7 @@ def running_demo(scenario: Path, out: Path, rate_hz: float) -> Iterator[Running]
             with open_bus(Endpoint(port=port), timeout_s=START_S) as bus:
                 running = Running(process, bus)
                 if not running.heard(STATE, lambda _, body: is_running(body), START_S):
-                    raise TimeoutError(f"no robot moved within {START_S:g} s; see {out / 'demo.txt'}")
+                    raise NoRobotError(f"no robot moved; see {out / 'demo.txt'}")
                 yield running
                 process.send_signal(signal.SIGINT)
             end = time.monotonic() + PATIENCE_S
@@ -305,8 +310,8 @@ def report(demos: list[Demo], kills: list[Kill]) -> dict[str, Any]:
     return {
         "kills": [asdict(kill) for kill in kills],
         "demos": [asdict(demo) for demo in demos],
-        "h_min": min(demo.h_min for demo in demos),
-        "tank_min_j": min(demo.tank_min_j for demo in demos),
+        "h_min": min((demo.h_min for demo in demos), default=None),
+        "tank_min_j": min((demo.tank_min_j for demo in demos), default=None),
         "armed_again": sum(kill.armed for kill in kills),
     }
 
@@ -335,9 +340,12 @@ def main(
         firsts = range(1, kills + 1, per_demo)
         for number, first in enumerate(track(firsts, "demos", console=console), start=1):
             numbers = range(first, min(first + per_demo, kills + 1))
-            demo, struck = run_demo(
-                names[(number - 1) % len(names)], folder, number, numbers, seed, rate, console.print
-            )
+            name = names[(number - 1) % len(names)]
+            try:
+                demo, struck = run_demo(name, folder, number, numbers, seed, rate, console.print)
+            except (NoRobotError, BusError) as error:
+                console.print(f"demo {number}: {error}")
+                continue
             demos.append(demo)
             done += struck
     for table in tables(demos, done):

@@ -153,6 +153,7 @@ class _Run:
             child = await Child.start(spec, self._relay)
         except OSError as error:
             return self._say_end(Cause.NOT_STARTED, spec.name, f"{spec.name} cannot be started: {error}")
+        child.hurry()
         child.ended.add_done_callback(partial(self._note_end, child))
         return child
 
@@ -177,7 +178,6 @@ class _Run:
         if isinstance(child, _End):
             return child
         self._emit(f"{name} died: {dead.exit.how}; started again")
-        child.hurry()
         dead.restarted = True
         self._restarted_s.setdefault(name, []).append(loop.time())
         self._children[self._children.index(dead)] = child

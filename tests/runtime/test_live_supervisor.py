@@ -207,7 +207,7 @@ def test_a_process_that_dies_is_started_again_and_the_others_are_left_alone(term
 
 
 @pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() != 0, reason="only root may raise priorities")
-def test_one_that_is_started_again_is_preferred_until_it_is_ready(terminal: Terminal) -> None:
+def test_one_that_is_started_is_preferred_until_it_is_ready(terminal: Terminal) -> None:
     """The toy says its pid before it is ready."""
     own = os.getpriority(os.PRIO_PROCESS, 0)
     preferred: list[bool] = []
@@ -230,7 +230,7 @@ def test_one_that_is_started_again_is_preferred_until_it_is_ready(terminal: Term
         emit=terminal,
         on_ready=lambda: os.kill(terminal.pids["filter"]["pid"], signal.SIGKILL),
     )
-    assert preferred == [False, True, False]
+    assert preferred == [True, True, False]
 
 
 def test_one_that_dies_too_often_ends_the_run(terminal: Terminal) -> None:
