@@ -81,11 +81,11 @@ def _clouds(plan: Plan) -> Iterator[Chart]:
 
 
 def _points(runs: Sequence[Result], axis: RandomAxis, criterion: Criterion) -> list[tuple[float, float]]:
-    known = [
-        (_number(one.run.values[axis.name]), _number(getattr(one.figures, criterion.figure)))
+    found = [
+        (one.run.values[axis.name], None if one.figures is None else one.figures.number(criterion.figure))
         for one in runs
-        if _is_number(one.run.values[axis.name]) and _is_number(getattr(one.figures, criterion.figure, None))
     ]
+    known = [(_number(x), y) for x, y in found if _is_number(x) and y is not None and isfinite(y)]
     return known[:: -(-len(known) // MOST_POINTS) or 1]
 
 

@@ -23,7 +23,8 @@ def write_report(
     plan: Plan, summary: Summary, kept: Sequence[KeptLog], agreement: Sequence[Agreement], folder: Path
 ) -> None:
     """Write tables, summary, page and, where an axis was bisected, the picture of its boundaries."""
-    from dashboard.sweep import boundary_charts  # noqa: PLC0415 - a second that a refusal need not wait
+    from dashboard.report_page import number  # noqa: PLC0415 - a second that a refusal need not wait
+    from dashboard.sweep import boundary_charts  # noqa: PLC0415 - likewise
     from dashboard.sweep_page import KeptLine, sweep_page, sweep_picture  # noqa: PLC0415 - likewise
 
     tables = {"runs": runs_table(plan), "cells": cells_table(summary)}
@@ -39,7 +40,7 @@ def write_report(
             cell=plan.cells[log.result.run.cell].describe(),
             seed=log.result.run.seed,
             file=str(log.path.relative_to(folder)),
-            figure=f"{worst} {getattr(log.result.figures, worst):.4g}",
+            figure=f"{worst} {number(None if log.result.figures is None else log.result.figures.number(worst))}",
         )
         for log in kept
     ]

@@ -85,7 +85,7 @@ class Agreement(NamedTuple):
 
 def draws_of(scenario: Scenario) -> list[Scenario]:
     """Return the scenario with every seed of its links that it is to be run with in lockstep."""
-    if not any(map(_is_random, scenario.links.values())):
+    if not (scenario.link_changes or any(map(_is_random, scenario.links.values()))):
         return [scenario]
     return [
         scenario.model_copy(

@@ -22,6 +22,7 @@ from services.review.core_mathematics import CoreMathematics
 from services.runtime.lockstep import Lockstep, Observer
 from services.scenarios.errors import ScenarioError
 from services.scenarios.schema import Scenario
+from services.scenarios.source_schema import HumanSource
 
 MOST_DERIVED: Final = 32
 MOST_REFERENCES: Final = 128
@@ -100,8 +101,10 @@ class Bench:
             observer: Called with every message, for a log.
         """
         derived = self._kit(scenario).derived
-        tape = Tape(derived.core)
-        run_to_its_end(lockstep_loop(scenario, observer, taps=tape.taps, derived=derived), tape, scenario)
+        tape = Tape(derived.core, steered=isinstance(scenario.operator.source, HumanSource))
+        loop = lockstep_loop(scenario, observer, taps=tape.taps, derived=derived)
+        run_to_its_end(loop, tape, scenario)
+        loop.finish()
         return tape
 
     def figures(self, scenario: Scenario) -> Figures:
@@ -116,7 +119,7 @@ class Bench:
 
     def _reference(self, scenario: Scenario, kit: Kit) -> Tracking:
         """Return where the robot of a scenario is without injected links."""
-        clean = scenario.model_copy(update={"links": {}})
+        clean = scenario.model_copy(update={"links": {}, "link_changes": ()})
         return self._references.get(clean.model_dump_json(), lambda: kit.motion.of(self.play(clean).trajectory()))
 
 
@@ -133,6 +136,7 @@ def run_to_its_end(loop: Lockstep, tape: Tape, scenario: Scenario) -> None:
         loop.run(-(-(duration_ns - reached_ns) // period_ns))
         idle = 0 if tape.plant_ns > reached_ns else idle + 1
         reached_ns = tape.plant_ns
+    loop.finish()
 
 
 def _seeded(scenario: Scenario, seed: int, given: frozenset[str]) -> Scenario:

@@ -12,6 +12,8 @@ from services.review.evidence import IntArray
 from services.review.margins import Extremum, Margins
 from services.review.mathematics import PlantMathematics
 from services.review.properties import Property, Tolerances, judge_properties
+from services.review.steering import Steering
+from services.review.steering_of_log import steering_from
 from services.review.trajectory import Trajectory
 from services.review.verdict import POINTS_PER_PERIOD, Outcome, barrier_named, decide
 from services.scenarios.schema import Scenario
@@ -49,6 +51,7 @@ class Figures(BaseModel):
         tracking_rms: Distance from where the robot is at the same time without injected links, root mean square.
         tracking_max: The same, largest.
         final_error: The same, at the end.
+        steering: Scores of a simulated person who steered, as ``services.review.steering`` has them.
         status_counts: Ticks by the filter's status.
         final_x: Last state of the plant.
         properties: Whether each property of a review holds, by name.
@@ -80,16 +83,39 @@ class Figures(BaseModel):
     tracking_rms: float | None
     tracking_max: float | None
     final_error: float | None
+    steering: Steering | None
     status_counts: dict[str, int]
     final_x: tuple[float, ...] | None
     properties: dict[str, bool | None]
     verdict: Outcome
 
+    def number(self, name: str) -> float | None:
+        """Return one of the figures that are numbers, by its name in ``NUMERIC``."""
+        if name in STEERING:
+            return None if self.steering is None else getattr(self.steering, STEERING[name])
+        value: float | None = getattr(self, name)
+        return value
 
-NUMERIC: Final = tuple(
-    name
-    for name, field in Figures.model_fields.items()
-    if field.annotation in {float, int} or field.annotation == float | None
+
+STEERING: Final = {
+    "steering_reached": "reached",
+    "steering_time_to_target_s": "time_to_target_s",
+    "steering_overshoot": "overshoot",
+    "steering_rms_error": "rms_error",
+    "steering_effort": "effort",
+    "steering_held_back": "held_back",
+    "steering_collisions": "collisions",
+    "steering_collided_s": "collided_s",
+}
+"""Scores of ``Steering`` by the names that they have among the figures."""
+
+NUMERIC: Final = (
+    *(
+        name
+        for name, field in Figures.model_fields.items()
+        if field.annotation in {float, int} or field.annotation == float | None
+    ),
+    *STEERING,
 )
 """Figures that are numbers: what a criterion may ask about, and what cells are summed up by."""
 
@@ -142,6 +168,7 @@ def figures_of(
         tracking_rms=None if deviation is None else deviation.rms,
         tracking_max=None if deviation is None else deviation.largest,
         final_error=None if deviation is None else deviation.final,
+        steering=steering_from(scenario, trajectory, mathematics, tape.requests()),
         status_counts=answers.counts,
         final_x=tuple(trajectory.x[:, -1].tolist()) if moved else None,
         properties={name: entry.holds for name, entry in properties.items()},

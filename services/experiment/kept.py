@@ -30,6 +30,7 @@ REVIEWED = (
     "command_age_ms_p50",
     "command_age_ms_p99",
     "final_x",
+    "steering",
     "duration_s",
     "ticks",
     "verdict",

@@ -16,7 +16,7 @@ MOST_RUNS: Final = 1_000_000
 BASE: Final = "base"
 """Name of the only variant of an experiment that names none."""
 
-_RESERVED: Final = frozenset({"variant", "seed", "error", "wall_s", "runs"} | set(Figures.model_fields))
+_RESERVED: Final = frozenset({"variant", "seed", "error", "wall_s", "runs", *Figures.model_fields, *NUMERIC})
 
 _SECTIONS: Final = frozenset(
     name for name, field in Scenario.model_fields.items() if field.annotation not in {str, float, int}
@@ -57,11 +57,10 @@ class Criterion(Config):
 
     def holds(self, figures: Figures | None) -> bool:
         """Whether a run keeps it; one that ended with an error does not."""
-        value = None if figures is None else getattr(figures, self.figure)
+        value = None if figures is None else figures.number(self.figure)
         if value is None:
             return False
-        kept: bool = value <= self.at_most if self.at_most is not None else value >= self.at_least
-        return kept
+        return value >= self.at_least if self.at_least is not None else value <= (self.at_most or 0.0)
 
     def __str__(self) -> str:
         return f"{self.figure} ≥ {self.at_least:g}" if self.at_most is None else f"{self.figure} ≤ {self.at_most:g}"

@@ -5,7 +5,7 @@ from functools import partial
 from typing import Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, JsonValue
+from pydantic import BaseModel, ConfigDict
 
 from services.experiment.bisection import Boundary
 from services.experiment.figures import NUMERIC
@@ -63,7 +63,7 @@ class CellSummary(BaseModel):
     def of(cls, cell: Cell, results: Sequence[Result], experiment: Experiment) -> Self:
         """Sum up at least one run of a cell, all at the same value of the bisected axis."""
         ran = [result.figures for result in results if result.figures is not None]
-        values = {name: [getattr(figures, name) for figures in ran] for name in NUMERIC}
+        values = {name: [figures.number(name) for figures in ran] for name in NUMERIC}
         breaking = {
             name: sum(not criterion.holds(result.figures) for result in results)
             for name, criterion in experiment.criteria.items()
@@ -144,10 +144,10 @@ def worst_of(results: Sequence[Result], criterion: Criterion) -> Result:
 
 def goodness(result: Result, criterion: Criterion) -> float:
     """Return how good the figure is that a criterion asks about; −∞ where a run has none."""
-    value: JsonValue = None if result.figures is None else getattr(result.figures, criterion.figure)
-    if not isinstance(value, int | float):
+    value = None if result.figures is None else result.figures.number(criterion.figure)
+    if value is None:
         return float("-inf")
-    return float(value) if criterion.at_most is None else -float(value)
+    return value if criterion.at_most is None else -value
 
 
 def _boundaries(plan: Plan) -> list[CellBoundaries]:

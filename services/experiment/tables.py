@@ -89,7 +89,8 @@ def write_tables(tables: Mapping[str, pa.Table], folder: Path) -> list[Path]:
 def _run_row(result: Result, plan: Plan) -> dict[str, Any]:
     run, figures = result.run, result.figures
     row: dict[str, Any] = {"variant": run.variant, **_plain(run.values), "seed": run.seed}
-    row |= {name: getattr(figures, name, None) for name in (*NUMERIC, "h_min_barrier", "verdict")}
+    row |= {name: None if figures is None else figures.number(name) for name in NUMERIC}
+    row |= {name: getattr(figures, name, None) for name in ("h_min_barrier", "verdict")}
     counts = {} if figures is None else figures.status_counts
     row |= {f"ticks_{status.name}": counts.get(status.name, 0) for status in FilterStatus}
     if figures is not None:

@@ -6,12 +6,13 @@ from typing import Final
 
 import numpy as np
 
-from passafe.decision import Status
+from passafe.decision import Decision, Status
 from passafe.filter import SafetyPassivityFilter
 from protocol.messages import PlantInput, PlantPhase, PlantState
 from protocol.topics import INPUT, STATE, TICK, Topic
 from services.filter.telemetry import TickRecord
 from services.review.evidence import Answers, Inputs, IntArray
+from services.review.steering_of_log import Requests
 from services.review.trajectory import Trajectory
 from services.runtime.lockstep import Tap
 
@@ -29,17 +30,21 @@ class Tape:
         taps: For ``Lockstep``.
     """
 
-    def __init__(self, core: SafetyPassivityFilter) -> None:
+    def __init__(self, core: SafetyPassivityFilter, *, steered: bool = False) -> None:
         """Start empty.
 
         Args:
             core: The filter of the loop.
+            steered: Whether to keep what the filter is asked for, too: for the scores of who steers.
         """
         self._states: list[PlantState] = []
         self._sent: list[PlantInput] = []
         self._answered: list[_Answer] = []
         self._residuals = Struct("3d").unpack_from, core.layout.parts["residuals"].start * 8
         self.taps: Mapping[Topic, Tap] = {STATE: self._states.append, INPUT: self._sent.append, TICK: self._answer}
+        self._asked: list[tuple[int, Decision]] = []
+        if steered:
+            self.taps = {**self.taps, TICK: self._ask_and_answer}
 
     @property
     def plant_ns(self) -> int:
@@ -86,6 +91,13 @@ class Tape:
             state_age_ns=np.fromiter(state_age_ns, dtype=np.int64),
         )
 
+    def requests(self) -> Requests | None:
+        """What the filter was asked for and what it withheld; ``None`` where that was not kept."""
+        return Requests.of(
+            (at_ns, tuple(decision.part("u_h").tolist()), tuple(decision.u_nominal.tolist()), decision.u)
+            for at_ns, decision in self._asked
+        )
+
     def _moving(self) -> list[PlantState]:
         return [state for state in self._states if state.phase is not PlantPhase.WAITING]
 
@@ -102,3 +114,7 @@ class Tape:
                 unpack(decision.block, at),  # type: ignore[arg-type] # an array is a buffer, half as dear as its view
             )
         )
+
+    def _ask_and_answer(self, record: TickRecord) -> None:
+        self._asked.append((record.effective_plant_ns, record.decision))
+        self._answer(record)

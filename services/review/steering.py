@@ -81,6 +81,13 @@ class Steering(BaseModel):
     collisions: int
     collided_s: float
 
+    @property
+    def time_to_target_s(self) -> float | None:
+        """The longest time that one of the legs took, s; ``None`` if a target was not reached."""
+        times = [leg.time_to_target_s for leg in self.legs]
+        known = [time_s for time_s in times if time_s is not None]
+        return max(known) if len(known) == len(times) else None
+
     @classmethod
     def of(
         cls,

@@ -41,7 +41,7 @@ def figures(swept: Study) -> Figures:
     return result.figures
 
 
-@pytest.mark.parametrize("scenario", [NAME, "walls-and-disks", "moving-disk", "lagged-point"])
+@pytest.mark.parametrize("scenario", [NAME, "walls-and-disks", "moving-disk", "lagged-point", "human-steers"])
 @pytest.mark.parametrize("mode", ["off", "both"])
 def test_every_figure_is_what_a_review_of_the_same_run_s_log_says(scenario: str, mode: str, tmp_path: Path) -> None:
     swept = study(scenario, 0.3, overrides=BAD_LINKS | {"filter.mode": mode})
@@ -59,6 +59,7 @@ def test_every_figure_is_what_a_review_of_the_same_run_s_log_says(scenario: str,
     }
     assert result.figures.properties == {name: entry.holds for name, entry in verdict.properties.items()}
     assert verdict.properties["complete"].holds
+    assert (result.figures.steering is not None) == (scenario == "human-steers")
 
 
 def test_a_run_does_not_depend_on_those_before_it() -> None:
@@ -104,7 +105,7 @@ def test_time_in_hold_and_fail_safe_is_what_the_plant_was_in() -> None:
     moving = [phase for phase in phases if phase is not PlantPhase.WAITING][:-1]
     assert found.fail_safe_s == pytest.approx(moving.count(PlantPhase.FAIL_SAFE) * 1e-3)
     assert found.held_s == pytest.approx(moving.count(PlantPhase.HOLDING) * 1e-3)
-    assert min(found.fail_safe_s, found.held_s) > 0.01
+    assert min(found.fail_safe_s, found.held_s) > 0.02
     assert found.unserved_share == pytest.approx((found.held_s + found.fail_safe_s) / found.duration_s)
 
 
@@ -200,6 +201,16 @@ def test_a_result_survives_its_line_in_a_file() -> None:
     assert Result.model_validate_json(result.model_dump_json()) == result
 
 
+def test_scores_of_steering_are_figures_like_others() -> None:
+    steered, scripted = figures(study("human-steers", 3.0)), figures(study())
+
+    assert steered.steering is not None
+    assert steered.number("steering_overshoot") == steered.steering.overshoot
+    assert steered.number("steering_effort") == steered.steering.effort
+    assert scripted.number("steering_effort") is None
+    assert {name: steered.number(name) for name in NUMERIC}["h_min"] == steered.h_min
+
+
 def test_what_a_criterion_may_ask_about_are_the_numbers() -> None:
-    assert "h_min" in NUMERIC
+    assert {"h_min", "steering_time_to_target_s"} <= set(NUMERIC)
     assert not {"final_x", "status_counts", "properties", "verdict", "h_min_barrier"} & set(NUMERIC)
