@@ -9,10 +9,10 @@ from typing import NamedTuple
 import httpx
 import pytest
 from running_demo import RunningDemo, running_demo
-from services.review.link_accounts import link_accounts
 
 from protocol.messages import FilterTick, LinkConfig, LinkState, PlantState
 from protocol.topics import LINKS
+from services.review.link_accounts import link_accounts
 from services.review.log import RunLog
 
 pytestmark = pytest.mark.live
