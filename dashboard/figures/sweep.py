@@ -13,7 +13,10 @@ from dashboard.palette import PAPER, line_style
 
 HEIGHT: Final = 300
 BAND_ALPHA: Final = 0.12
-MARK: Final = 7
+LEAST_MARK: Final = 5
+RING: Final = 2
+"""How much larger the marks of the curve before are: where curves meet, all of them are seen."""
+
 DOT: Final = 4
 LEGEND_COLUMNS: Final = 3
 
@@ -74,14 +77,14 @@ def sweep_figure(chart: Chart) -> figure:
     """Return a chart; every curve has its place in the legend."""
     drawn = plain_figure(name=chart.name, x_label=chart.x_label, y_label=chart.y_label, height=HEIGHT)
     legend: list[LegendItem] = []
-    for curve in chart.curves:
+    for number, curve in enumerate(chart.curves):
         if chart.points:
             legend.append(_dots(drawn, curve))
             continue
         _band(drawn, curve)
         line = styled_line(X, Y, curve.style)
         drawn.add_glyph(_table(curve.x, curve.y), line)
-        _marks(drawn, curve)
+        _marks(drawn, curve, LEAST_MARK + RING * (len(chart.curves) - 1 - number))
         legend.append(key(drawn, curve.label, line))
     places = [x for curve in chart.curves for x in curve.x]
     if chart.limit is not None and places:
@@ -112,7 +115,7 @@ def _band(drawn: figure, curve: Curve) -> None:
     drawn.add_glyph(_table((*curve.x, *reversed(curve.x)), (*curve.low, *reversed(curve.high))), band)
 
 
-def _marks(drawn: figure, curve: Curve) -> None:
+def _marks(drawn: figure, curve: Curve, size: float) -> None:
     """Mark every point: hollow where its true place is further up, square where it is not the whole truth."""
     colour, _ = line_style(curve.style)
     for k, (x, y) in enumerate(zip(curve.x, curve.y, strict=True)):
@@ -120,7 +123,7 @@ def _marks(drawn: figure, curve: Curve) -> None:
             x=X,
             y=Y,
             marker="square" if k in curve.doubtful_at else "circle",
-            size=MARK,
+            size=size,
             line_color=colour,
             fill_color=PAPER if k in curve.open_at else colour,
         )
