@@ -124,15 +124,15 @@ class ManyDecisions:
 
     def _accept(self) -> None:
         """Say of every lane whether the filter would accept the guess, and with what status."""
-        worst, too_long, slack, shortfall, strayed = (
-            self.part(name)[0] for name in ("worst", "norm_overreach", "slack", "shortfall", "strayed")
+        too_long, slack, shortfall, strayed = (
+            self.part(name)[0] for name in ("norm_overreach", "slack", "shortfall", "strayed")
         )
         tolerance = self.core.design.tolerance
         primal, dual, gap = self.part("residuals")
         certified = (primal <= tolerance.residual) & (dual <= tolerance.residual) & (gap <= tolerance.gap)
         suits = (too_long <= self._too_long) & (shortfall <= 0.0) & (strayed <= 0.0)
         self.singly[:] = ~(certified & suits)
-        untouched = (worst <= 0.0) & ~self.part("lam").any(axis=0)
+        untouched = ~self.part("lam").any(axis=0)
         modified = np.where(slack > self.core.design.passivity.relaxed_above, Status.RELAXED, Status.MODIFIED)
         self.status[:] = np.where(untouched, Status.PASSED, modified)
 

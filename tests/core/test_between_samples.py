@@ -14,8 +14,10 @@ from passafe.between_samples import curvature_bound, held_function
 from passafe.class_k import Cubic, Piecewise
 from passafe.decision import Status
 from passafe.design import Mode
+from passafe.enclosure import UNKNOWN
 from passafe.errors import DesignError
 from passafe.filter import SafetyPassivityFilter
+from passafe.system import System
 
 PARTS = 8
 
@@ -47,6 +49,16 @@ def test_no_trajectory_bends_down_more_than_the_bound(build: Builder) -> None:
                 straight = value(x)[0] + tau * rate(x, held)[0]
 
                 assert value(s)[0] >= straight - tau**2 / 2 * M - 1e-10 * (1 + abs(straight))
+
+
+def test_where_one_state_may_leave_its_tube_the_bound_is_as_good_as_infinite() -> None:
+    """ẋ₂ = 2000·x₂ grows further within 1 ms than is guessed; that another state keeps to its tube changes nothing."""
+    x, u = ca.SX.sym("x", 2), ca.SX.sym("u")
+    system = System(x=x, u=u, f=ca.vertcat(u, 2000 * x[1]), y=x[0])
+    bound = numeric([x, u], curvature_bound(system, x[0] ** 2, 1e-3, ca.SX(0), steps=2))
+
+    assert bound([1.0, 0.1], [3.0])[0] == UNKNOWN
+    assert bound([1.0, 0.0], [3.0])[0] == pytest.approx(-2 * 3.0**2)  # −p̈ = −2u²
 
 
 def test_a_moving_set_s_bend_is_in_the_bound() -> None:

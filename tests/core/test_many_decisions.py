@@ -129,6 +129,31 @@ def test_every_decision_meets_the_certificate_or_is_the_filter_s(name: str) -> N
         assert (np.abs(u_plus - u) <= design.dt_s * np.array(limits.rate_per_s)[:, None] * (1 + 1e-12)).all()
 
 
+@pytest.mark.parametrize(
+    ("bound", "z", "lam", "accepted"),
+    [
+        (2.0, 2.0, 2.0, True),
+        (2.0, 0.0, 0.0, False),  # misses the row
+        (2.0, 4.0, 4.0, False),  # keeps it, but nothing pushes so far: a duality gap
+        (-3.0, 0.0, -6.0, False),  # no gap, but a row that pulls
+    ],
+)
+def test_a_guess_counts_only_with_all_of_the_certificate(bound: float, z: float, lam: float, accepted: bool) -> None:
+    """One row u₁ ≥ bound at rest; whatever is guessed, the answer is the filter's."""
+    many = ManyDecisions(row_filter(hard=1, soft=False), 1)
+
+    def guess(into_z: Array, into_lam: Array) -> None:
+        into_z[:] = 0.0
+        into_z[0], into_lam[0] = z, lam
+
+    many._points.find = guess  # type: ignore[method-assign]  # what is guessed is the point
+    zero = np.zeros((2, 1))
+    many.decide(np.array([row_state([(1.0, 0.0, -bound)])]).T, zero, zero, zero)
+
+    assert bool(many.singly[0]) is not accepted
+    assert many.part("u_plus")[:, 0] == pytest.approx([max(bound, 0.0), 0.0], abs=1e-6)
+
+
 def test_first_inputs_are_the_filter_s() -> None:
     design = damped_design(input_rate_bound_per_s=100.0)
     core = SafetyPassivityFilter(design)
