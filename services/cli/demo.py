@@ -81,8 +81,8 @@ def demo(
     end with Ctrl-C. Then the log is judged as by `passafe review`. Exits with 0 only if every required property
     holds and every process ended well.
 
-    With `--restart`, `pkill -9 -f 'services.cli.run filter'` shows what a dead process does to the robot: its own fail-safe stops
-    it, and the next filter takes over from there.
+    With `--restart`, `pkill -9 -f 'services.cli.run filter'` shows what a dead process does to the robot: its own
+    fail-safe stops it, and the next filter takes over from there.
 
     Example: `passafe demo --mode off --duration 10`
     """
