@@ -10,45 +10,26 @@ command goes on where it was interrupted; a change is tried again when its file 
 import ast
 import json
 import re
-import subprocess
-import sys
 from collections import Counter
 from collections.abc import Sequence
-from compileall import compile_dir
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from dataclasses import dataclass
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
-from py_compile import PycInvalidationMode
 from queue import SimpleQueue
-from shutil import copy, copytree
-from signal import SIGABRT, SIGSEGV
 from tempfile import TemporaryDirectory
 from time import perf_counter
 from typing import Annotated, Any, Final
 
-import pytest
 import typer
 from core_changes import EQUIVALENT, FILES, ROOT, Change, changes_of
+from core_copy import NO_END, Copy
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 TESTS: Final = ROOT / "tests" / "core"
-LIKELY: Final = 8
-"""Files of tests that are tried first, in a run of their own: collecting all of them takes seconds."""
-
-PATIENCE: Final = 10.0
-PATIENCE_S: Final = 60.0
-"""So many times as long as without a change, and so much longer, tests may take; then the change was noticed, too."""
-
-NOTICED: Final = frozenset(
-    {pytest.ExitCode.TESTS_FAILED, pytest.ExitCode.INTERRUPTED, pytest.ExitCode.INTERNAL_ERROR, -SIGSEGV, -SIGABRT}
-)
-"""Exit codes of tests that fail, cannot be collected or bring the interpreter down; others say nothing of a change."""
-
-NO_END: Final = "no end"
-"""Stands for the test that noticed a change where tests took too long."""
+LONGEST_S: Final = 3600.0
+"""What one file of tests may take without a change."""
 
 
 class Findings:
@@ -107,56 +88,6 @@ class Findings:
             self._guards[found["key"].split(":")[0], test[0]] += 1
 
 
-@dataclass(frozen=True, kw_only=True)
-class Copy:
-    """A copy of what the core's tests need."""
-
-    where: Path
-
-    @classmethod
-    def into(cls, where: Path) -> "Copy":
-        """Make one."""
-        for part in ("passafe", "tests/core", "tests/conftest.py", "pyproject.toml"):
-            source, target = ROOT / part, where / part
-            target.parent.mkdir(parents=True, exist_ok=True)
-            copytree(source, target) if source.is_dir() else copy(source, target)
-        # By content, not by time: a change is made, undone and followed by another within a second.
-        compile_dir(where / "passafe", force=True, quiet=1, invalidation_mode=PycInvalidationMode.CHECKED_HASH)
-        return cls(where=where)
-
-    def failing(self, tests: Sequence[str], timeout_s: float) -> str:
-        """Return what fails first, or an empty string if all of them pass."""
-        paths = [f"tests/core/{test}" for test in tests]
-        command = [sys.executable, "-B", "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *paths]
-        try:
-            done = subprocess.run(  # noqa: S603 - our own tests
-                command, cwd=self.where, capture_output=True, check=False, timeout=timeout_s, text=True
-            )
-        except subprocess.TimeoutExpired:
-            return NO_END
-        if done.returncode == 0:
-            return ""
-        if done.returncode not in NOTICED:
-            raise SystemExit(f"pytest: got exit code {done.returncode}, allowed 0, {sorted(NOTICED)}\n{done.stdout}")
-        named = re.search(r"^(?:FAILED|ERROR) (\S+)", done.stdout, re.MULTILINE)
-        return named[1].removeprefix("tests/core/") if named else f"exit code {done.returncode}"
-
-    def noticed_by(self, change: Change, order: Sequence[str], seconds: dict[str, float]) -> str:
-        """Return what fails first when a change is made."""
-        path = self.where / "passafe" / change.file
-        before = path.read_text(encoding="utf-8")
-        path.write_text(change.text, encoding="utf-8")
-        try:
-            for tests in (order[:LIKELY], order[LIKELY:]):
-                usual_s = sum(seconds[test] for test in tests)
-                noticed = self.failing(tests, PATIENCE * usual_s + PATIENCE_S)
-                if noticed:
-                    return noticed
-        finally:
-            path.write_text(before, encoding="utf-8")
-        return ""
-
-
 def main(
     only: Annotated[str, typer.Option(help="File of the core; all of the mathematics if not given.")] = "",
     every: Annotated[int, typer.Option(min=1, help="Try every so many-th change only.")] = 1,
@@ -202,7 +133,7 @@ def time_tests(found: Findings, copies: "SimpleQueue[Copy]", workers: int) -> No
     def timed(test: str) -> tuple[str, str, float]:
         where = copies.get()
         start_s = perf_counter()
-        failing = where.failing([test], 1800.0)
+        failing = where.failing([test], LONGEST_S)
         copies.put(where)
         return test, failing, perf_counter() - start_s
 

@@ -1,0 +1,111 @@
+"""A copy of the core and its tests, in which one change at a time is made and tried.
+
+Tests run in children of a server that has imported the large libraries, though nothing of the core: reading them is most
+of what a few tests take.
+"""
+
+import os
+import re
+import sys
+from collections.abc import Mapping, Sequence
+from compileall import compile_dir
+from dataclasses import dataclass
+from multiprocessing import get_context
+from pathlib import Path
+from py_compile import PycInvalidationMode
+from shutil import copy, copytree
+from signal import SIGABRT, SIGSEGV
+from typing import Final
+
+import pytest
+from core_changes import ROOT, Change
+
+LIKELY: Final = 8
+"""Files of tests that are tried first, in a run of their own: collecting all of them takes seconds."""
+
+PATIENCE: Final = 10.0
+PATIENCE_S: Final = 120.0
+"""So many times as long as without a change, and so much longer, tests may take; then the change was noticed, too."""
+
+NO_END: Final = "no end"
+"""Stands for the test that noticed a change where tests took too long."""
+
+NOTICED: Final = frozenset(
+    {pytest.ExitCode.TESTS_FAILED, pytest.ExitCode.INTERRUPTED, pytest.ExitCode.INTERNAL_ERROR, -SIGSEGV, -SIGABRT}
+)
+"""Exit codes of tests that fail, cannot be collected or bring the interpreter down; others say nothing of a change."""
+
+_children = get_context("forkserver")
+_children.set_forkserver_preload(["__main__", "casadi", "daqp", "piqp", "scipy.integrate", "scipy.optimize"])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Copy:
+    """A copy of what the core's tests need.
+
+    Attributes:
+        where: Its folder.
+    """
+
+    where: Path
+
+    @classmethod
+    def into(cls, where: Path) -> "Copy":
+        """Make one."""
+        for part in ("passafe", "tests/core", "tests/conftest.py", "pyproject.toml"):
+            source, target = ROOT / part, where / part
+            target.parent.mkdir(parents=True, exist_ok=True)
+            copytree(source, target) if source.is_dir() else copy(source, target)
+        # By content, not by time: a change is made, undone and followed by another within a second.
+        compile_dir(where / "passafe", force=True, quiet=1, invalidation_mode=PycInvalidationMode.CHECKED_HASH)
+        return cls(where=where)
+
+    def failing(self, tests: Sequence[str], timeout_s: float) -> str:
+        """Return what fails first, or an empty string if all of them pass."""
+        said = self.where / "said.txt"
+        child = _children.Process(target=_run, args=(self.where, tests, said))
+        child.start()
+        child.join(timeout_s)
+        if child.is_alive():
+            child.kill()
+            child.join()
+            return NO_END
+        if child.exitcode == 0:
+            return ""
+        output = said.read_text(encoding="utf-8")
+        if child.exitcode not in NOTICED:
+            raise SystemExit(f"pytest: got exit code {child.exitcode}, allowed 0, {sorted(NOTICED)}\n{output}")
+        named = re.search(r"^(?:FAILED|ERROR) (\S+)", output, re.MULTILINE)
+        return named[1].removeprefix("tests/core/") if named else f"exit code {child.exitcode}"
+
+    def noticed_by(self, change: Change, order: Sequence[str], seconds: Mapping[str, float]) -> str:
+        """Return what fails first when a change is made, an empty string if nothing does.
+
+        Args:
+            change: What is changed; undone again afterwards.
+            order: Files of tests, the likeliest to fail first.
+            seconds: What each of them takes without a change.
+        """
+        path = self.where / "passafe" / change.file
+        before = path.read_text(encoding="utf-8")
+        path.write_text(change.text, encoding="utf-8")
+        try:
+            for tests in (order[:LIKELY], order[LIKELY:]):
+                usual_s = sum(seconds[test] for test in tests)
+                noticed = self.failing(tests, PATIENCE * usual_s + PATIENCE_S)
+                if noticed:
+                    return noticed
+        finally:
+            path.write_text(before, encoding="utf-8")
+        return ""
+
+
+def _run(where: Path, tests: Sequence[str], said: Path) -> None:
+    """Run tests in this process, which is a child, and end it with pytest's exit code."""
+    os.chdir(where)
+    sys.path[:] = [str(where), *(path for path in sys.path if path != str(Path(__file__).parent))]
+    sys.dont_write_bytecode = True
+    output = os.open(said, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+    os.dup2(output, 1)
+    os.dup2(output, 2)
+    sys.exit(int(pytest.main(["-x", "-q", "-p", "no:cacheprovider", *(f"tests/core/{test}" for test in tests)])))
