@@ -1,7 +1,7 @@
 """A copy of the core and its tests, in which one change at a time is made and tried.
 
-Tests run in children of a server that has imported the large libraries, though nothing of the core: reading them is most
-of what a few tests take.
+Tests run in children of a server that has imported the large libraries, though nothing of the core: reading them is
+most of what a few tests take.
 """
 
 import os
