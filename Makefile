@@ -24,10 +24,11 @@ demo: $(STAMP)  ## the multi-process demo; options by DEMO='--mode off --duratio
 	$(BIN)/passafe demo $(DEMO)
 
 test: $(STAMP)  ## every test that CI runs, with coverage of core and protocol
-	$(BIN)/python -m pytest --cov --cov-report=term:skip-covered --cov-fail-under=100
+	$(BIN)/python -m pytest -n auto --dist loadfile -m 'not live and not browser' --cov --cov-report=
+	$(BIN)/python -m pytest -m 'live or browser' --cov --cov-append --cov-report=term:skip-covered --cov-fail-under=100
 
 fast: $(STAMP)  ## the tests that start no process and no browser
-	$(BIN)/python -m pytest -m 'not live and not browser'
+	$(BIN)/python -m pytest -n auto --dist loadfile -m 'not live and not browser'
 
 check: $(STAMP)  ## lint, format, types, import direction, generated files current
 	$(BIN)/ruff check .
