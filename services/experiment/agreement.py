@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 
 from protocol.messages import FilterStatus
 from services.experiment.figures import Figures
-from services.review.verdict import Verdict
+from services.review.verdict import EVIDENCE, Verdict
 from services.scenarios.link_schema import LinkConfig
 from services.scenarios.schema import Scenario
 
@@ -137,7 +137,7 @@ def _figures_of(one: Verdict | Figures) -> dict[str, float | None]:
     found |= {
         f"holds:{name}": None if holds is None else float(holds)
         for name, holds in _holding(one).items()
-        if name != "complete"  # of the log, not of the run
+        if name not in EVIDENCE  # of the log, not of the run
     }
     return found
 

@@ -167,7 +167,7 @@ def test_runs_that_cannot_be_run_end_with_one_and_are_told(tmp_path: Path) -> No
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        (("nonsense",), "allowed a TOML file or one of delay"),
+        (("nonsense",), "allowed a TOML file or one of bad-network"),
         (("delay", "--out", "/proc/no"), "/proc/no"),
         (("delay", "--scheduler", "nowhere"), "--scheduler nowhere"),
         (("delay", "--scheduler", "tcp://127.0.0.1:1"), "refused"),

@@ -142,7 +142,9 @@ def test_no_file_and_a_torn_file_are_told(tmp_path: Path) -> None:
 
     with pytest.raises(UnreadableExperimentError, match=r"torn\.toml"):
         load_study(str(tmp_path / "torn.toml"))
-    with pytest.raises(UnknownExperimentError, match="allowed a TOML file or one of delay, delay-margin, gain"):
+    with pytest.raises(
+        UnknownExperimentError, match="allowed a TOML file or one of bad-network, bad-network-walls, delay"
+    ):
         load_study("nonsense")
 
 
