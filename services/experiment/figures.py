@@ -54,7 +54,7 @@ class Figures(BaseModel):
         steering: Scores of a simulated person who steered, as ``services.review.steering`` has them.
         status_counts: Ticks by the filter's status.
         final_x: Last state of the plant.
-        properties: Whether each property of a review holds, by name; the account of the links is of a log, and left out.
+        properties: Whether each property of a review holds, by name; that of the links' account is of a log.
         verdict: ``holds`` if every required one does, ``fails`` if one does not.
     """
 
