@@ -10,6 +10,7 @@ from typing import Final
 from rich.console import Console
 from rich.table import Table
 
+from services.cli.demo import DIED
 from services.experiment.agreement import Agreement, compare, draws_of
 from services.experiment.bench import Bench
 from services.experiment.errors import LiveRunError
@@ -64,7 +65,7 @@ def run_live(scenario: Scenario, folder: Path) -> Verdict:
     """Run a scenario as `passafe demo` does, without a page, and return the verdict on its log.
 
     Raises:
-        LiveRunError: It left no log.
+        LiveRunError: It left no log, or a process of it died.
     """
     folder.mkdir(parents=True, exist_ok=True)
     file = folder / "scenario.json"
@@ -76,9 +77,10 @@ def run_live(scenario: Scenario, folder: Path) -> Verdict:
         command, capture_output=True, text=True, check=False, timeout=scenario.duration_s + START_S
     )
     logs = sorted(set(folder.glob("*.mcap")) - before)
-    if not logs:
-        last = (done.stdout + done.stderr).strip().splitlines()[-1:]
-        raise LiveRunError(file, " ".join(last) or f"exit code {done.returncode}")
+    if not logs or done.returncode == DIED:
+        lines = (done.stdout + done.stderr).strip().splitlines()
+        telling = [line for line in lines if " died" in line] or lines[-1:]
+        raise LiveRunError(file, " ".join(telling[:1]) or f"exit code {done.returncode}")
     return Verdict.of(RunLog.read(logs[-1]), CoreMathematics(scenario))
 
 

@@ -82,7 +82,7 @@ class SchedulerError(SweepError):
 
 
 class LiveRunError(SweepError):
-    """A live run that left no log.
+    """A live run that left no log, or not to its end.
 
     Attributes:
         scenario: File with what was run.
@@ -90,4 +90,4 @@ class LiveRunError(SweepError):
 
     def __init__(self, scenario: Path, got: str) -> None:
         self.scenario = scenario
-        super().__init__(f"live run of {scenario}: got {got}, allowed a run that writes its log")
+        super().__init__(f"live run of {scenario}: got {got}, allowed a run that writes its log to the end")
