@@ -195,6 +195,14 @@ def test_a_trace_lets_one_message_through_at_each_of_its_times_and_begins_anew()
     assert times == [0, 2, 2, 10, 10, 12, 30, 30]
 
 
+def test_a_message_that_comes_with_the_last_opportunity_of_a_round_takes_it() -> None:
+    link: Link[int] = Link("a-to-b", LinkSettings(trace_s=(0.004, 0.010)))
+    for i, now_ns in enumerate((S, S + 10 * MS, S + 20 * MS)):
+        link.put(now_ns, i)
+
+    assert [(arrival_ns - S) / MS for arrival_ns, _ in link.take(2 * S)] == [4, 10, 20]
+
+
 def test_a_trace_of_one_time_is_a_rate() -> None:
     link: Link[int] = Link("a-to-b", LinkSettings(trace_s=(0.001,)))
     for i in range(5):
@@ -356,6 +364,13 @@ def test_what_is_lost_changes_nothing_about_the_others(off: dict[str, object]) -
     assert len(both) > 100
     assert [a for a, _ in both] == [b for _, b in both]
     assert ["copy" in a for _, a in before if a] != ["copy" in a for _, a in after if a]  # others survive
+
+
+def test_bursts_come_on_top_of_the_same_independent_losses() -> None:
+    both, independent = fates(EVERYTHING), fates(replace(EVERYTHING, burst_enter=0.0))
+
+    assert all(lost for (lost, _), (alone, _) in zip(both, independent, strict=True) if alone)
+    assert sum(lost for lost, _ in both) > sum(lost for lost, _ in independent)
 
 
 def test_without_duplication_messages_fare_as_before() -> None:

@@ -6,11 +6,13 @@ The seeds are fixed, so a test passes always or never; the levels say how unlike
 from collections.abc import Callable
 from itertools import groupby
 from math import sqrt
+from random import Random
 
 import numpy as np
 import pytest
 from scipy import integrate, stats
 
+from protocol.correlated_uniform import CorrelatedUniform
 from protocol.delay_distribution import LONGEST_NS, PARETO_NORMAL_SIGMA, pareto_normal
 from protocol.link import Link
 from protocol.link_effect import CORRUPTED, LOST
@@ -88,6 +90,18 @@ def test_successive_delays_have_the_rank_correlation_that_is_asked_for(name: str
     assert stats.spearmanr(found[:-1], found[1:]).statistic == pytest.approx(
         correlation, abs=SIGMAS * 1.3 * sqrt((1 - correlation**2) / COUNT)
     )
+
+
+def test_the_rank_correlation_is_that_of_the_numbers_and_not_of_their_gaussians() -> None:
+    asked, count = 0.6, 200_000
+    source = CorrelatedUniform(Random(3).random)
+    source.correlate(asked)
+    found = np.array([source() for _ in range(count)])
+
+    # Gaussians of correlation 0.6 would give 6/π·asin(0.3) = 0.582.
+    tolerance = SIGMAS * 1.3 * sqrt((1 - asked**2) / count)
+    assert tolerance < 0.01
+    assert stats.spearmanr(found[:-1], found[1:]).statistic == pytest.approx(asked, abs=tolerance)
 
 
 def test_uncorrelated_delays_are_uncorrelated() -> None:
