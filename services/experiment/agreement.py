@@ -6,14 +6,19 @@ figure must lie within what these show, or no further outside than the tolerance
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from math import inf
 from typing import Final, NamedTuple
 
-from protocol.messages import FilterStatus
+from protocol.messages import FilterStatus, FilterTick, Message, PlantInput
 from services.experiment.figures import Figures
+from services.review.log import RunLog
+from services.review.trajectory import NS_PER_S
 from services.review.verdict import EVIDENCE, Verdict
 from services.scenarios.link_schema import LinkConfig
 from services.scenarios.schema import Scenario
+
+US_PER_MS: Final = 1e3
 
 DRAWS: Final = 20
 """Seeds of the links in lockstep, where anything about them is random."""
@@ -35,7 +40,7 @@ class Tolerance(NamedTuple):
 
 
 LATE: Final = "inputs up to 5 ms late are held so long"
-"""What every tolerance below goes back to: a shared machine without real-time priority is late by milliseconds."""
+"""What every tolerance below goes back to, and ``lateness_ms`` says whether it is so: no step began later than that."""
 
 TOLERANCES: Final[Mapping[str, Tolerance]] = {
     "duration_s": Tolerance(0.002, "the plant ends at the first step that reaches it"),
@@ -46,12 +51,15 @@ TOLERANCES: Final[Mapping[str, Tolerance]] = {
     "power_margin_min_at_samples": Tolerance(1.0, "as power_margin_min"),
     "u_norm_max": Tolerance(1.0, f"{LATE}: the next one makes up for 5 ms of up to 100 per s, doubled"),
     "final_x": Tolerance(0.02, f"{LATE}: 5 ms of 1 m/s or of 1 m/s², with as much again for the way back"),
-    "ticks": Tolerance(0.01, "share: 1 % of the ticks may be skipped to catch up, or come before the first input"),
+    "ticks": Tolerance(0.01, "share: 1 % of the ticks may be skipped to catch up"),
     "command_age_ms_p50": Tolerance(1.5, "one more hop: a message waits for the next tick, of 1 ms, and half of one"),
     "command_age_ms_p99": Tolerance(10.0, "operator or router may be late by as much"),
     "status_share": Tolerance(0.02, "share: a late message makes the filter predict from another state"),
 }
 """By figure; those of ``status_share`` hold for the share of ticks of every status."""
+
+MOST_LATE_MS: Final = 5.0
+"""The premise of all of them."""
 
 
 class Agreement(NamedTuple):
@@ -110,7 +118,26 @@ def compare(cell: str, live: Verdict, lockstep: Sequence[Figures]) -> list[Agree
         family = name.partition(":")[0]
         tolerance = TOLERANCES.get(family, Tolerance(0.0, "it holds or it does not"))
         found.append(_compared(cell, name, seen.get(name), [one.get(name) for one in others], tolerance))
-    return found
+    return [*found, _lateness(cell, live)]
+
+
+def until(log: RunLog, duration_s: float) -> RunLog:
+    """Return a log without ticks and inputs for plant times beyond a duration: how many there are says nothing."""
+    end_ns = round(duration_s * NS_PER_S)
+    kept = {name: [one for one in found if not _is_for_later(one.body, end_ns)] for name, found in log.messages.items()}
+    return replace(log, messages=kept)
+
+
+def _is_for_later(body: Message, end_ns: int) -> bool:
+    return isinstance(body, PlantInput | FilterTick) and body.effective_plant_ns > end_ns
+
+
+def _lateness(cell: str, live: Verdict) -> Agreement:
+    """Return by how much a step of the live run began after its time at most, which lockstep never does."""
+    worst = [late.max / US_PER_MS for late in (live.timing.late_us or {}).values()]
+    most = max(worst, default=None)
+    reason = "the premise of all other tolerances"
+    return Agreement(cell, "lateness_ms", most, 0.0, 0.0, 0.0 if most is None else most, MOST_LATE_MS, reason)
 
 
 def _compared(

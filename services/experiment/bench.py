@@ -107,10 +107,17 @@ class Bench:
         loop.finish()
         return tape
 
-    def figures(self, scenario: Scenario) -> Figures:
-        """Run a scenario, as ``scenario_of`` gives it, and return its figures."""
+    def figures(self, scenario: Scenario, *, until_its_end: bool = False) -> Figures:
+        """Run a scenario and return its figures.
+
+        Args:
+            scenario: As ``scenario_of`` gives it.
+            until_its_end: Leave out ticks for plant times beyond the duration, of which a live run has others.
+        """
         kit = self._kit(scenario)
         tape = self.play(scenario)
+        if until_its_end:
+            tape.forget_beyond(round(scenario.duration_s * 1e9))
         reference = self._reference(scenario, kit) if self.study.experiment.tracking else None
         return figures_of(scenario, tape, kit.mathematics, kit.motion, reference)
 

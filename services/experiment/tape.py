@@ -46,6 +46,12 @@ class Tape:
         if steered:
             self.taps = {**self.taps, TICK: self._ask_and_answer}
 
+    def forget_beyond(self, plant_ns: int) -> None:
+        """Forget ticks and inputs for later plant times: how many there are is a matter of who stops first."""
+        self._sent[:] = [sent for sent in self._sent if sent.effective_plant_ns <= plant_ns]
+        self._answered[:] = [answer for answer in self._answered if answer[1] <= plant_ns]
+        self._asked[:] = [asked for asked in self._asked if asked[0] <= plant_ns]
+
     @property
     def plant_ns(self) -> int:
         """Plant time so far, ns."""
