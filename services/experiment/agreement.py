@@ -54,6 +54,10 @@ TOLERANCES: Final[Mapping[str, Tolerance]] = {
     "ticks": Tolerance(0.01, "share: 1 % of the ticks may be skipped to catch up"),
     "command_age_ms_p50": Tolerance(1.5, "one more hop: a message waits for the next tick, of 1 ms, and half of one"),
     "command_age_ms_p99": Tolerance(10.0, "operator or router may be late by as much"),
+    "disarmings": Tolerance(
+        0.0,
+        "links and play-out alone decide it; with more of them the machine was later than that, and all differs",
+    ),
     "status_share": Tolerance(0.02, "share: a late message makes the filter predict from another state"),
 }
 """By figure; those of ``status_share`` hold for the share of ticks of every status."""

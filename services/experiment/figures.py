@@ -3,6 +3,7 @@
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict
 
 from protocol.messages import PlantPhase
@@ -39,6 +40,7 @@ class Figures(BaseModel):
         u_norm_max: Largest ‖u‖₂ in force.
         held_s: Plant time under an input held beyond its period, s.
         fail_safe_s: Plant time under the plant's own law, s.
+        disarmings: How often the plant ran out of inputs and went over to one of these two.
         unserved_share: Share of plant time in one of these two.
         inputs_late: Inputs that came after their time.
         inputs_refused: Inputs that the plant refused.
@@ -71,6 +73,7 @@ class Figures(BaseModel):
     u_norm_max: float | None
     held_s: float
     fail_safe_s: float
+    disarmings: int
     unserved_share: float | None
     inputs_late: int
     inputs_refused: int
@@ -156,6 +159,7 @@ def figures_of(
         u_norm_max=_value(margins.u_norm_max),
         held_s=held_s,
         fail_safe_s=fail_safe_s,
+        disarmings=_times_begun(phases != PlantPhase.RUNNING),
         unserved_share=(held_s + fail_safe_s) / duration_s if duration_s else None,
         inputs_late=tape.inputs_late,
         inputs_refused=tape.inputs_refused,
@@ -190,6 +194,11 @@ def _completeness(scenario: Scenario, trajectory: Trajectory) -> Property:
 
 def _spent_s(phases: IntArray, phase: PlantPhase, trajectory: Trajectory) -> float:
     return float(trajectory.period_s[phases == phase].sum())
+
+
+def _times_begun(during: NDArray[np.bool_]) -> int:
+    """How many stretches of samples there are in which something is so."""
+    return int(np.count_nonzero(during & ~np.concatenate(([False], during[:-1]))))
 
 
 def _percentiles(durations_ns: IntArray, *which: float) -> tuple[float | None, ...]:
