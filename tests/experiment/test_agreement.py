@@ -125,8 +125,9 @@ def test_a_live_run_is_compared_with_lockstep_in_every_figure(tmp_path: Path) ->
     assert verdict.driver == "live"
     assert verdict.duration_s == pytest.approx(2.0, abs=0.01)
     assert found["holds:safe"].agrees
-    # Where a busy machine is late the robot brakes and begins again, and gets less far: 2 m in these 2 s otherwise.
-    assert found["final_x:0"].live == pytest.approx(found["final_x:0"].low, abs=0.5)
+    # Where a busy machine let the plant run out of inputs, the robot braked and began again, and got less far.
+    allowed = 0.1 if found["disarmings"].agrees else 0.5
+    assert found["final_x:0"].live == pytest.approx(found["final_x:0"].low, abs=allowed)
 
 
 @pytest.mark.live
