@@ -56,7 +56,7 @@ bench: $(STAMP)  ## benchmarks; the peers are installed first
 	$(BIN)/python benchmarks/human_input.py
 	$(BIN)/python benchmarks/campaign_speed.py
 
-campaign: $(STAMP)  ## 10,000 adversarial rollouts of every shipped scenario; half an hour, and it goes on where it was interrupted
+campaign: $(STAMP)  ## 10,000 adversarial rollouts of every shipped scenario; about an hour, and it goes on where it was interrupted
 	$(BIN)/passafe campaign $(CAMPAIGN) --rollouts 10000 --out runs/campaign
 
 atlas: $(STAMP)  ## the pictures of docs/feasibility.md
