@@ -158,21 +158,17 @@ def test_a_terminal_that_went_away_ends_the_session(screen: Screen) -> None:
 
 # A process as the driver makes it: SIGTERM and Ctrl-C become an ordinary end of the loop.
 DRIVER = """
-import signal, threading
 from services.operator.display import OperatorView
 from services.operator.keys import Key
 from services.operator.terminal import Terminal
+from services.runtime.stop import stop_requests
 
-ended = threading.Event()
-for number in (signal.SIGTERM, signal.SIGINT):
-    signal.signal(number, lambda *_: ended.set())
 view = OperatorView((0.0, 0.0), False, False, None, None, None)
-with Terminal() as terminal:
+with stop_requests(lifeline=False) as stop, Terminal() as terminal:
     terminal.show(view)
-    while not ended.is_set():
+    while not stop.wait(0.005):
         if Key.QUIT in terminal.poll():
             break
-        ended.wait(0.005)
 """
 
 
@@ -203,7 +199,7 @@ def test_a_process_gives_its_terminal_back_however_it_ends(screen: Screen, endin
         _, errors = process.communicate(timeout=LIMIT_S)
     finally:
         process.kill()
-        process.wait()
+        process.communicate()
     assert (process.returncode, errors) == (0, b"")
     assert during != before
     assert screen.settings() == before
@@ -236,7 +232,7 @@ def test_a_process_in_the_background_is_refused_instead_of_stopped(screen: Scree
         _, errors = process.communicate(timeout=LIMIT_S)
     finally:
         process.kill()
-        process.wait()
+        process.communicate()
     assert process.returncode == 7
     assert errors.count(b"\n") == 1
     assert b"background" in errors
