@@ -36,7 +36,6 @@ class Findings:
     """What became of every change, in a file, a line each.
 
     Attributes:
-        tests: Digest of the tests that it is about.
         seconds: What each file of tests takes without a change.
         noticed_by: By the key of the change: the test that noticed it, or an empty string.
     """
@@ -44,10 +43,6 @@ class Findings:
     def __init__(self, path: Path) -> None:
         """Read what is known about the present tests."""
         self._path = path
-        digest = sha256()
-        for file in sorted(TESTS.rglob("*.py")):
-            digest.update(file.read_bytes())
-        self.tests = digest.hexdigest()[:16]
         self.seconds: dict[str, float] = {}
         self.noticed_by: dict[str, str] = {}
         self._guards: Counter[tuple[str, str]] = Counter()
@@ -58,7 +53,7 @@ class Findings:
 
     def add(self, finding: dict[str, Any]) -> None:
         """Write down one finding and take it into account from now on."""
-        found = {"tests": self.tests} | finding
+        found = {"tests": _digest(_test_of(finding))} | finding
         with self._path.open("a", encoding="utf-8") as file:
             file.write(json.dumps(found, ensure_ascii=False) + "\n")
         self._learn(found)
@@ -77,15 +72,15 @@ class Findings:
         )
 
     def _learn(self, found: dict[str, Any]) -> None:
-        if found["tests"] != self.tests:
+        test = _test_of(found)
+        if found["tests"] != _digest(test):
             return
         if "seconds" in found:
-            self.seconds[found["file"]] = found["seconds"]
+            self.seconds[test] = found["seconds"]
             return
         self.noticed_by[found["key"]] = found["noticed_by"]
-        test = re.search(r"test_\w+\.py", found["noticed_by"])
         if test:
-            self._guards[found["key"].split(":")[0], test[0]] += 1
+            self._guards[found["key"].split(":")[0], test] += 1
 
 
 def main(
@@ -172,6 +167,22 @@ def try_all(changes: Sequence[Change], found: Findings, copies: "SimpleQueue[Cop
 def progress() -> Progress:
     """Return a bar with the time that is left."""
     return Progress(TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+
+
+def _test_of(found: dict[str, Any]) -> str:
+    """Return the file of tests that a finding is about, an empty string if it is about all of them."""
+    named = re.match(r"test_\w+\.py", found.get("file", found.get("noticed_by", "")))
+    return named[0] if named else ""
+
+
+@cache
+def _digest(test: str) -> str:
+    """Return a digest of one file of tests, of all of them for an empty string, and of what tests share."""
+    digest = sha256()
+    for file in sorted(TESTS.rglob("*.py")):
+        if file.name == test or not test or not file.name.startswith("test_"):
+            digest.update(file.read_bytes())
+    return digest.hexdigest()[:16]
 
 
 @cache
