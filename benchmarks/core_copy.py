@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
 from py_compile import PycInvalidationMode
+from resource import RLIMIT_AS, setrlimit
 from shutil import copy, copytree
 from signal import SIGABRT, SIGSEGV
 from typing import Final
@@ -23,9 +24,12 @@ from core_changes import ROOT, Change
 LIKELY: Final = 8
 """Files of tests that are tried first, in a run of their own: collecting all of them takes seconds."""
 
-PATIENCE: Final = 10.0
-PATIENCE_S: Final = 120.0
+PATIENCE: Final = 4.0
+PATIENCE_S: Final = 60.0
 """So many times as long as without a change, and so much longer, tests may take; then the change was noticed, too."""
+
+MOST_MEMORY: Final = 6 * 2**30
+"""Bytes of address space for a run of tests, several times what they need: a loop without an end may fill memory."""
 
 NO_END: Final = "no end"
 """Stands for the test that noticed a change where tests took too long."""
@@ -102,6 +106,7 @@ class Copy:
 
 def _run(where: Path, tests: Sequence[str], said: Path) -> None:
     """Run tests in this process, which is a child, and end it with pytest's exit code."""
+    setrlimit(RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
     os.chdir(where)
     sys.path[:] = [str(where), *(path for path in sys.path if path != str(Path(__file__).parent))]
     sys.dont_write_bytecode = True
