@@ -164,15 +164,19 @@ class ArmedInputs:
 
     def _fill(self, body: PlantInput) -> int:
         """Take in what a message repeats of inputs that did not come; return how far back the oldest lies."""
-        m, oldest = len(body.u), REPEATED
+        m, oldest, waiting = len(body.u), REPEATED, self._waiting
+        least_ns, due_ns = self.first_ns, body.effective_plant_ns
+        if self._taken_ns is not None:
+            least_ns = max(least_ns, self._taken_ns + 1)
         for i in range(1, len(body.earlier) // m + 1):
-            due_ns = body.effective_plant_ns - i * self._period_ns
-            if due_ns < self.first_ns or (self._taken_ns is not None and due_ns <= self._taken_ns):
+            due_ns -= self._period_ns
+            if due_ns < least_ns:
                 break
-            u = body.earlier[(i - 1) * m : i * m]
-            if due_ns not in self._waiting and self._is_applicable(u):
-                self._waiting[due_ns] = ArmedInput(u, body.tick - i, body.hold_ns)
-                oldest = i
+            if due_ns not in waiting:
+                u = body.earlier[(i - 1) * m : i * m]
+                if self._is_applicable(u):
+                    waiting[due_ns] = ArmedInput(u, body.tick - i, body.hold_ns)
+                    oldest = i
         return oldest
 
     def _forget(self) -> None:
