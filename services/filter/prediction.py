@@ -84,7 +84,7 @@ class Predictor:
         self._first_ns = 0
         self._open = False  # whether what is in force from the end of the path on is not decided yet
         self._confirmed: PlantState | None = None
-        self._tank_j = tank.initial_j
+        self._tank_j = 0.0
 
     @property
     def horizon_ns(self) -> int:
@@ -96,13 +96,14 @@ class Predictor:
         self._path.clear()
         self._sent.clear()
         self._confirmed = None
-        self._tank_j = self._tank.initial_j
 
     def confirm(self, state: PlantState) -> None:
         """See ``Foresight``."""
         before = self._confirmed
         if before is not None and state.plant_ns < before.plant_ns:
             return
+        if before is None:
+            self._tank_j = _opening_j(self._tank, state)
         self._confirmed = state
         path, plant_ns = self._path, state.plant_ns
         if state.phase is WAITING and path:
@@ -202,7 +203,7 @@ class NoPrediction:
     def restart(self) -> None:
         """Forget everything: the plant is another one."""
         self._confirmed: PlantState | None = None
-        self._tank_j = self._tank.initial_j
+        self._tank_j = 0.0
         self._u: Vector | None = None
 
     @property
@@ -213,7 +214,9 @@ class NoPrediction:
     def confirm(self, state: PlantState) -> None:
         """See ``Foresight``."""
         before = self._confirmed
-        if before is not None:
+        if before is None:
+            self._tank_j = _opening_j(self._tank, state)
+        else:
             if state.plant_ns < before.plant_ns:
                 return
             energy_in_j = state.energy_in_j - before.energy_in_j
@@ -241,3 +244,11 @@ class NoPrediction:
         """See ``Foresight``."""
         del effective_plant_ns
         self._u = u
+
+
+def _opening_j(tank: Tank, state: PlantState) -> float:
+    """Return the energy in the tank at the first state that is heard, J.
+
+    A plant that moves has been another filter's, which may have drawn the tank down: it is not filled again.
+    """
+    return tank.initial_j if state.phase is WAITING else tank.reserve_j

@@ -228,7 +228,7 @@ def test_a_plant_at_rest_is_predicted_from_the_plant_time_that_the_first_input_s
 def test_the_tank_follows_the_plants_energies() -> None:
     truth, tank = TruePlant(), Tank(initial_j=1.0, reserve_j=0.5, max_j=1.5)
     predictor = make_predictor(tank)
-    level, before = tank.initial_j, truth.sample.stored_j
+    level, before = tank.reserve_j, truth.sample.stored_j
     predictor.confirm(truth.state())
     for k, u in enumerate(random_inputs(200), start=1):
         ahead = predictor.at(k * MS)
@@ -240,8 +240,20 @@ def test_the_tank_follows_the_plants_energies() -> None:
         predictor.confirm(truth.state())
 
 
+@pytest.mark.parametrize("blind", [False, True])
+@pytest.mark.parametrize("phase", PlantPhase)
+def test_only_a_plant_that_nobody_has_driven_yet_has_a_full_tank(phase: PlantPhase, blind: bool) -> None:
+    """What another filter left in the tank is not known: no more than the reserve, which only safety draws on."""
+    tank = Tank(initial_j=3.0, reserve_j=0.5)
+    foresight = NoPrediction(tank) if blind else make_predictor(tank)
+    for _ in range(2):  # a plant, and the next one
+        foresight.confirm(TruePlant().state(phase))
+        assert foresight.at(0).tank_j == (3.0 if phase is PlantPhase.WAITING else 0.5)
+        foresight.restart()
+
+
 def test_after_a_break_the_tank_is_what_the_plants_own_energies_say() -> None:
-    inputs, truth, tank = random_inputs(40), TruePlant(), Tank(initial_j=5.0, max_j=1000.0)
+    inputs, truth, tank = random_inputs(40), TruePlant(), Tank(initial_j=7.0, reserve_j=5.0, max_j=1000.0)
     predictor = make_predictor(tank)
     states = [truth.state()]
     predictor.confirm(states[0])
@@ -302,7 +314,7 @@ def test_a_restart_forgets_everything() -> None:
 
 class TestNoPrediction:
     def test_it_tells_the_newest_state_whatever_the_time_and_the_input_that_was_sent_last(self) -> None:
-        truth, blind = TruePlant(), NoPrediction(Tank(initial_j=5.0, max_j=1000.0))
+        truth, blind = TruePlant(), NoPrediction(Tank(initial_j=7.0, reserve_j=5.0, max_j=1000.0))
         blind.confirm(truth.state())
         blind.begin(0)
         at_first = blind.at(50 * MS)
