@@ -126,10 +126,11 @@ def time_tests(found: Findings, copies: "SimpleQueue[Copy]", workers: int) -> No
     unknown = [file.name for file in sorted(TESTS.glob("test_*.py")) if file.name not in found.seconds]
 
     def timed(test: str) -> tuple[str, str, float]:
-        where = copies.get()
-        start_s = perf_counter()
-        failing = where.failing([test], LONGEST_S)
-        copies.put(where)
+        where, start_s = copies.get(), perf_counter()
+        try:
+            failing = where.failing([test], LONGEST_S)
+        finally:
+            copies.put(where)
         return test, failing, perf_counter() - start_s
 
     with progress() as bar, ThreadPoolExecutor(workers) as pool:
@@ -146,8 +147,10 @@ def try_all(changes: Sequence[Change], found: Findings, copies: "SimpleQueue[Cop
 
     def tried(change: Change) -> tuple[Change, str, float]:
         where, start_s = copies.get(), perf_counter()
-        noticed = where.noticed_by(change, found.order(change.file), found.seconds)
-        copies.put(where)
+        try:
+            noticed = where.noticed_by(change, found.order(change.file), found.seconds)
+        finally:
+            copies.put(where)
         return change, noticed, perf_counter() - start_s
 
     pool = ThreadPoolExecutor(workers)
