@@ -34,8 +34,18 @@ MOST_MEMORY: Final = 6 * 2**30
 NO_END: Final = "no end"
 """Stands for the test that noticed a change where tests took too long."""
 
+NO_MEMORY: Final = 127
+"""Exit code of the system's loader where it gets no memory."""
+
 NOTICED: Final = frozenset(
-    {pytest.ExitCode.TESTS_FAILED, pytest.ExitCode.INTERRUPTED, pytest.ExitCode.INTERNAL_ERROR, -SIGSEGV, -SIGABRT}
+    {
+        pytest.ExitCode.TESTS_FAILED,
+        pytest.ExitCode.INTERRUPTED,
+        pytest.ExitCode.INTERNAL_ERROR,
+        NO_MEMORY,
+        -SIGSEGV,
+        -SIGABRT,
+    }
 )
 """Exit codes of tests that fail, cannot be collected or bring the interpreter down; others say nothing of a change."""
 
