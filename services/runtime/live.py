@@ -24,6 +24,9 @@ from services.runtime.realtime import quiet_collector, request_realtime
 from services.runtime.stop import Stop, StopReason, stop_requests
 
 HEALTH_PERIOD_NS: Final = 1_000_000_000
+BEHIND: Final = 0.05
+"""Share of steps left out from which a process says that it does not keep up."""
+
 _NS_PER_S: Final = 1e9
 
 
@@ -145,7 +148,7 @@ class _Driver:
     ) -> StopReason:
         """Step until there is a reason not to; returns it."""
         health_due_ns = pace.due_ns + HEALTH_PERIOD_NS
-        told_ns, told_steps = pace.due_ns, 0
+        told_ns, told_steps, told_missed = pace.due_ns, 0, 0
         self._publish(EVENT, Event("info", "started"))
         while True:
             reason = _reason_to_end(pace, stop, end_ns, finished)
@@ -159,7 +162,8 @@ class _Driver:
             if now_ns >= health_due_ns:
                 self._tell_health(pace, (pace.steps - told_steps) * _NS_PER_S / (now_ns - told_ns))
                 self._look_for_router()
-                told_ns, told_steps = now_ns, pace.steps
+                self._admit_being_behind(pace.steps - told_steps, pace.missed - told_missed)
+                told_ns, told_steps, told_missed = now_ns, pace.steps, pace.missed
                 health_due_ns = now_ns + HEALTH_PERIOD_NS
                 collect()
             pace.end(monotonic_ns())
@@ -222,6 +226,11 @@ class _Driver:
             text = "the router was started again: what was sent while there was none did not arrive"
             self.say("router", "warning", text)
         self._router = router
+
+    def _admit_being_behind(self, made: int, left_out: int) -> None:
+        if left_out > BEHIND * (made + left_out):
+            steps = f"{left_out} of the last {made + left_out} steps"
+            self.say("behind", "warning", f"left out {steps}: too much for this machine, try a lower rate")
 
     def _tell_health(self, pace: Pace, rate_hz: float) -> None:
         topics = tuple(inlet.health for inlet in self._inlets)

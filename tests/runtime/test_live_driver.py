@@ -1,6 +1,7 @@
 """The live driver in real processes."""
 
 import os
+import re
 import signal
 import time
 from collections.abc import Callable, Iterator
@@ -144,6 +145,18 @@ def test_health_is_told_once_a_second(start: Callable, port: int, log: Log) -> N
     )
     events = log.wait_for("passafe/operator/event", lambda logged: any("ended by" in e.text for _, e in logged))
     assert Event("info", f"ended by end of its duration after {said['steps']} steps") in [e for _, e in events]
+
+
+def test_who_cannot_keep_up_says_so(start: Callable, port: int, log: Log) -> None:
+    operator = start("operator", "--port", port, "--rate", 100_000, "--duration", 1.2)
+    operator.wait_ready("operator")
+    logged = log.wait_for("passafe/operator/event", lambda logged: any("left out" in e.text for _, e in logged))
+    [told] = [event for _, event in logged if "left out" in event.text]
+    numbers = re.match(r"left out (\d+) of the last (\d+) steps", told.text)
+    assert told.severity == "warning"
+    assert numbers is not None
+    assert 5_000 < int(numbers[1]) < int(numbers[2])
+    assert int(numbers[2]) == pytest.approx(100_000, rel=0.2)
 
 
 @pytest.mark.parametrize("signum", [signal.SIGTERM, signal.SIGINT])
