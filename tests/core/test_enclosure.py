@@ -76,6 +76,14 @@ def test_where_the_function_ends_nothing_is_known(expression: ca.SX) -> None:
     assert float(ca.Function("radius", [x], [radius])([0.2, 0.0])) >= UNKNOWN
 
 
+@pytest.mark.parametrize("operation", [ca.logic_and, ca.logic_or])
+def test_of_two_conditions_one_that_may_be_either_is_enough(operation: Callable[[ca.SX, ca.SX], ca.SX]) -> None:
+    ball = enclose(operation(x[0] > 0, x[1] > 0), x, ca.SX([0.1, 0.1]))
+    radius = ca.Function("radius", [x], [ball.radius])
+
+    assert [float(radius(at)) for at in ([0.05, 1.0], [1.0, -0.05], [0.05, 0.0], [1.0, 1.0])] == [1.0, 1.0, 1.0, 0.0]
+
+
 def test_other_symbols_stay_where_they_are() -> None:
     p = ca.SX.sym("p")
     ball = enclose(p * x[0], x, ca.SX([0.5, 0.0]))
