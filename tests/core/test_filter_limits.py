@@ -42,6 +42,13 @@ def test_no_input_of_a_run_is_beyond_the_limits(name: str) -> None:
     assert binding > 0 or name == "rate"
 
 
+def test_the_rate_s_limit_is_used_to_the_full() -> None:
+    made = SafetyPassivityFilter(paper_design(mode=Mode.OFF, input_rate_bound_per_s=(500.0, 800.0)))
+    decision = made.decide(PAPER_START, (1.0, -2.0), (4000.0, -4000.0), ZERO)
+
+    assert decision.u == pytest.approx((1.0 + 500.0 * made.design.dt_s, -2.0 - 800.0 * made.design.dt_s), rel=1e-12)
+
+
 def best_on_a_grid(made: SafetyPassivityFilter, decision_parts: tuple[Array, Array, Array]) -> float:
     """Return the smallest ½‖u − u_ref‖² over a fine polar grid of the ball that keeps the duties' rows."""
     G, d, u_ref = decision_parts
@@ -67,6 +74,7 @@ def test_within_a_norm_the_answer_is_the_nearest_one_that_keeps_the_rows() -> No
         w = np.array(decision.u) - parts[2]
 
         assert hypot(*decision.u) == pytest.approx(3.0, rel=1e-6)
+        assert decision.u == tuple(parts[2] + decision.part("z")[:2])  # nothing was left to shorten
         assert w @ w / 2 <= best_on_a_grid(made, parts) + 1e-3
 
 
