@@ -80,6 +80,11 @@ class LogReader:
     def __init__(self, subscriber: ext.AdvancedSubscriber[handlers.Handler[zenoh.Sample]]) -> None:
         self._subscriber = subscriber
 
+    def end(self) -> None:
+        """Read no more: what waits is dropped."""
+        undeclare: Callable[[], None] = self._subscriber.undeclare
+        undeclare()
+
     def drain(self) -> list[tuple[str, bytes]]:
         """Key expressions and payloads that came since the last call; those of one publisher in order."""
         taken: list[tuple[str, bytes]] = []
@@ -97,6 +102,7 @@ class Bus:
 
     def __init__(self, session: zenoh.Session) -> None:
         self._session = session
+        self._log_readers: list[LogReader] = []
         self._replies = ext.RepliesConfig(
             congestion_control=zenoh.CongestionControl.BLOCK, priority=zenoh.Priority.BACKGROUND
         )
@@ -141,14 +147,24 @@ class Bus:
 
     def log_reader(self) -> LogReader:
         """Reader of everything, for a recorder."""
-        return LogReader(
-            ext.declare_advanced_subscriber(
-                self._session,
-                f"{KEY_ROOT}/*/*",
-                handlers.FifoChannel(LOG_QUEUE),
-                recovery=ext.RecoveryConfig(periodic_queries=None, heartbeat=True),
+        self._log_readers.append(
+            LogReader(
+                ext.declare_advanced_subscriber(
+                    self._session,
+                    f"{KEY_ROOT}/*/*",
+                    handlers.FifoChannel(LOG_QUEUE),
+                    recovery=ext.RecoveryConfig(periodic_queries=None, heartbeat=True),
+                )
             )
         )
+        return self._log_readers[-1]
+
+    def close(self) -> None:
+        """End the session, the log readers first: a session that waits for room in a full one does not end."""
+        for reader in self._log_readers:
+            reader.end()
+        close: Callable[[], None] = self._session.close
+        close()
 
 
 @contextmanager
@@ -174,8 +190,8 @@ def open_bus(endpoint: Endpoint, *, timeout_s: float = 5.0) -> Iterator[Bus]:
         session = _open(settings)
     except zenoh.ZError as error:
         raise BusError(endpoint.locator, f"no router answered within {timeout_s:g} s") from error
-    with closing(session):
-        yield Bus(session)
+    with closing(Bus(session)) as bus:
+        yield bus
 
 
 @contextmanager

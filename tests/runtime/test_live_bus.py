@@ -161,6 +161,24 @@ def put_for(put: Callable[[bytes], None], sequences: range) -> None:
         time.sleep(max(0.0, began + 0.001 * count - time.monotonic()))
 
 
+def test_a_log_reader_that_nobody_reads_any_more_does_not_keep_its_session_from_ending(
+    sender: Bus, endpoint: Endpoint, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("services.runtime.bus.LOG_QUEUE", 16)
+    put = sender.publisher(COMMAND, "operator")
+    with open_bus(endpoint) as receiver:
+        reader = receiver.log_reader()
+        end = time.monotonic() + PATIENCE_S
+        while not reader.drain():
+            assert time.monotonic() < end
+            put(message(0))
+            time.sleep(0.01)
+        put_for(put, range(1, 500))
+        begun = time.monotonic()
+
+    assert time.monotonic() - begun < 5.0  # a session gives up after 10 s, with an error
+
+
 def test_a_log_reader_is_given_what_was_put_while_there_was_no_router(start: Callable, port: int) -> None:
     first = start("router", "--port", port)
     first.wait_ready("router")
