@@ -47,10 +47,11 @@ def main(
     duration: Annotated[float, typer.Option(min=0.1, help="Plant time of each run, s.")] = 10.0,
     repetitions: Annotated[int, typer.Option(min=1, help="Measurements with each number of workers, in turn.")] = 3,
     scenario: Annotated[str, typer.Option(help="Scenario, by name or file.")] = "notomista-cai-2020",
+    rate: Annotated[float, typer.Option(min=1.0, max=1000.0, help="Ticks per second, Hz.")] = 1000.0,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of the table.")] = False,
 ) -> None:
     """Time a sweep with delay, jitter and loss on both of the robot's links, random starts."""
-    study = sweep(scenario, runs, duration)
+    study = sweep(scenario, runs, duration, rate)
     measured: dict[int, list[tuple[float, float]]] = {1: [], 2: []}
     for _ in range(repetitions):
         for workers, found in measured.items():
@@ -67,14 +68,15 @@ def main(
     gain = median(speeds[1].runs_per_s) / median(speeds[0].runs_per_s)
     load = os.getloadavg()[0]
     if as_json:
-        facts = {"scenario": scenario, "runs": runs, "duration_s": duration, "python": sys.version.split()[0]}
+        facts = {"scenario": scenario, "runs": runs, "duration_s": duration, "rate_hz": rate}
+        facts |= {"python": sys.version.split()[0]}
         facts |= {"load_average_1min": load, "two_over_one": gain, "crews": [asdict(speed) for speed in speeds]}
         print(json.dumps(facts, indent=2))
         return
-    show(speeds, gain, f"Sweep, {scenario}, {runs} runs of {duration:g} s, load {load:.1f}", duration)
+    show(speeds, gain, f"Sweep, {scenario}, {runs} runs of {duration:g} s at {rate:g} Hz, load {load:.1f}", duration)
 
 
-def sweep(scenario: str, runs: int, duration_s: float) -> Study:
+def sweep(scenario: str, runs: int, duration_s: float, rate_hz: float) -> Study:
     """Return a study of so many runs, each over a bad network of its own."""
     links = {"delay_s": 0.1, "jitter_s": 0.01, "loss": 0.05}
     content = {
@@ -84,7 +86,7 @@ def sweep(scenario: str, runs: int, duration_s: float) -> Study:
         "scenario": scenario,
         "start": "random",
         "seeds": {"count": runs},
-        "overrides": {"duration_s": duration_s} | {f"links.{name}": links for name in LINKS},
+        "overrides": {"duration_s": duration_s, "rate_hz": rate_hz} | {f"links.{name}": links for name in LINKS},
     }
     return Study(
         experiment=experiment_from(content, "benchmark"),
