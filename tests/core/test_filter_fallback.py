@@ -140,6 +140,30 @@ def test_rows_that_nobody_can_say_how_to_relax_are_not_answered(monkeypatch: pyt
     assert made.decide(*request).status is Status.UNCERTIFIED
 
 
+def test_a_tangent_that_promised_too_much_is_followed_by_one_that_spares_twice_what_was_missed() -> None:
+    """ẋ = u − u²/10 at x = 1/2: the tangent at 0 gives u = −1, which misses u − u²/10 + 1 ≥ 0 by 1/12."""
+    x, u = ca.SX.sym("x"), ca.SX.sym("u")
+    floor = Barrier(name="floor", h=x, class_k=gains(2.0, 2.0))
+    made = SafetyPassivityFilter(
+        FilterDesign(
+            system=System(x=x, u=u, f=u - u**2 / 10, y=x),
+            u_fb=ca.SX(0),
+            fail_safe=ca.SX(0),
+            barriers=(floor,),
+            passivity=Passivity(V=x**2),
+            k_i=5.0,
+            dt_s=5e-3,
+            input_bound=4.0,
+            mode=Mode.SAFE,
+            between_samples=False,
+        )
+    )
+    decision = made.decide((0.5,), (0.0,), (-3.0,), (0.0,), start=True)
+
+    assert decision.status is Status.MODIFIED
+    assert decision.u == pytest.approx((-1 + 1 / 12 + 2 * (1 / 12 - 1e-5),), abs=1e-7)
+
+
 def test_without_margins_a_row_that_is_not_affine_is_followed_by_its_tangents() -> None:
     made = SafetyPassivityFilter(pump_design(between_samples=False, mode=Mode.SAFE))
     held = numeric([made.design.system.x, made.design.system.u], made.chains[0].psi[1])
