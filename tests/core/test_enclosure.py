@@ -76,6 +76,13 @@ def test_where_the_function_ends_nothing_is_known(expression: ca.SX) -> None:
     assert float(ca.Function("radius", [x], [radius])([0.2, 0.0])) >= UNKNOWN
 
 
+def test_a_comparison_may_be_either_where_its_sides_can_meet() -> None:
+    ball = enclose(x[0] < 2 * x[1], x, ca.SX([0.1, 0.2]))
+    radius = ca.Function("radius", [x], [ball.radius])
+
+    assert [float(radius((at, 1.0))) for at in (2.4, 2.6, 1.6, 1.4, -2.0)] == [1.0, 0.0, 1.0, 0.0, 0.0]
+
+
 @pytest.mark.parametrize("operation", [ca.logic_and, ca.logic_or])
 def test_of_two_conditions_one_that_may_be_either_is_enough(operation: Callable[[ca.SX, ca.SX], ca.SX]) -> None:
     ball = enclose(operation(x[0] > 0, x[1] > 0), x, ca.SX([0.1, 0.1]))
