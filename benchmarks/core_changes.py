@@ -35,14 +35,20 @@ GAINS: Final = frozenset({"gain", "gain_below", "k_i", "dt_s", "rate_per_s", "re
 _PAIRS: Final = (("fmin", "fmax"), ("mmin", "mmax"), ("min", "max"), ("minimum", "maximum"), ("argmin", "argmax"))
 SWAPPED: Final = dict(_PAIRS) | {largest: least for least, largest in _PAIRS}
 
+_STATES: Final = "scale * ca.DM([(0.37 + 0.11 * k + 0.29 * i) * (-1) ** (i + k) for i in range(system.n)])"
+_TOUCHED: Final = "if program.norm < inf:  # where it binds, the best input is near the answer or where the pull ends"
+_INFINITE: Final = "what is infinite has an infinite half, what is not has not"
 _PROBES: Final = "the states and inputs at which a gradient is looked at are in general position either way"
-EQUIVALENT: Final[dict[tuple[str, str], str]] = {
-    ("barrier.py", "0.37 + 0.11 * k + 0.29 * i: -"): _PROBES,
-    ("barrier.py", "0.37 + 0.11 * k: -"): _PROBES,
-    ("barrier.py", "i + k: -"): "(−1)^(i−k) is (−1)^(i+k)",
-    ("barrier.py", "0.53 + 0.17 * j: -"): _PROBES,
+EQUIVALENT: Final[dict[tuple[str, str, str], str]] = {
+    ("barrier.py", _STATES, "0.37 + 0.11 * k + 0.29 * i: -"): _PROBES,
+    ("barrier.py", _STATES, "0.37 + 0.11 * k: -"): _PROBES,
+    ("barrier.py", _STATES, "i + k: -"): "(−1)^(i−k) is (−1)^(i+k)",
+    ("barrier.py", "inputs = ca.DM([0.53 + 0.17 * j for j in range(system.m)])", "0.53 + 0.17 * j: -"): _PROBES,
+    ("infeasibility.py", "if self.norm == inf:", "self.norm: halved"): _INFINITE,
+    ("infeasibility.py", "if program.norm == inf:", "program.norm: halved"): _INFINITE,
+    ("infeasibility.py", _TOUCHED, "program.norm: halved"): _INFINITE,
 }
-"""Changes that change nothing that anybody could see, by file and words, with the reason."""
+"""Changes that change nothing that anybody could see, by file, line and words, with the reason."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,12 +58,14 @@ class Change:
     Attributes:
         file: Name of the core's file.
         line: Where, from 1.
+        source: The line as it is.
         what: In words.
         text: The whole file with the change.
     """
 
     file: str
     line: int
+    source: str
     what: str
     text: str
 
@@ -69,22 +77,23 @@ class Change:
     @property
     def is_equivalent(self) -> bool:
         """Whether it is known to change nothing."""
-        return (self.file, self.what) in EQUIVALENT
+        return (self.file, self.source, self.what) in EQUIVALENT
 
 
 def changes_of(file: str) -> Iterator[Change]:
     """Yield every change of one file."""
     source = (ROOT / "passafe" / file).read_text(encoding="utf-8")
-    starts = [0]
-    for line in source.splitlines(keepends=True):
+    lines, starts = source.splitlines(keepends=True), [0]
+    for line in lines:
         starts.append(starts[-1] + len(line.encode()))
     raw = source.encode()
     for node in ast.walk(ast.parse(source)):
         for what, replacement in _replacements(node):
-            begin = starts[node.lineno - 1] + node.col_offset  # type: ignore[attr-defined]  # every one has a place
+            place: int = node.lineno  # type: ignore[attr-defined]  # every one has a place
+            begin = starts[place - 1] + node.col_offset  # type: ignore[attr-defined]
             end = starts[node.end_lineno - 1] + node.end_col_offset  # type: ignore[attr-defined]
             text = (raw[:begin] + replacement.encode() + raw[end:]).decode()
-            yield Change(file=file, line=node.lineno, what=what, text=text)  # type: ignore[attr-defined]
+            yield Change(file=file, line=place, source=lines[place - 1].strip(), what=what, text=text)
 
 
 def _replacements(node: ast.AST) -> Iterator[tuple[str, str]]:

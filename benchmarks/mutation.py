@@ -93,7 +93,7 @@ def main(
     """Change the core, one thing at a time, and list the changes that no test notices."""
     console = Console(width=120, highlight=False)
     every_change = [change for file in FILES for change in changes_of(file)]
-    stale = EQUIVALENT.keys() - {(change.file, change.what) for change in every_change}
+    stale = EQUIVALENT.keys() - {(change.file, change.source, change.what) for change in every_change}
     if stale:
         raise SystemExit(f"EQUIVALENT: got {sorted(stale)}, allowed changes that there are")
     changes = [change for change in every_change if change.file == (only or change.file)][::every]

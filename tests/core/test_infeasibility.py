@@ -38,13 +38,15 @@ def posed(
     return Decision(np.concatenate(list(values.values())), layout.parts, Status.MODIFIED, "none", (0.0,) * m)
 
 
-def in_a_box(rows: Sequence[Sequence[float]], bound: float, norm: float | None = None) -> Distance:
+def in_a_box(
+    rows: Sequence[Sequence[float]], bound: float, norm: float | None = None, u_ref: Sequence[float] = (0.0, 0.0)
+) -> Distance:
     """Return the distance of rows (g, c), gᵀu + c ≥ 0 with unit g, under |uᵢ| ≤ bound and ‖u‖ ≤ norm."""
-    numbers = np.array(rows, dtype=float)
+    numbers, origin = np.array(rows, dtype=float), np.array(u_ref)
     m = numbers.shape[1] - 1
     limits = Limits.of(m, bound, norm, None)
-    box = np.full(m, bound)
-    return DistanceToInfeasibility(limits, len(rows)).of(posed(numbers[:, :m], -numbers[:, m], -box, box))
+    box, G = np.full(m, bound), numbers[:, :m]
+    return DistanceToInfeasibility(limits, len(rows)).of(posed(G, -numbers[:, m] - G @ origin, -box, box, origin))
 
 
 def assert_closed(distance: Distance, value: float, reach: float) -> None:
@@ -81,8 +83,9 @@ def test_in_closed_form(rows: list[tuple[float, ...]], value: float) -> None:
         ([(1.0, 0.0, 0.0), (0.0, 1.0, -3.0)], 0.5 * (41**0.5 - 3)),  # t² + (t + 3)² = 25
     ],
 )
-def test_in_closed_form_within_a_norm(rows: list[tuple[float, ...]], value: float) -> None:
-    assert_closed(in_a_box(rows, 10.0, norm=5.0), value, 2 * hypot(10.0, 10.0))
+@pytest.mark.parametrize("u_ref", [(0.0, 0.0), (3.0, -1.0), (-2.0, -4.0)])
+def test_in_closed_form_within_a_norm(rows: list[tuple[float, ...]], value: float, u_ref: tuple[float, float]) -> None:
+    assert_closed(in_a_box(rows, 10.0, norm=5.0, u_ref=u_ref), value, 2 * hypot(10.0, 10.0))
 
 
 def test_where_norm_and_axis_both_bind() -> None:
@@ -122,8 +125,8 @@ def test_within_a_norm_it_is_the_optimum_of_the_convex_program() -> None:
     for _ in range(20):
         G = rng.normal(size=(4, 3))
         G /= np.linalg.norm(G, axis=1)[:, None]
-        d = rng.normal(size=4)
-        found = solver.of(posed(G, d, -box, box))
+        d, u_ref, u_plus = rng.normal(size=4), rng.uniform(-3, 3, 3), rng.uniform(-3, 3, 3)
+        found = solver.of(posed(G, d - G @ u_ref, -box, box, u_ref, u_plus))
         constraints = [
             {"type": "ineq", "fun": lambda z, G=G, d=d: G @ z[:3] - d - z[3]},
             {"type": "ineq", "fun": lambda z: 36.0 - z[:3] @ z[:3]},
