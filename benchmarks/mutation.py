@@ -2,7 +2,7 @@
 
 ``python benchmarks/mutation.py`` copies the tree, changes one thing at a time in the core's mathematics
 (``core_changes.py``) and runs the core's tests on it until one fails: those that noticed earlier changes of the same
-file first, then those named after it or importing it, then the others, the quickest first. A change that no test
+file, are named after it or import it first, then the others, the quickest first. A change that no test
 notices survives and is listed; the exit code then is 1. What was found is written down as it comes, and the same
 command goes on where it was interrupted; a change is tried again when its file or the tests have changed.
 """
@@ -59,17 +59,18 @@ class Findings:
         self._learn(found)
 
     def order(self, file: str) -> list[str]:
-        """Return the files of tests, most likely to notice a change of one of the core's files first."""
+        """Return the files of tests: first those that are of one of the core's files, of these the quickest first.
+
+        A file that noticed earlier changes is worth waiting for that many times as long.
+        """
         stem = Path(file).stem
-        return sorted(
-            self.seconds,
-            key=lambda test: (
-                -self._guards[file, test],
-                stem not in test,
-                not _imports(TESTS / test, stem),
-                self.seconds[test],
-            ),
-        )
+
+        def rank(test: str) -> tuple[bool, float]:
+            guarded = self._guards[file, test]
+            is_of_it = guarded > 0 or stem in test or _imports(TESTS / test, stem)
+            return not is_of_it, self.seconds[test] / (1 + guarded)
+
+        return sorted(self.seconds, key=rank)
 
     def _learn(self, found: dict[str, Any]) -> None:
         test = _test_of(found)
