@@ -2,9 +2,10 @@
 
 ``python benchmarks/mutation.py`` copies the tree, changes one thing at a time in the core's mathematics
 (``core_changes.py``) and runs the core's tests on it until one fails: those that noticed earlier changes of the same
-file, are named after it or import it first, then the others, the quickest first. A change that no test
-notices survives and is listed; the exit code then is 1. What was found is written down as it comes, and the same
-command goes on where it was interrupted; a change is tried again when its file or the tests have changed.
+file, are named after it or import it first, then the others, the quickest first. A change that no test notices survives
+and is listed; the exit code then is 1. What was found is written down as it comes, and the same command goes on where
+it was interrupted. A change is tried again when its file has changed, or the tests that noticed it; one that survived,
+when any have.
 """
 
 import ast
