@@ -202,6 +202,16 @@ def test_where_the_solver_fails_the_decision_itself_is_the_bound(monkeypatch: py
     assert distance == Distance(lower=4.0, upper=limits.reach)
 
 
+def test_weights_prove_what_no_input_within_the_limits_exceeds(monkeypatch: pytest.MonkeyPatch) -> None:
+    """(g₁ + 3g₂)/4 = (1/4, −3/4) reaches 2·1/4 + 10·3/4 between −10 ≤ u₁ ≤ 2 and |u₂| ≤ 10; the bounds take 1 more."""
+    solver = DistanceToInfeasibility(Limits.of(2, 10.0, None, None), 2)
+    monkeypatch.setattr(solver, "_ask", lambda: (np.zeros(2), np.array([1.0, 3.0])))
+    low, high = np.array([-10.0, -10.0]), np.array([2.0, 10.0])
+    distance = solver.of(posed(np.array([[1.0, 0.0], [0.0, -1.0]]), np.ones(2), low, high, u_plus=np.zeros(2)))
+
+    assert distance == Distance(lower=-1.0, upper=7.0)
+
+
 def test_weights_that_prove_nothing_leave_the_reach(monkeypatch: pytest.MonkeyPatch) -> None:
     limits = Limits.of(2, 10.0, 5.0, None)
     solver = DistanceToInfeasibility(limits, 1)
