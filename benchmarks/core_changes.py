@@ -48,6 +48,7 @@ EQUIVALENT: Final[dict[tuple[str, str, str], str]] = {
     ("infeasibility.py", "if self.norm == inf:", "self.norm: halved"): _INFINITE,
     ("infeasibility.py", "if program.norm == inf:", "program.norm: halved"): _INFINITE,
     ("infeasibility.py", _TOUCHED, "program.norm: halved"): _INFINITE,
+    ("least_violation.py", "length = sqrt(1 + ETA)", "1 + ETA: -"): "all of a row has this factor",
     ("infeasibility.py", _FROM, "-lower: no minus"): "1/η is 1e8 times larger, so where t starts is lost in rounding",
 }
 """Changes that change nothing that anybody could see, by file, line and words, with the reason."""

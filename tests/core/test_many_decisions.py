@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import product
 from math import inf, nan
 
 import numpy as np
@@ -222,6 +223,19 @@ def test_rows_that_meet_contradict_one_another_or_have_no_gradient() -> None:
     assert {0, 1, 2} <= set(active)
     assert Status.INFEASIBLE in {decision.status for decision in expected}
     assert len(at_once) > len(states) / 4
+
+
+def test_where_a_row_pushes_beyond_a_limit_both_are_guessed_to_bind() -> None:
+    """From (4.5, 0), (0.6, 0.8)ᵀu ≥ 6 leads beyond u₁ ≤ 5, to (5, 3.75) with it; the same to all sides."""
+    core = row_filter(hard=1, soft=False, input_bound=5.0)
+    sides = [np.diag(signs)[order] for signs in product((1.0, -1.0), repeat=2) for order in ([0, 1], [1, 0])]
+    asked = np.array([side @ (4.5, 0.0) for side in sides]).T
+    states = np.array([row_state([(*side @ (0.6, 0.8), -6.0)]) for side in sides]).T
+    many = ManyDecisions(core, len(sides))
+    many.decide(states, asked, asked, np.zeros_like(asked))
+
+    assert not many.singly.any()
+    np.testing.assert_allclose(many.part("u_plus").T, [side @ (5.0, 3.75) for side in sides], atol=1e-9)
 
 
 def test_a_lane_s_decision_does_not_depend_on_the_others() -> None:
