@@ -166,26 +166,31 @@ def test_beyond_the_norm_without_a_way_back_it_is_unavoidable(u_h: tuple[float, 
     assert Explainer(core).override(decision).unavoidable
 
 
-def test_where_the_norm_allows_only_what_a_row_does_not_it_is_unavoidable() -> None:
+def before_a_wall(wall_m: float, command: float) -> Override:
+    """Explain at p₁ = 2, where u_want = −20 + s·command; the norm asks for |u₁| ≤ 5, a wall for u₁ ≤ 100·(wall − 2)."""
     robot = damped_point(sigma=1.0)
-    h = half_plane(robot.position, normal=(-1.0, 0.0), offset=-1.9)
-    wall = Barrier(name="wall", h=h, class_k=gains(10, 10, 10))
+    h = half_plane(robot.position, normal=(-1.0, 0.0), offset=-wall_m)
     core = SafetyPassivityFilter(
         paper_design(
             system=robot.system,
             u_fb=-10 * robot.position,
             fail_safe=robot.fail_safe,
-            barriers=(wall,),
+            barriers=(Barrier(name="wall", h=h, class_k=gains(10, 10, 10)),),
             passivity=paper_passivity(robot.system.x),
             mode=Mode.SAFE,
             input_norm_bound=5.0,
             between_samples=False,
         )
     )
-    # u_want = −20 + 16 s: the wall asks for no more than −10, s ≤ 10/16, the norm for at least −5, s ≥ 15/16.
-    decision = core.decide((2.0, 0.0, 0.0, 0.0), (0.0, 0.0), (16.0, 0.0), NO_RATE, start=True)
+    return Explainer(core).override(core.decide((2.0, 0.0, 0.0, 0.0), (0.0, 0.0), (command, 0.0), NO_RATE, start=True))
 
-    assert Explainer(core).override(decision).unavoidable
+
+def test_where_the_norm_allows_only_what_a_row_does_not_it_is_unavoidable() -> None:
+    assert before_a_wall(1.9, 16.0).unavoidable  # u₁ ≤ −10, s ≤ 10/16; u₁ ≥ −5, s ≥ 15/16
+
+
+def test_what_the_norm_allows_a_row_may_narrow() -> None:
+    assert before_a_wall(2.02, 24.0).allowed_fraction == pytest.approx(22 / 24, abs=TOLERANCE)  # u₁ ≤ 2; −5 ≤ u₁ ≤ 5
 
 
 @pytest.mark.parametrize("builder", DESIGNS)
