@@ -126,6 +126,12 @@ def test_where_no_part_of_the_command_passes_that_is_said(u_h: tuple[float, floa
     assert (override.allowed_fraction, override.unavoidable) == (0.0, True)
 
 
+def test_of_a_command_too_large_for_its_square_nothing_is_said_to_be_allowed() -> None:
+    _, override = made([(1.0, 0.0, 0.0)], (-1.2e154, 0.0))
+
+    assert (override.allowed_fraction, override.unavoidable) == (0.0, True)
+
+
 def test_nothing_of_a_command_may_pass_without_the_override_being_unavoidable() -> None:
     _, override = made([(1.0, 0.0, 0.0)], (-1.0, 0.0))
 

@@ -122,6 +122,16 @@ def test_drag_point_keeps_its_stated_accuracy(dt_s: float) -> None:
         assert sample.energy_in_j == pytest.approx(energy, abs=50 * LOCAL_TOLERANCE)
 
 
+def test_energy_is_integrated_by_boole_s_rule_which_is_exact_up_to_degree_five() -> None:
+    """x = ut and y = x⁴ give ∫yu dt = u⁵h⁵/5. Two steps of Simpson's rule and a whole one make Boole's."""
+    state, held = ca.SX.sym("x"), ca.SX.sym("u")
+    plant = SampledPlant(System(x=state, u=held, f=held, y=state**4), state**2, 0.1)
+    end, _, _, energy, _ = plant.step(0.0, 2.0, 1.5)
+
+    assert float(end) == 3.0
+    assert float(energy) == pytest.approx(2.0**5 * 1.5**5 / 5, rel=1e-13)
+
+
 def test_a_fast_start_is_integrated_in_substeps() -> None:
     robot = drag_point(sigma=0.5, drag=0.5)
     start, held, dt_s = np.array([1.0, 2.0, 20.0, -7.0]), np.array([2.0, -1.0]), 0.1
