@@ -65,7 +65,7 @@ atlas: $(STAMP)  ## the pictures of docs/feasibility.md
 		cp runs/atlas/gain-$$gain/notomista-cai-2020.svg docs/pictures/feasibility-gain-$$gain.svg || exit 1; \
 	done
 
-mutation: $(STAMP)  ## changes the core one thing at a time: does a test notice? hours; goes on where it was interrupted
+mutation: $(STAMP)  ## changes the core one thing at a time: does a test notice? an hour or two; goes on where it was interrupted
 	$(BIN)/python benchmarks/mutation.py
 
 delay-atlas: $(STAMP)  ## the delay-margin atlas of docs/experiments.md; it goes on where it was interrupted

@@ -123,7 +123,7 @@ def test_drag_point_keeps_its_stated_accuracy(dt_s: float) -> None:
 
 
 def test_energy_is_integrated_by_boole_s_rule_which_is_exact_up_to_degree_five() -> None:
-    """x = ut and y = x⁴ give ∫yu dt = u⁵h⁵/5. Two steps of Simpson's rule and a whole one make Boole's."""
+    """With x = ut and y = x⁴, ∫yu dt = u⁵h⁵/5. Two steps of Simpson's rule and a whole one make Boole's."""
     state, held = ca.SX.sym("x"), ca.SX.sym("u")
     plant = SampledPlant(System(x=state, u=held, f=held, y=state**4), state**2, 0.1)
     end, _, _, energy, _ = plant.step(0.0, 2.0, 1.5)
