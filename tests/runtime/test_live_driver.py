@@ -148,15 +148,17 @@ def test_health_is_told_once_a_second(start: Callable, port: int, log: Log) -> N
 
 
 def test_who_cannot_keep_up_says_so(start: Callable, port: int, log: Log) -> None:
-    operator = start("operator", "--port", port, "--rate", 100_000, "--duration", 1.2)
-    operator.wait_ready("operator")
-    logged = log.wait_for("passafe/operator/event", lambda logged: any("left out" in e.text for _, e in logged))
+    """A step in a microsecond is too much; nothing is sent but what is to be looked at, so nothing of it is lost."""
+    idle = start("filter", "--port", port, "--rate", 1_000_000, "--duration", 1.2)
+    idle.wait_ready("filter")
+    logged = log.wait_for("passafe/filter/event", lambda logged: any("ended by" in e.text for _, e in logged))
     [told] = [event for _, event in logged if "left out" in event.text]
     numbers = re.match(r"left out (\d+) of the last (\d+) steps", told.text)
     assert told.severity == "warning"
     assert numbers is not None
-    assert 5_000 < int(numbers[1]) < int(numbers[2])
-    assert int(numbers[2]) == pytest.approx(100_000, rel=0.2)
+    left_out, steps = int(numbers[1]), int(numbers[2])
+    assert 990_000 < steps < 3_000_000  # those of a second, or a little more where the machine is busy
+    assert 0.5 * steps < left_out < steps
 
 
 @pytest.mark.parametrize("signum", [signal.SIGTERM, signal.SIGINT])
