@@ -24,8 +24,8 @@ from core_changes import ROOT, Change
 LIKELY: Final = 8
 """Files of tests that are tried first, in a run of their own: collecting all of them takes seconds."""
 
-PATIENCE: Final = 4.0
-PATIENCE_S: Final = 60.0
+PATIENCE: Final = 10.0
+PATIENCE_S: Final = 120.0
 """So many times as long as without a change, and so much longer, tests may take; then the change was noticed, too."""
 
 MOST_MEMORY: Final = 6 * 2**30

@@ -82,7 +82,7 @@ class LogReader:
 
     def end(self) -> None:
         """Read no more: what waits is dropped."""
-        undeclare: Callable[[], None] = self._subscriber.undeclare
+        undeclare: Callable[[], None] = self._subscriber.undeclare  # without types in its stub
         undeclare()
 
     def drain(self) -> list[tuple[str, bytes]]:
@@ -163,7 +163,7 @@ class Bus:
         """End the session, the log readers first: a session that waits for room in a full one does not end."""
         for reader in self._log_readers:
             reader.end()
-        close: Callable[[], None] = self._session.close
+        close: Callable[[], None] = self._session.close  # likewise
         close()
 
 

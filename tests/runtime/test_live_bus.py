@@ -12,7 +12,7 @@ import zenoh
 from protocol.codec import decode, encode
 from protocol.messages import Header, OperatorCommand
 from protocol.topics import COMMAND, INPUT, LINK_CONFIG
-from services.runtime.bus import Bus, Reader, open_bus
+from services.runtime.bus import Bus, LogReader, Reader, open_bus
 from services.runtime.endpoint import Endpoint
 from services.runtime.errors import BusError, PublisherError
 
@@ -55,7 +55,7 @@ def message(sequence: int) -> bytes:
     return encode(header, OperatorCommand((float(sequence),), (), enabled=True, device="test"))
 
 
-def wait_for_reader(put: Callable[[bytes], None], reader: Reader) -> None:
+def wait_for_reader(put: Callable[[bytes], None], reader: Reader | LogReader) -> None:
     """Until what is put arrives: a declaration takes a moment to reach the other side."""
     end = time.monotonic() + PATIENCE_S
     while not reader.drain():
@@ -167,13 +167,8 @@ def test_a_log_reader_that_nobody_reads_any_more_does_not_keep_its_session_from_
     monkeypatch.setattr("services.runtime.bus.LOG_QUEUE", 16)
     put = sender.publisher(COMMAND, "operator")
     with open_bus(endpoint) as receiver:
-        reader = receiver.log_reader()
-        end = time.monotonic() + PATIENCE_S
-        while not reader.drain():
-            assert time.monotonic() < end
-            put(message(0))
-            time.sleep(0.01)
-        put_for(put, range(1, 500))
+        wait_for_reader(put, receiver.log_reader())
+        put_for(put, range(500))
         begun = time.monotonic()
 
     assert time.monotonic() - begun < 5.0  # a session gives up after 10 s, with an error

@@ -89,7 +89,7 @@ def test_ctrl_c_ends_cleanly_with_the_verdict_and_leaves_nothing_behind(tmp_path
 
 
 @pytest.mark.parametrize("victim", ["router", "recorder", "dashboard", "operator", "filter", "plant"])
-def test_a_killed_process_is_named_at_once_and_the_log_is_readable(victim: str, tmp_path: Path) -> None:
+def test_a_killed_process_is_named_within_a_second_and_the_log_is_readable(victim: str, tmp_path: Path) -> None:
     with running_demo(tmp_path) as demo:
         demo.wait_for("running; end with Ctrl-C")
         pids = demo.children()
@@ -100,7 +100,7 @@ def test_a_killed_process_is_named_at_once_and_the_log_is_readable(victim: str, 
         code = demo.end()
 
     assert len(pids) == 6
-    assert noticed_s < 2.0  # a fraction of a second, if the machine has time for it
+    assert noticed_s < 1.0
     assert code != 0
     assert all_gone(list(pids.values()), 5.0)
     assert RunLog.read(only_log(tmp_path)).of(OperatorCommand)  # killed at once, it may have flushed no tick yet
