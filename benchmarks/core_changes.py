@@ -1,4 +1,4 @@
-"""Changes of the core's mathematics, one thing at a time: what ``mutation.py`` tries.
+"""Changes of the core, one thing at a time: what ``mutation.py`` tries.
 
 A plus for a minus, a minus sign left out, a row left out, a gain or a period halved, a least for a largest.
 """
@@ -11,26 +11,9 @@ from pathlib import Path
 from typing import Final
 
 ROOT: Final = Path(__file__).resolve().parents[1]
-FILES: Final = (
-    "barrier.py",
-    "between_samples.py",
-    "class_k.py",
-    "derivation.py",
-    "enclosure.py",
-    "human_input.py",
-    "infeasibility.py",
-    "least_violation.py",
-    "limits.py",
-    "many_decisions.py",
-    "nearest_points.py",
-    "override.py",
-    "passivity.py",
-    "quadratic_program.py",
-    "rows.py",
-    "sampled_plant.py",
-    "tank.py",
-    "tracking.py",
-)
+FILES: Final = tuple(str(path.relative_to(ROOT / "passafe")) for path in sorted((ROOT / "passafe").rglob("*.py")))
+"""Every file of the core."""
+
 GAINS: Final = frozenset({"gain", "gain_below", "k_i", "dt_s", "rate_per_s", "reserve_j", "slack_price", "norm"})
 _PAIRS: Final = (("fmin", "fmax"), ("mmin", "mmax"), ("min", "max"), ("minimum", "maximum"), ("argmin", "argmax"))
 SWAPPED: Final = dict(_PAIRS) | {largest: least for least, largest in _PAIRS}

@@ -1,6 +1,6 @@
 """Is every sign, row and gain of the core guarded by a test?
 
-``python benchmarks/mutation.py`` copies the tree, changes one thing at a time in the core's mathematics
+``python benchmarks/mutation.py`` copies the tree, changes one thing at a time in the core
 (``core_changes.py``) and runs the core's tests on it until one fails: those that noticed earlier changes of the same
 file, are named after it or import it first, then the others, the quickest first. A change that no test notices survives
 and is listed; the exit code then is 1. What was found is written down as it comes, and the same command goes on where
@@ -86,7 +86,7 @@ class Findings:
 
 
 def main(
-    only: Annotated[str, typer.Option(help="File of the core; all of the mathematics if not given.")] = "",
+    only: Annotated[str, typer.Option(help="File of the core; all of it if not given.")] = "",
     every: Annotated[int, typer.Option(min=1, help="Try every so many-th change only.")] = 1,
     workers: Annotated[int, typer.Option(min=1, help="Changes tried at a time.")] = 2,
     findings: Annotated[Path, typer.Option(help="File of what was found.")] = ROOT / "runs" / "mutation.jsonl",
@@ -192,9 +192,10 @@ def _digest(test: str) -> str:
 
 @cache
 def _imports(test: Path, module: str) -> bool:
-    """Tell whether a test imports a module of the core."""
+    """Tell whether a test imports a module of the core, by its last name."""
     nodes = ast.walk(ast.parse(test.read_text(encoding="utf-8")))
-    return any(isinstance(node, ast.ImportFrom) and node.module == f"passafe.{module}" for node in nodes)
+    named = [node.module for node in nodes if isinstance(node, ast.ImportFrom) and node.module]
+    return any(name.startswith("passafe.") and name.endswith(f".{module}") for name in named)
 
 
 if __name__ == "__main__":
