@@ -140,28 +140,50 @@ def test_rows_that_nobody_can_say_how_to_relax_are_not_answered(monkeypatch: pyt
     assert made.decide(*request).status is Status.UNCERTIFIED
 
 
+def above_floor(rate: Callable[[ca.SX], ca.SX], gain: float, **changes: object) -> SafetyPassivityFilter:
+    """Return a filter that keeps x ≥ 0 for a plant ẋ = rate(u), with γ = gain·s."""
+    x, u = ca.SX.sym("x"), ca.SX.sym("u")
+    design = FilterDesign(
+        system=System(x=x, u=u, f=rate(u), y=x),
+        u_fb=ca.SX(0),
+        fail_safe=ca.SX(0),
+        barriers=(Barrier(name="floor", h=x, class_k=gains(gain, gain)),),
+        passivity=Passivity(V=x**2),
+        k_i=5.0,
+        dt_s=5e-3,
+        input_bound=4.0,
+        mode=Mode.SAFE,
+    )
+    return SafetyPassivityFilter(replace(design, **changes))  # type: ignore[arg-type]  # by name
+
+
 def test_a_tangent_that_promised_too_much_is_followed_by_one_that_spares_twice_what_was_missed() -> None:
     """ẋ = u − u²/10 at x = 1/2: the tangent at 0 gives u = −1, which misses u − u²/10 + 1 ≥ 0 by 1/12."""
-    x, u = ca.SX.sym("x"), ca.SX.sym("u")
-    floor = Barrier(name="floor", h=x, class_k=gains(2.0, 2.0))
-    made = SafetyPassivityFilter(
-        FilterDesign(
-            system=System(x=x, u=u, f=u - u**2 / 10, y=x),
-            u_fb=ca.SX(0),
-            fail_safe=ca.SX(0),
-            barriers=(floor,),
-            passivity=Passivity(V=x**2),
-            k_i=5.0,
-            dt_s=5e-3,
-            input_bound=4.0,
-            mode=Mode.SAFE,
-            between_samples=False,
-        )
-    )
+    made = above_floor(lambda u: u - u**2 / 10, 2.0, between_samples=False)
     decision = made.decide((0.5,), (0.0,), (-3.0,), (0.0,), start=True)
 
     assert decision.status is Status.MODIFIED
     assert decision.u == pytest.approx((-1 + 1 / 12 + 2 * (1 / 12 - 1e-5),), abs=1e-7)
+
+
+def test_margins_are_next_for_half_the_way_to_the_answer_and_a_thousandth_of_the_bound() -> None:
+    """From 0 the first answer is −1, and the second one's margin is for inputs within 0.504 of that."""
+    made = above_floor(lambda u: u - u**2 / 10, 2.0)
+    decision = made.decide((0.5,), (0.0,), (-3.0,), (0.0,), start=True)
+
+    assert decision.status is Status.MODIFIED
+    assert decision.part("u_lin") == pytest.approx([-1.0], abs=1e-5)
+    assert decision.part("trust") == pytest.approx(np.abs(decision.part("u_lin")) / 2 + 0.004, abs=1e-12)
+
+
+def test_a_tangent_that_led_to_where_no_row_can_be_kept_is_followed_by_one_half_way_back() -> None:
+    """A wing that lifts at angles about 2 alone: the tangent at 0.8 leads to 3.7, the one there beyond all."""
+    made = above_floor(lambda u: ca.exp(-2 * (u - 2) ** 2) - 0.9, 1.0, input_bound=8.0)
+    decision = made.decide((0.05,), (0.8,), (0.8,), (0.0,), start=True)
+
+    assert decision.status is Status.MODIFIED
+    assert np.exp(-2 * (decision.u[0] - 2) ** 2) - 0.9 + 0.05 >= 0.0
+    assert decision.u[0] == pytest.approx(2 - np.sqrt(-np.log(0.85) / 2), abs=0.05)
 
 
 def test_without_margins_a_row_that_is_not_affine_is_followed_by_its_tangents() -> None:
