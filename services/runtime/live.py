@@ -9,7 +9,7 @@ from typing import Final
 
 from protocol.errors import ProtocolError
 from protocol.link_settings import LinkSettings
-from protocol.messages import Event, Health, LinkConfig, Message, Received
+from protocol.messages import Event, Health, LinkConfig, Message
 from protocol.topics import EVENT, HEALTH, LINK_CONFIG, LINK_EVENT, LINK_STATE, Topic
 from services.runtime.bus import Bus, open_bus
 from services.runtime.endpoint import Endpoint
@@ -158,7 +158,7 @@ class _Driver:
             if wait_ns > 0:
                 time.sleep(wait_ns / _NS_PER_S)
             now_ns = monotonic_ns()
-            self._step(pace.begin(now_ns), now_ns)
+            self._step(pace.begin(now_ns))
             if now_ns >= health_due_ns:
                 self._tell_health(pace, (pace.steps - told_steps) * _NS_PER_S / (now_ns - told_ns))
                 self._look_for_router()
@@ -180,30 +180,31 @@ class _Driver:
         if event is not None:
             self._publish(EVENT, event)
 
-    def _step(self, scheduled_ns: int, now_ns: int) -> None:
+    def _step(self, scheduled_ns: int) -> None:
+        configs = self._config_reader.drain()
+        came = [reader.drain() for _, reader in self._readers]
+        # Only now: however long this process was held up, nothing has come before it was sent.
+        now_ns = monotonic_ns()
         self._scheduled_ns = scheduled_ns
         self._started_ns = now_ns
-        self._read_configs(now_ns)
+        self._configure(now_ns, configs)
         if now_ns >= self._links.due_ns:
             self._links.advance(now_ns)
-        for topic, body in self._node.step(scheduled_ns, self._receive(now_ns)):
+        for (inlet, _), messages in zip(self._readers, came, strict=True):
+            for data in messages:
+                self._read(inlet, now_ns, data)
+        for topic, body in self._node.step(scheduled_ns, take_all(self._inlets, now_ns)):
             self._publish(topic, body)
         if now_ns >= self._links.due_ns:
             for state in self._links.due_states(now_ns):
                 self._publish(LINK_STATE, state)
 
-    def _read_configs(self, now_ns: int) -> None:
-        for data in self._config_reader.drain():
+    def _configure(self, now_ns: int, configs: Sequence[bytes]) -> None:
+        for data in configs:
             self._read(self._configs, now_ns, data)
         for received in self._configs.take(now_ns):
             if isinstance(received.body, LinkConfig):
                 self._links.configure(received.header, received.body)
-
-    def _receive(self, now_ns: int) -> list[Received]:
-        for inlet, reader in self._readers:
-            for data in reader.drain():
-                self._read(inlet, now_ns, data)
-        return take_all(self._inlets, now_ns)
 
     def _read(self, inlet: Inlet, now_ns: int, data: bytes) -> None:
         told = inlet.read(now_ns, data)

@@ -99,6 +99,17 @@ def test_a_link_delays_and_drops_and_tells(start: Callable, port: int, log: Log)
     assert came.isdisjoint(event.sequence for _, event in dropped)
 
 
+def test_nothing_is_received_before_it_was_sent_however_long_a_step_is_held_up(
+    start: Callable, port: int, log: Log
+) -> None:
+    start("filter", "--port", port, "--held-up", 0.02).wait_ready("filter")
+    start("operator", "--port", port, "--steps", 400).wait_ready("operator")
+    received = log.wait_for("passafe/filter/input", lambda logged: len(logged) >= 300)
+    for header, body in received:
+        _, received_ns, _, was_sent_ns = body.u
+        assert was_sent_ns <= received_ns == float(header.started_ns)
+
+
 def test_garbage_is_counted_told_once_and_survived(start: Callable, port: int, bus: Bus, log: Log) -> None:
     echo = start("filter", "--port", port)
     echo.wait_ready("filter")

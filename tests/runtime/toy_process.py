@@ -14,7 +14,7 @@ from protocol.link_settings import LinkSettings
 from protocol.messages import OperatorCommand, PlantInput, Received
 from protocol.topics import COMMAND, INPUT, TOPIC_OF_NAME
 from services.router.process import run_router
-from services.runtime.bus import open_bus
+from services.runtime.bus import Reader, open_bus
 from services.runtime.endpoint import Endpoint
 from services.runtime.errors import RuntimeFault
 from services.runtime.live import run_live
@@ -65,7 +65,20 @@ class Echo:
         return out
 
 
+def hold_up(seconds: float) -> None:
+    """Let every look at what came take so long before it begins, as where a process has to wait for a processor."""
+    drain = Reader.drain
+
+    def held_up(reader: Reader) -> list[bytes]:
+        time.sleep(seconds)
+        return drain(reader)
+
+    Reader.drain = held_up
+
+
 def live(options: argparse.Namespace) -> None:
+    if options.held_up:
+        hold_up(options.held_up)
     node = Echo() if options.kind == "filter" else Metronome(poison=options.poison)
     steps_wanted = options.steps
     report = run_live(
@@ -141,6 +154,7 @@ def main() -> None:
     parser.add_argument("--epoch", type=int)
     parser.add_argument("--delay", type=float, default=0.0)
     parser.add_argument("--loss", type=float, default=0.0)
+    parser.add_argument("--held-up", type=float, default=0.0)
     parser.add_argument("--code", type=int, default=0)
     parser.add_argument("--poison", action="store_true")
     parser.add_argument("--lifeline", action="store_true")

@@ -4,7 +4,6 @@ import json
 import signal
 import subprocess
 import sys
-from statistics import median
 from typing import NamedTuple
 
 import httpx
@@ -83,8 +82,7 @@ def test_set_returns_with_the_value_in_force_and_the_states_are_late_from_then_o
     before = [lag for at_ns, lag in lags_s if at_ns < answered.header.sent_ns]
     after = [lag for at_ns, lag in lags_s if at_ns > answered.header.sent_ns + 100_000_000]
     assert min(before) < 0.05
-    # A step that was held up stamps what came meanwhile with its beginning, so single ages may be less.
-    assert median(after) >= DELAY_S - 0.01
+    assert min(after) >= DELAY_S - 0.01  # less the jitter
 
 
 def test_the_log_ends_with_the_state_of_every_link(changed: Changed) -> None:
