@@ -1,18 +1,20 @@
 """The margin between samples: the bound it rests on, and what it gives on trajectories that the model really takes."""
 
+from collections.abc import Iterator
 from dataclasses import replace
+from itertools import islice
 
 import casadi as ca
 import numpy as np
 import pytest
-from core_designs import DESIGNS, Builder, gains, paper_design, pump_design, random_state
+from core_designs import DESIGNS, Builder, drag_design, gains, paper_design, pump_design, random_state
 from finite_differences import numeric, runge_kutta
 
 import passafe.filter
 from passafe.barrier import Barrier, derive_chain
 from passafe.between_samples import curvature_bound, held_function
 from passafe.class_k import Cubic, Piecewise
-from passafe.decision import Status
+from passafe.decision import Decision, Status
 from passafe.design import Mode
 from passafe.enclosure import UNKNOWN
 from passafe.errors import DesignError
@@ -151,6 +153,43 @@ def test_outside_the_set_the_margin_is_given_up() -> None:
 
     assert inside.part("eps")[0] > 0
     assert outside.part("eps")[0] == 0
+
+
+def second_answers(made: SafetyPassivityFilter) -> Iterator[Decision]:
+    """Give decisions that took a second answer, with tangents and margins about the first."""
+    rng = np.random.default_rng(84)
+    while True:
+        x, u = random_state(rng, 4), random_state(rng, 2)
+        decision = made.decide(list(x), list(u), list(50 * random_state(rng, 2)), (0.0, 0.0))
+        if decision.status is Status.MODIFIED and (decision.part("u_lin") != u).all():
+            yield decision
+
+
+def test_a_second_margin_is_for_half_the_way_to_the_first_answer_and_a_thousandth_of_the_bound() -> None:
+    made = SafetyPassivityFilter(paper_design(mode=Mode.SAFE))
+    for decision in islice(second_answers(made), 20):
+        way = np.abs(decision.part("u_lin") - decision.part("u"))
+        assert way.max() > 1.01 * way.min()
+        assert decision.part("trust") == pytest.approx([way.max() / 2 + 0.1] * 2, rel=1e-12)
+
+
+def test_the_last_margin_is_for_every_input(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = SafetyPassivityFilter(paper_design(mode=Mode.SAFE))
+    monkeypatch.setattr(passafe.filter, "ATTEMPTS", 1)
+    decision = next(second_answers(made))
+
+    assert decision.part("trust") == pytest.approx([made.design.limits.reach] * 2)
+
+
+def test_rows_that_conflict_with_a_margin_are_tried_with_one_for_a_tenth_as_far() -> None:
+    """Drag, 20 ms: the margin for all the way to û leaves no input, that for a tenth of it does."""
+    made = SafetyPassivityFilter(drag_design(dt_s=0.02, k_i=40.0))
+    decision = made.decide((0.4456, 0.4684, 0.8762, 0.2565), (-0.474, -1.294), (52.8, -112.5), (0.0, 0.0))
+    way = np.abs(decision.part("u_ref") - decision.part("u")).max()
+
+    assert decision.status is Status.MODIFIED
+    assert decision.part("u_lin") == pytest.approx([-0.474, -1.294])
+    assert decision.part("trust") == pytest.approx([(way + 0.05) / 10] * 2)
 
 
 def test_a_margin_that_does_not_settle_is_not_claimed(monkeypatch: pytest.MonkeyPatch) -> None:

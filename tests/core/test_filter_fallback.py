@@ -166,16 +166,6 @@ def test_a_tangent_that_promised_too_much_is_followed_by_one_that_spares_twice_w
     assert decision.u == pytest.approx((-1 + 1 / 12 + 2 * (1 / 12 - 1e-5),), abs=1e-7)
 
 
-def test_margins_are_next_for_half_the_way_to_the_answer_and_a_thousandth_of_the_bound() -> None:
-    """From 0 the first answer is −1, and the second one's margin is for inputs within 0.504 of that."""
-    made = above_floor(lambda u: u - u**2 / 10, 2.0)
-    decision = made.decide((0.5,), (0.0,), (-3.0,), (0.0,), start=True)
-
-    assert decision.status is Status.MODIFIED
-    assert decision.part("u_lin") == pytest.approx([-1.0], abs=1e-5)
-    assert decision.part("trust") == pytest.approx(np.abs(decision.part("u_lin")) / 2 + 0.004, abs=1e-12)
-
-
 def test_a_tangent_that_led_to_where_no_row_can_be_kept_is_followed_by_one_half_way_back() -> None:
     """A wing that lifts at angles about 2 alone: the tangent at 0.8 leads to 3.7, the one there beyond all."""
     made = above_floor(lambda u: ca.exp(-2 * (u - 2) ** 2) - 0.9, 1.0, input_bound=8.0)

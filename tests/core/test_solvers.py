@@ -25,6 +25,15 @@ def at_work(name: str, size: int) -> tuple[Solver, Array, Array]:
     return KINDS_OF_SOLVER[name](G, d), G, d
 
 
+def test_a_row_far_away_is_no_contradiction_beside_one_that_is_near(name: str) -> None:
+    solver, G, d = at_work(name, 2)
+    z, lam = np.zeros(2), np.zeros(2)
+    G[:], d[:] = np.eye(2), (1e8, -0.5)
+
+    assert solver.solve(z.data, lam.data) is SolverOutcome.SOLVED
+    assert z == pytest.approx([1e8, 0.0], rel=1e-3, abs=1e3)
+
+
 @pytest.mark.parametrize("size", [1, 2, 3])
 def test_answers_are_the_closed_form_ones(name: str, size: int) -> None:
     solver, G, d = at_work(name, size)
