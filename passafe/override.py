@@ -9,15 +9,17 @@ axis pushes by what it cuts off u_want, too. u_want moves with the operator's pa
 (u⁺ − u_want)/k is by how much the command would have had to differ for the same input to pass without any change.
 """
 
+import struct
 from dataclasses import dataclass
-from math import inf, isfinite, sqrt
+from math import inf
 from typing import Final
 
+import casadi as ca
 import numpy as np
 
 from passafe.decision import Decision, Status
 from passafe.filter import SafetyPassivityFilter
-from passafe.workspace import Array
+from passafe.workspace import Array, Layout, Workspace, dense_function
 
 ACTIVE_DUAL: Final = 1e-6
 """Push from which a row counts as active, units of u."""
@@ -71,96 +73,102 @@ class Explainer:
     Rows count as they are in the decision: with its tangents, where they are not affine in u, and with its margins
     between samples, which are made for inputs near u⁺. They are kept where they are missed by no more than the
     certificate tolerates.
+
+    What it computes is one CasADi function: dozens of calls for a few numbers each would take longer than the decision.
     """
 
     def __init__(self, core: SafetyPassivityFilter) -> None:
         """Take from the filter what does not change."""
-        design = core.design
-        self._names, self._duties, self._m = core.row_names, core.duties, design.system.m
-        self._dt_s, self._k_i = design.dt_s, design.k_i
-        self._norm = design.limits.norm
-        self._tolerance = design.tolerance.residual
+        self._names = core.row_names
+        parts = core.layout.parts
+        sizes = {name: place.stop - place.start for name, place in parts.items()}
+        symbols = {name: ca.SX.sym(name, size) for name, size in sizes.items()}
+        explained = _explained(core, symbols)
+        read = [name for name in sizes if ca.depends_on(ca.vertcat(*explained.values()), symbols[name])]
+        function = dense_function("explain", [symbols[name] for name in read], list(explained.values()))
+        own = {name: value.numel() for name, value in explained.items()}
+        self._space = space = Workspace(Layout.of(sizes | own))
+        self._evaluate = space.bind(function, read, list(own))
+        self._decided = space.block[: core.layout.size]
+        self._change, self._held_back = space.part("change"), space.part("held_back")
+        at = space.layout.parts
+        self._give = struct.Struct(f"{2 * len(self._names) + 1}d").unpack_from, at["push"].start * 8
 
     def override(self, decision: Decision) -> Override:
         """Return what became of the decision's request."""
-        with np.errstate(all="ignore"):  # what is no number stays none; nothing is decided from it here
-            start = bool(decision.part("start")[0])
-            wanted = decision.part("u_nominal") if start else decision.part("u") + self._dt_s * decision.phi
-            change = decision.part("u_plus") - wanted
-            if decision.status is Status.PASSED and not change.any():
-                return Override(change=change, held_back=change, causes=(), allowed_fraction=1.0, unavoidable=False)
-            gain = 1.0 if start else self._dt_s * self._k_i
-            command = decision.part("u_h") if start else gain * decision.part("u_h")
-            if not start:
-                command = command + self._dt_s * decision.part("u_h_rate")
-            fraction = self._allowed_fraction(decision, wanted, command)
-            return Override(
-                change=change,
-                held_back=change / gain,
-                causes=self._causes(decision, wanted, change),
-                allowed_fraction=0.0 if fraction is None else fraction,
-                unavoidable=fraction is None,
-            )
-
-    def _causes(self, decision: Decision, wanted: Array, change: Array) -> tuple[Cause, ...]:
-        """Return the active rows in the order of their shares."""
-        m, duties = self._m, self._duties
-        cut_off = decision.part("u_ref") - wanted
-        push = decision.duals.copy()
-        push[duties : duties + 2 * m] += np.maximum(np.concatenate((cut_off, -cut_off)), 0.0)
-        along = np.concatenate((self._rows(decision)[:, :m] @ change, change, -change))
-        if self._norm is not None:
-            along = np.concatenate((along, -decision.part("cuts").reshape((-1, m), order="F") @ change))
-        square = float(change @ change)
-        causes = [
-            Cause(row=self._names[i], push=float(push[i]), share=float(push[i] * along[i]) / square if square else 0.0)
-            for i in np.flatnonzero(push > ACTIVE_DUAL)
-        ]
-        return tuple(sorted(causes, key=lambda cause: -cause.share))
-
-    def _allowed_fraction(self, decision: Decision, wanted: Array, command: Array) -> float | None:
-        """Return the largest s with every row and limit kept at u_want − (1 − s)·command; ``None`` if there is none."""
-        m, tolerance = self._m, self._tolerance
-        if not isfinite(float(wanted @ wanted + command @ command)):
-            return None
-        G = self._rows(decision)[:, :m]
-        kept = np.concatenate(
-            (
-                G @ (wanted - decision.part("u_ref")) - decision.part("d"),
-                wanted - decision.part("low"),
-                decision.part("high") - wanted,
-            )
+        self._decided[:] = decision.block
+        self._evaluate()
+        give, at = self._give
+        *pushes_and_shares, fraction = give(self._space.memory, at)
+        change = self._change.copy()
+        if decision.status is Status.PASSED and not change.any():
+            return Override(change=change, held_back=change, causes=(), allowed_fraction=1.0, unavoidable=False)
+        return Override(
+            change=change,
+            held_back=self._held_back.copy(),
+            causes=self._causes(pushes_and_shares),
+            allowed_fraction=max(fraction, 0.0),
+            unavoidable=fraction < 0.0,
         )
-        slope = np.concatenate((G @ command, command, -command))
-        least, most = _interval((kept + tolerance).tolist(), slope.tolist())
-        if self._norm is not None:
-            at_least, at_most = _within(wanted, command, self._norm + tolerance)
-            least, most = max(least, at_least), min(most, at_most)
-        return 1.0 - least if least <= min(most, 1.0) else None
 
-    def _rows(self, decision: Decision) -> Array:
-        return decision.part("G").reshape((self._duties, -1), order="F") if self._duties else np.zeros((0, self._m))
+    def _causes(self, pushes_and_shares: list[float]) -> tuple[Cause, ...]:
+        """Return the active rows in the order of their shares."""
+        rows = zip(self._names, pushes_and_shares, pushes_and_shares[len(self._names) :], strict=False)
+        causes = [Cause(row=name, push=push, share=share) for name, push, share in rows if push > ACTIVE_DUAL]
+        return tuple(sorted(causes, key=_falling)) if len(causes) > 1 else tuple(causes)
 
 
-def _interval(kept: list[float], slope: list[float]) -> tuple[float, float]:
+def _falling(cause: Cause) -> float:
+    return -cause.share
+
+
+def _explained(core: SafetyPassivityFilter, parts: dict[str, ca.SX]) -> dict[str, ca.SX]:
+    """Return what is computed of a decision's parts: the last is the allowed fraction, −1 where there is none."""
+    design = core.design
+    m, dt_s = design.system.m, design.dt_s
+    start, u_h = parts["start"], parts["u_h"]
+    wanted = ca.if_else(start, parts["u_nominal"], parts["u"] + dt_s * parts["phi"])
+    gain = ca.if_else(start, 1.0, dt_s * design.k_i)
+    command = ca.if_else(start, u_h, gain * u_h + dt_s * parts["u_h_rate"])
+    change = parts["u_plus"] - wanted
+    G = ca.reshape(parts["G"], core.duties, core.derivation.k)[:, :m]
+    cuts = ca.reshape(parts["cuts"], len(core.row_names) - core.duties - 2 * m, m)
+    cut_off = parts["u_ref"] - wanted
+    axes = ca.fmax(ca.vertcat(cut_off, -cut_off), 0)
+    push = parts["lam"] + ca.vertcat(ca.SX(core.duties, 1), axes, ca.SX(cuts.shape[0], 1))
+    along = ca.vertcat(G @ change, change, -change, -cuts @ change)
+    square = ca.sumsqr(change)
+    kept = ca.vertcat(G @ (wanted - parts["u_ref"]) - parts["d"], wanted - parts["low"], parts["high"] - wanted)
+    least, most = _interval(kept + design.tolerance.residual, ca.vertcat(G @ command, command, -command))
+    if design.limits.norm is not None:
+        at_least, at_most = _within(wanted, command, design.limits.norm + design.tolerance.residual)
+        least, most = ca.fmax(least, at_least), ca.fmin(most, at_most)
+    is_number = ca.sumsqr(wanted) + ca.sumsqr(command) < inf
+    return {
+        "change": change,
+        "held_back": change / gain,
+        "push": push,
+        "share": ca.if_else(square > 0, push * along / square, 0),
+        "allowed_fraction": ca.if_else(ca.logic_and(is_number, least <= ca.fmin(most, 1)), 1 - least, -1),
+    }
+
+
+def _interval(kept: ca.SX, slope: ca.SX) -> tuple[ca.SX, ca.SX]:
     """Return the least and the largest q ≥ 0 with kept − q·slope ≥ 0 in every place; the least is inf without one."""
-    least, most = 0.0, inf
-    for value, falls in zip(kept, slope, strict=True):
-        if falls > 0.0:
-            most = min(most, value / falls)
-        elif value < 0.0 and falls < 0.0:
-            least = max(least, value / falls)
-        elif not value >= 0.0:
-            return inf, most
-    return least, most
+    ends = kept / slope
+    rises = ca.logic_and(kept < 0, slope < 0)
+    never = ca.logic_not(ca.logic_or(slope > 0, ca.logic_or(rises, kept >= 0)))
+    least = ca.if_else(never, inf, ca.if_else(rises, ends, 0))
+    return ca.mmax(ca.vertcat(0, least)), ca.mmin(ca.vertcat(inf, ca.if_else(slope > 0, ends, inf)))
 
 
-def _within(wanted: Array, command: Array, norm: float) -> tuple[float, float]:
+def _within(wanted: ca.SX, command: ca.SX, norm: float) -> tuple[ca.SX, ca.SX]:
     """Return the least and the largest q with ‖wanted − q·command‖ ≤ norm; inf and −inf without one."""
-    a, b, c = float(command @ command), float(command @ wanted), float(wanted @ wanted) - norm**2
-    if a == 0.0:
-        return (-inf, inf) if c <= 0.0 else (inf, -inf)
+    a, b, c = ca.sumsqr(command), ca.dot(command, wanted), ca.sumsqr(wanted) - norm**2
     under = b * b - a * c
-    if not under >= 0.0:
-        return inf, -inf
-    return (b - sqrt(under)) / a, (b + sqrt(under)) / a
+    root = ca.sqrt(ca.fmax(under, 0))
+    some, always = ca.logic_and(a > 0, under >= 0), ca.logic_and(a == 0, c <= 0)
+    return (
+        ca.if_else(always, -inf, ca.if_else(some, (b - root) / a, inf)),
+        ca.if_else(always, inf, ca.if_else(some, (b + root) / a, -inf)),
+    )

@@ -85,9 +85,10 @@ class Telemetry:
     def message(self, record: TickRecord) -> FilterTick:
         """Return the message of one tick."""
         decision = record.decision
+        numbers, parts = decision.block.tolist(), decision.parts
 
         def vector(name: str) -> tuple[float, ...]:
-            return tuple(decision.part(name).tolist())
+            return tuple(numbers[parts[name]])
 
         psi = vector("psi")
         eps = vector("eps") if self._has_eps else (0.0,) * len(self._chains)

@@ -184,9 +184,19 @@ def test_rows_that_are_no_numbers_have_the_floor() -> None:
     assert distance == Distance(lower=solver.floor, upper=solver.reach)
 
 
-def test_where_the_solver_fails_the_decision_itself_is_the_bound(monkeypatch: pytest.MonkeyPatch) -> None:
-    limits = Limits.of(2, 10.0, None, None)
-    solver = DistanceToInfeasibility(limits, 1)
+def test_where_one_row_decides_no_program_is_solved(monkeypatch: pytest.MonkeyPatch) -> None:
+    """(0.6, 0.8)ᵀu ≥ 1 is kept best at the corner (10, 10), u₁ ≥ −30 better than that there."""
+    solver = DistanceToInfeasibility(Limits.of(2, 10.0, None, None), 2)
+    monkeypatch.setattr(solver, "_ask", pytest.fail)
+    box = np.full(2, 10.0)
+    distance = solver.of(posed(np.array([[1.0, 0.0], [0.6, 0.8]]), np.array([-30.0, 1.0]), -box, box))
+
+    assert (distance.lower, distance.upper) == pytest.approx((13.0, 13.0))
+
+
+def test_where_the_solver_fails_decision_and_single_rows_are_the_bounds(monkeypatch: pytest.MonkeyPatch) -> None:
+    """u₁ ≥ 0 and u₁ ≤ 0: at u₁ = 4 the second is missed by 4, and neither is kept by more than 10."""
+    solver = DistanceToInfeasibility(Limits.of(2, 10.0, None, None), 2)
     box = np.full(2, 10.0)
 
     class Failing:
@@ -197,26 +207,31 @@ def test_where_the_solver_fails_the_decision_itself_is_the_bound(monkeypatch: py
             return np.zeros(3), 0.0, -1, {}
 
     monkeypatch.setattr(solver, "_model", Failing())
-    distance = solver.of(posed(np.array([[1.0, 0.0]]), np.zeros(1), -box, box, u_plus=np.array([4.0, 0.0])))
+    opposed = np.array([[1.0, 0.0], [-1.0, 0.0]])
+    distance = solver.of(posed(opposed, np.zeros(2), -box, box, u_plus=np.array([4.0, 0.0])))
 
-    assert distance == Distance(lower=4.0, upper=limits.reach)
+    assert distance == Distance(lower=-4.0, upper=10.0)
 
 
 def test_weights_prove_what_no_input_within_the_limits_exceeds(monkeypatch: pytest.MonkeyPatch) -> None:
-    """(g₁ + 3g₂)/4 = (1/4, −3/4) reaches 2·1/4 + 10·3/4 between −10 ≤ u₁ ≤ 2 and |u₂| ≤ 10; the bounds take 1 more."""
+    """(g₁ + 3g₂)/4 = (−1/4, 3/4) reaches 10·1/4 + 6·3/4 between −10 ≤ u ≤ (2, 6), of which the bounds take 2.
+
+    Alone row 1 proves 9.2 and row 2 6.8, which is kept so well at (−10, 6), where row 1 is missed by 0.4.
+    """
     solver = DistanceToInfeasibility(Limits.of(2, 10.0, None, None), 2)
     monkeypatch.setattr(solver, "_ask", lambda: (np.zeros(2), np.array([1.0, 3.0])))
-    low, high = np.array([-10.0, -10.0]), np.array([2.0, 10.0])
-    distance = solver.of(posed(np.array([[1.0, 0.0], [0.0, -1.0]]), np.ones(2), low, high, u_plus=np.zeros(2)))
+    low, high = np.array([-10.0, -10.0]), np.array([2.0, 6.0])
+    rows = np.array([[0.8, 0.6], [-0.6, 0.8]])
+    distance = solver.of(posed(rows, np.array([-4.0, 4.0]), low, high, u_plus=np.zeros(2)))
 
-    assert distance == Distance(lower=-1.0, upper=7.0)
+    assert (distance.lower, distance.upper) == pytest.approx((-0.4, 5.0))
 
 
-def test_weights_that_prove_nothing_leave_the_reach(monkeypatch: pytest.MonkeyPatch) -> None:
-    limits = Limits.of(2, 10.0, 5.0, None)
-    solver = DistanceToInfeasibility(limits, 1)
+def test_weights_that_prove_nothing_leave_what_the_row_proves(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Within the norm 5 towards the corner (10, −10), and not beyond the axis' limit."""
+    solver = DistanceToInfeasibility(Limits.of(2, 10.0, 5.0, None), 1)
     box = np.full(2, 10.0)
     monkeypatch.setattr(solver, "_ask", lambda: (np.zeros(2), np.zeros(1)))
     distance = solver.of(posed(np.array([[1.0, 0.0]]), np.zeros(1), -box, box, u_plus=np.zeros(2)))
 
-    assert distance == Distance(lower=0.0, upper=limits.reach)
+    assert (distance.lower, distance.upper) == pytest.approx((5 / 2**0.5, 10.0))
