@@ -21,9 +21,7 @@ SWAPPED: Final = dict(_PAIRS) | {largest: least for least, largest in _PAIRS}
 _STATES: Final = "scale * ca.DM([(0.37 + 0.11 * k + 0.29 * i) * (-1) ** (i + k) for i in range(system.n)])"
 _TOUCHED: Final = "if program.norm < inf:  # where it binds, the best input is near the answer or where the pull ends"
 _FROM: Final = "self._linear[:m], self._linear[m] = known * -scale, -lower * scale - 1 / ETA"
-_NOTHING: Final = "return (-inf, inf) if c <= 0.0 else (inf, -inf)"
 _ROOT: Final = "root = max((sqrt(row.slack_price) for row in rows if row.slack_price is not None), default=0.0)"
-_NONE: Final = "the least is inf, which alone says that there is none"
 _INFINITE: Final = "what is infinite has an infinite half, what is not has not"
 _PROBES: Final = "the states and inputs at which a gradient is looked at are in general position either way"
 EQUIVALENT: Final[dict[tuple[str, str, str], str]] = {
@@ -35,8 +33,6 @@ EQUIVALENT: Final[dict[tuple[str, str, str], str]] = {
     ("infeasibility.py", "if program.norm == inf:", "program.norm: halved"): _INFINITE,
     ("infeasibility.py", _TOUCHED, "program.norm: halved"): _INFINITE,
     ("least_violation.py", "length = sqrt(1 + ETA)", "1 + ETA: -"): "all of a row has this factor",
-    ("override.py", "return inf, -inf", "-inf: no minus"): _NONE,
-    ("override.py", _NOTHING, "-inf: no minus"): "a request without a command that keeps all is not overridden",
     ("rows.py", _ROOT, f"{_ROOT.removeprefix('root = ')}: min"): "one row is soft at most",
     ("infeasibility.py", _FROM, "-lower: no minus"): "1/η is 1e8 times larger, so where t starts is lost in rounding",
 }
