@@ -22,6 +22,8 @@ _STATES: Final = "scale * ca.DM([(0.37 + 0.11 * k + 0.29 * i) * (-1) ** (i + k) 
 _TOUCHED: Final = "if program.norm < inf:  # where it binds, the best input is near the answer or where the pull ends"
 _FROM: Final = "self._linear[:m], self._linear[m] = known * -scale, -lower * scale - 1 / ETA"
 _ROOT: Final = "root = max((sqrt(row.slack_price) for row in rows if row.slack_price is not None), default=0.0)"
+_LEAST: Final = "ca.if_else(always, -inf, ca.if_else(some, (b - root) / a, inf)),"
+_MOST: Final = "ca.if_else(always, inf, ca.if_else(some, (b + root) / a, -inf)),"
 _INFINITE: Final = "what is infinite has an infinite half, what is not has not"
 _PROBES: Final = "the states and inputs at which a gradient is looked at are in general position either way"
 EQUIVALENT: Final[dict[tuple[str, str, str], str]] = {
@@ -33,6 +35,8 @@ EQUIVALENT: Final[dict[tuple[str, str, str], str]] = {
     ("infeasibility.py", "if program.norm == inf:", "program.norm: halved"): _INFINITE,
     ("infeasibility.py", _TOUCHED, "program.norm: halved"): _INFINITE,
     ("least_violation.py", "length = sqrt(1 + ETA)", "1 + ETA: -"): "all of a row has this factor",
+    ("override.py", _LEAST, "-inf: no minus"): "a request without a command that keeps all is not overridden",
+    ("override.py", _MOST, "-inf: no minus"): "the least is inf, which alone says that there is none",
     ("rows.py", _ROOT, f"{_ROOT.removeprefix('root = ')}: min"): "one row is soft at most",
     ("infeasibility.py", _FROM, "-lower: no minus"): "1/η is 1e8 times larger, so where t starts is lost in rounding",
 }
