@@ -1,4 +1,4 @@
-"""The live driver: one node in one process, at a fixed rate, over the bus."""
+"""One node in one process, at a fixed rate, over the bus."""
 
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -7,25 +7,17 @@ from dataclasses import dataclass
 from time import monotonic_ns
 from typing import Final
 
-from protocol.errors import ProtocolError
 from protocol.link_settings import LinkSettings
-from protocol.messages import Event, Health, LinkConfig, Message
-from protocol.topics import EVENT, HEALTH, LINK_CONFIG, LINK_EVENT, LINK_STATE, Topic
-from services.runtime.bus import Bus, open_bus
+from services.runtime.bus import open_bus
+from services.runtime.driver import Driver
 from services.runtime.endpoint import Endpoint
-from services.runtime.inlet import Inlet, inlets_of, require_links, take_all
-from services.runtime.link_control import LinkChange, LinkControl
+from services.runtime.link_control import LinkChange
 from services.runtime.node import Node
 from services.runtime.notices import Notices
-from services.runtime.outlet import Outlet
 from services.runtime.pace import Pace
 from services.runtime.readiness import announce_ready
-from services.runtime.realtime import quiet_collector, request_realtime
-from services.runtime.stop import Stop, StopReason, stop_requests
-
-HEALTH_PERIOD_NS: Final = 1_000_000_000
-BEHIND: Final = 0.05
-"""Share of steps left out from which a process says that it does not keep up."""
+from services.runtime.realtime import own_processor, quiet_collector, request_realtime, step_aside
+from services.runtime.stop import StopReason, stop_requests
 
 _NS_PER_S: Final = 1e9
 
@@ -86,15 +78,19 @@ def run_live(
         LinkNameError: If ``links`` or ``link_changes`` name a link that does not exist.
     """
     notices = Notices()
-    refusal = request_realtime()
     with ExitStack() as stack:
         stop = stack.enter_context(stop_requests(lifeline=lifeline))
+        refusal = request_realtime()
+        if refusal is None:
+            own_processor(node.name)
         bus = stack.enter_context(open_bus(endpoint))
-        driver = _Driver(node, bus, links, link_changes, time.time_ns() if epoch is None else epoch, notices)
+        driver = Driver(node, bus, links, link_changes, time.time_ns() if epoch is None else epoch, notices)
         if refusal is not None:
             driver.say("realtime", "warning", refusal)
         announce_ready(node.name)
+        step_aside()
         collect = stack.enter_context(quiet_collector())
+        request_realtime()
         pace = Pace(monotonic_ns() + round(_NS_PER_S / rate_hz), rate_hz)
         end_ns = None if duration_s is None else pace.due_ns + round(_NS_PER_S * duration_s)
         reason = driver.run(pace, stop, end_ns, finished or _never, collect)
@@ -105,146 +101,6 @@ def run_live(
             withheld=driver.withheld,
             reason=reason,
         )
-
-
-class _Driver:
-    """One node, its inlets and its outlet."""
-
-    def __init__(
-        self,
-        node: Node,
-        bus: Bus,
-        links: Mapping[str, LinkSettings],
-        changes: Sequence[LinkChange],
-        epoch: int,
-        notices: Notices,
-    ) -> None:
-        require_links(change.link for change in changes)
-        self._node = node
-        self._bus = bus
-        self._router = bus.router
-        self._notices = notices
-        self._inlets = inlets_of(node, links)
-        self._readers = tuple((inlet, bus.reader(inlet.topic)) for inlet in self._inlets)
-        self._configs, self._config_reader = Inlet(LINK_CONFIG), bus.reader(LINK_CONFIG)
-        sources = {inlet.link.name: inlet for inlet in self._inlets if inlet.link is not None}
-        linked = [inlet.link for inlet in self._inlets if inlet.link is not None]
-        self._links = LinkControl(linked, changes, lambda link: sources[link.name].sources)
-        self._outlet = Outlet(bus, node.name, epoch)
-        self._scheduled_ns = self._started_ns = monotonic_ns()
-
-    @property
-    def withheld(self) -> int:
-        """Messages that were not valid and therefore not sent."""
-        return self._outlet.withheld
-
-    def run(
-        self,
-        pace: Pace,
-        stop: Stop,
-        end_ns: int | None,
-        finished: Callable[[], bool],
-        collect: Callable[[], None],
-    ) -> StopReason:
-        """Step until there is a reason not to; returns it."""
-        health_due_ns = pace.due_ns + HEALTH_PERIOD_NS
-        told_ns, told_steps, told_missed = pace.due_ns, 0, 0
-        self._publish(EVENT, Event("info", "started"))
-        while True:
-            reason = _reason_to_end(pace, stop, end_ns, finished)
-            if reason is not None:
-                break
-            wait_ns = pace.due_ns - monotonic_ns()
-            if wait_ns > 0:
-                time.sleep(wait_ns / _NS_PER_S)
-            now_ns = monotonic_ns()
-            self._step(pace.begin(now_ns))
-            if now_ns >= health_due_ns:
-                self._tell_health(pace, (pace.steps - told_steps) * _NS_PER_S / (now_ns - told_ns))
-                self._look_for_router()
-                self._admit_being_behind(pace.steps - told_steps, pace.missed - told_missed)
-                told_ns, told_steps, told_missed = now_ns, pace.steps, pace.missed
-                health_due_ns = now_ns + HEALTH_PERIOD_NS
-                collect()
-            pace.end(monotonic_ns())
-        for state in self._links.last_states():
-            self._publish(LINK_STATE, state)
-        elapsed_ns = max(1, monotonic_ns() - told_ns)
-        self._tell_health(pace, (pace.steps - told_steps) * _NS_PER_S / elapsed_ns)
-        self.say("end", "info", f"ended by {reason.value} after {pace.steps} steps")
-        return reason
-
-    def say(self, kind: str, severity: str, text: str) -> None:
-        """Say something on standard error and as an event, within the limits of ``Notices``."""
-        event = self._notices.notice(kind, severity, text, monotonic_ns())
-        if event is not None:
-            self._publish(EVENT, event)
-
-    def _step(self, scheduled_ns: int) -> None:
-        configs = self._config_reader.drain()
-        came = [reader.drain() for _, reader in self._readers]
-        # Only now: however long this process was held up, nothing has come before it was sent.
-        now_ns = monotonic_ns()
-        self._scheduled_ns = scheduled_ns
-        self._started_ns = now_ns
-        self._configure(now_ns, configs)
-        if now_ns >= self._links.due_ns:
-            self._links.advance(now_ns)
-        for (inlet, _), messages in zip(self._readers, came, strict=True):
-            for data in messages:
-                self._read(inlet, now_ns, data)
-        for topic, body in self._node.step(scheduled_ns, take_all(self._inlets, now_ns)):
-            self._publish(topic, body)
-        if now_ns >= self._links.due_ns:
-            for state in self._links.due_states(now_ns):
-                self._publish(LINK_STATE, state)
-
-    def _configure(self, now_ns: int, configs: Sequence[bytes]) -> None:
-        for data in configs:
-            self._read(self._configs, now_ns, data)
-        for received in self._configs.take(now_ns):
-            if isinstance(received.body, LinkConfig):
-                self._links.configure(received.header, received.body)
-
-    def _read(self, inlet: Inlet, now_ns: int, data: bytes) -> None:
-        told = inlet.read(now_ns, data)
-        if isinstance(told, ProtocolError):
-            self.say(f"refused {inlet.topic.name}", "warning", f"refused {told}")
-            return
-        for event in told:
-            self._publish(LINK_EVENT, event)
-
-    def _publish(self, topic: Topic, body: Message | Callable[[], Message]) -> None:
-        error = self._outlet.publish(topic, body, scheduled_ns=self._scheduled_ns, started_ns=self._started_ns)
-        if error is not None and topic is not EVENT:
-            self.say(f"withheld {topic.name}", "error", f"withheld {error}")
-
-    def _look_for_router(self) -> None:
-        router = self._bus.router
-        if not router or router == self._router:
-            return
-        if self._router:
-            text = "the router was started again: what was sent while there was none did not arrive"
-            self.say("router", "warning", text)
-        self._router = router
-
-    def _admit_being_behind(self, made: int, left_out: int) -> None:
-        if left_out > BEHIND * (made + left_out):
-            steps = f"{left_out} of the last {made + left_out} steps"
-            self.say("behind", "warning", f"left out {steps}: too much for this machine, try a lower rate")
-
-    def _tell_health(self, pace: Pace, rate_hz: float) -> None:
-        topics = tuple(inlet.health for inlet in self._inlets)
-        late_us = pace.take_worst_late_ns() / 1e3
-        self._publish(HEALTH, Health(rate_hz, pace.steps, pace.overruns, pace.missed, late_us, topics))
-
-
-def _reason_to_end(pace: Pace, stop: Stop, end_ns: int | None, finished: Callable[[], bool]) -> StopReason | None:
-    if stop.reason is not None:
-        return stop.reason
-    if end_ns is not None and pace.due_ns >= end_ns:
-        return StopReason.DURATION
-    return StopReason.FINISHED if finished() else None
 
 
 def _never() -> bool:

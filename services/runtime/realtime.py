@@ -9,10 +9,20 @@ from contextlib import contextmanager
 from typing import Final
 
 LOOP_PRIORITY: Final = 50
-"""SCHED_FIFO priority of router and control loops."""
+"""SCHED_FIFO priority of router and control loops, and of the bus' threads.
+
+Threads of the bus wait for one another in ways that keep a processor busy: with more than the priority of a loop on the
+same processor they would keep from running what they wait for.
+"""
+
+ASIDE_PRIORITY: Final = 1
+"""SCHED_FIFO priority of a process that gets ready."""
 
 RECORDER_PRIORITY: Final = 20
 """SCHED_FIFO priority of a recorder: never in the way of a loop, never behind the rest of the machine."""
+
+LOOPS: Final = ("filter", "plant", "operator")
+"""Processes with a loop, the one that has most to do first."""
 
 _PR_SET_TIMERSLACK: Final = 29
 
@@ -31,6 +41,35 @@ def request_realtime(priority: int = LOOP_PRIORITY) -> str | None:
     except OSError as error:
         return f"no real-time priority ({error.strerror}): steps may be late under load"
     return None
+
+
+def step_aside() -> None:
+    """Go on after every loop, though before all that has no deadline: to get ready takes tens of milliseconds.
+
+    Nothing happens without real-time priority; ``request_realtime`` takes it back.
+    """
+    if hasattr(os, "sched_setscheduler") and os.sched_getscheduler(0) == os.SCHED_FIFO:
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(ASIDE_PRIORITY))
+
+
+def own_processor(name: str) -> None:
+    """Keep this thread on one processor: each loop's on another, as far as there are enough.
+
+    Linux leaves loops of one priority where they ran last, several on one processor, and takes every processor that
+    spends 95 % of a second in real time away from them for the rest of it (``sched_rt_runtime_us``).
+
+    Args:
+        name: Name of the process; nothing happens if it has no loop.
+    """
+    if name in LOOPS and hasattr(os, "sched_setaffinity"):
+        processors = sorted(os.sched_getaffinity(0), reverse=True)  # the first ones have interrupts to serve
+        os.sched_setaffinity(0, {processors[min(LOOPS.index(name), len(processors) - 1)]})
+
+
+def give_way() -> None:
+    """Let the bus' threads run, which have the priority and the processor of a loop that does not come to rest."""
+    if hasattr(os, "sched_yield"):
+        os.sched_yield()
 
 
 @contextmanager

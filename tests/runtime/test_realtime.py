@@ -1,10 +1,10 @@
-"""Priority and garbage collector."""
+"""Priority, processors and garbage collector."""
 
 import gc
 import subprocess
 import sys
 
-from services.runtime.realtime import quiet_collector
+from services.runtime.realtime import LOOPS, quiet_collector
 
 ASK = """
 import os
@@ -16,7 +16,11 @@ print(granted, os.sched_getparam(0).sched_priority, reason)
 
 
 def asked(priority: int) -> str:
-    code = ASK.format(priority=priority)
+    return asked_and("", priority)
+
+
+def asked_and(more: str, priority: int) -> str:
+    code = ASK.format(priority=priority) + more
     ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=20)
     return ran.stdout.strip()
 
@@ -28,6 +32,43 @@ def test_real_time_priority_is_granted_or_the_refusal_has_a_reason() -> None:
 
 def test_a_priority_that_the_system_does_not_know_is_a_refusal_and_no_error() -> None:
     assert asked(5_000).startswith("False 0 no real-time priority (")
+
+
+def test_a_process_steps_aside_behind_every_loop_if_it_has_priority_at_all() -> None:
+    aside = (
+        "\nfrom services.runtime.realtime import step_aside\nstep_aside()\nprint(os.sched_getparam(0).sched_priority)"
+    )
+    granted, priority, *_, after = asked_and(aside, 7).split()
+    assert (granted, priority, after) in {("True", "7", "1"), ("False", "0", "0")}
+
+
+HAVE = "import os; print(*sorted(os.sched_getaffinity(0)))"
+OWN = """
+import os
+from services.runtime.realtime import own_processor
+os.sched_setaffinity(0, {processors})
+own_processor({name!r})
+print(*sorted(os.sched_getaffinity(0)))
+"""
+
+
+def processors_of(code: str) -> list[int]:
+    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=20)
+    return [int(processor) for processor in ran.stdout.split()]
+
+
+def test_loops_have_processors_of_their_own_as_far_as_there_are_any() -> None:
+    there = processors_of(HAVE)
+    for processors in ({there[0]}, {*there[:2]}, {*there[:3]}):
+        kept = [processors_of(OWN.format(processors=processors, name=name)) for name in LOOPS]
+        assert all(len(own) == 1 for own in kept)
+        assert {own[0] for own in kept} == processors
+        assert kept[0] == [max(processors)]
+
+
+def test_a_process_without_a_loop_stays_where_it_may_be() -> None:
+    there = processors_of(HAVE)
+    assert processors_of(OWN.format(processors=set(there), name="recorder")) == there
 
 
 def test_the_collector_runs_when_asked_and_only_then() -> None:
