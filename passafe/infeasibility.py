@@ -7,7 +7,7 @@ rows at once. Where it is negative, no admissible input keeps them, and −t is 
 Rows are meant as they stand at the decision, with tangents and margins between samples that suit inputs near u⁺.
 
 Often one row decides: the upper bound that it proves alone, the most that it can be kept by within the axes' limits, is
-reached where it is kept that well, and no other row is missed by more there. Only else is the program solved.
+reached where it is kept that well, and no other row is missed by more there. Otherwise the program is solved.
 
 DAQP solves strictly convex programs, so the linear one is solved by proximal points, min ½‖z − c‖² − t/η with
 z = (w, t) and c the answer before; for a linear program that ends after finitely many steps (Rockafellar 1976), nearly
