@@ -113,13 +113,10 @@ class Explainer:
 
     def _causes(self, pushes_and_shares: list[float]) -> tuple[Cause, ...]:
         """Return the active rows in the order of their shares."""
-        rows = zip(self._names, pushes_and_shares, pushes_and_shares[len(self._names) :], strict=False)
+        count = len(self._names)
+        rows = zip(self._names, pushes_and_shares[:count], pushes_and_shares[count:], strict=True)
         causes = [Cause(row=name, push=push, share=share) for name, push, share in rows if push > ACTIVE_DUAL]
-        return tuple(sorted(causes, key=_falling)) if len(causes) > 1 else tuple(causes)
-
-
-def _falling(cause: Cause) -> float:
-    return -cause.share
+        return tuple(sorted(causes, key=lambda cause: -cause.share))
 
 
 def _explained(core: SafetyPassivityFilter, parts: dict[str, ca.SX]) -> dict[str, ca.SX]:

@@ -69,9 +69,10 @@ class FilterNode:
         self._n, self._m = system.n, system.m
         self._core = core
         self._foresight, self._series, self._schedule = foresight, series, schedule
-        self._telemetry = Telemetry(core)
+        explainer = Explainer(core)
+        self._telemetry = Telemetry(core, explainer)
         self._announcer = StatusAnnouncer()
-        self._overrides = OverrideAnnouncer(Explainer(core), wording, max(core.design.limits.magnitude))
+        self._overrides = OverrideAnnouncer(explainer, wording, max(core.design.limits.magnitude))
         self._request = request
         self._period_ns = period_ns
         self._state_stale_ns = state_stale_ns

@@ -68,11 +68,11 @@ class TickRecord(Struct, frozen=True, eq=False):
 class Telemetry:
     """Turns tick records into messages."""
 
-    def __init__(self, core: SafetyPassivityFilter) -> None:
+    def __init__(self, core: SafetyPassivityFilter, explainer: Explainer) -> None:
         self._design: FilterDesign = core.design
         self._row_names = core.row_names
         self._duties = core.duties
-        self._explainer = Explainer(core)
+        self._explainer = explainer
         self._hard = core.layout.parts["relax"].stop - core.layout.parts["relax"].start
         self._distance = DistanceToInfeasibility(core.design.limits, self._hard)
         self._has_eps = core.layout.parts["eps"].stop > core.layout.parts["eps"].start

@@ -21,7 +21,6 @@ from protocol.topics import TICK
 from services.assembly import filter_node
 from services.filter.arming import MOST_AT_ONCE
 from services.filter.node import MOST_UNACCOUNTED, FilterNode
-from services.filter.telemetry import Telemetry
 from services.runtime.node import Outgoing
 from services.scenarios.design import design_of, robot_of
 from services.scenarios.load import load_scenario
@@ -215,7 +214,6 @@ def test_telemetry_agrees_with_the_decision() -> None:
     assert tick.u_nominal == tuple(decision.u_nominal)
     assert tick.power_margin == decision.power_margin
     assert [row.margin for row in tick.rows] == list(decision.margins[:2])
-    assert isinstance(Telemetry(core), Telemetry)
 
 
 def test_a_step_makes_the_inputs_of_all_periods_that_were_left_out_each_for_what_the_one_before_leads_to() -> None:

@@ -23,7 +23,9 @@ HEADER = Header("filter", 1, 1, 0, 0, 0, 0)
 
 def tick_at(x: tuple[float, ...], u_h: tuple[float, float], core: SafetyPassivityFilter = CORE) -> FilterTick:
     decision = core.decide(x, (0.0, 0.0), u_h, (0.0, 0.0), 1.0, start=True)
-    tick = TickRecord(Telemetry(core), 1, FilterStatus[decision.status.name], decision, 0, 1.0, (), 0, 0, 7)()
+    tick = TickRecord(
+        Telemetry(core, Explainer(core)), 1, FilterStatus[decision.status.name], decision, 0, 1.0, (), 0, 0, 7
+    )()
     assert decode(TICK, encode(HEADER, tick))[1] == tick
     assert tick.horizon_ns == 7
     return tick
