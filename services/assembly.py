@@ -7,6 +7,7 @@ from typing import Self
 from passafe.filter import SafetyPassivityFilter
 from passafe.human_input import HandModel, HumanInputEstimator
 from passafe.models.robot import Robot
+from passafe.override import Explainer
 from passafe.sampled_plant import SampledPlant
 from protocol.topics import Topic
 from protocol.validation import MAX_VECTOR
@@ -48,6 +49,7 @@ class Derived:
         core: Its filter.
         plant: Its model, stepped at the scenario's rate.
         fail_safe: What is in force at the plant where no input follows.
+        explainer: Tells what the filter overrides and why.
         wording: Puts what the filter overrides into words.
     """
 
@@ -55,6 +57,7 @@ class Derived:
     core: SafetyPassivityFilter
     plant: SampledPlant
     fail_safe: FailSafe
+    explainer: Explainer
     wording: Wording
 
     @classmethod
@@ -77,6 +80,7 @@ class Derived:
                 period_ns=period_ns(scenario),
                 hold_ns=round(scenario.plant.hold_s * 1e9),
             ),
+            explainer=Explainer(core),
             wording=Wording(core, robot, input_unit(scenario)),
         )
 
@@ -129,6 +133,7 @@ def filter_node(scenario: Scenario, driver: str, epoch: int, derived: Derived | 
         request=request_of(scenario, derived.robot.system.m),
         state_stale_ns=round(scenario.filter.stale_s * 1e9),
         starts_nearest=scenario.filter.start == "nearest",
+        explainer=derived.explainer,
         wording=derived.wording,
         info=scenario_info(scenario, driver),
     )

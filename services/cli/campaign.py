@@ -1,6 +1,5 @@
 """``passafe campaign``: adversarial rollouts by the thousand."""
 
-import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
@@ -14,6 +13,7 @@ from services.campaign.records import Heading, Records
 from services.campaign.summary import Summary
 from services.campaign.workers import outcomes
 from services.cli.options import writable_folder
+from services.runtime.realtime import processors
 from services.scenarios.design import design_of, robot_of
 from services.scenarios.load import load_scenario
 
@@ -53,7 +53,7 @@ def campaign(
             lowest = min((outcome.h_min for outcome in known), default=float("inf"))
             task = bar.add_task(scenario.name, total=rollouts, completed=len(known), h=f"{lowest:.3g}")
             missing = [seed for seed in seeds if seed not in records.outcomes]
-            processes = workers or (os.cpu_count() or 1)
+            processes = workers or processors()
             for batch in records.add(outcomes(scenario, missing, duration, processes, singly=singly)):
                 lowest = min(lowest, *(outcome.h_min for outcome in batch))
                 bar.update(task, advance=len(batch), h=f"{lowest:.3g}")

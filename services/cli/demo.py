@@ -1,7 +1,7 @@
 """``passafe demo``: the whole system as processes on this machine."""
 
 import sys
-from collections.abc import Container
+from collections.abc import Callable, Container
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Final
@@ -30,8 +30,11 @@ from services.router.port import require_free_router_port
 from services.runtime.awake import awake_specs
 from services.runtime.endpoint import DEFAULT_PORT, LOOPBACK, Endpoint
 from services.runtime.outcome import GRACE_S, Cause, Outcome, ProcessSpec, Restarts
+from services.runtime.realtime import processors
 from services.runtime.supervisor import supervise
 from services.scenarios.design import design_of, robot_of
+from services.scenarios.errors import ScenarioError
+from services.scenarios.load import scenario_from
 from services.scenarios.schema import Scenario
 
 DIED: Final = 3
@@ -42,6 +45,11 @@ RESTARTED: Final = ("router", "dashboard", "operator", "filter")
 
 PATIENCE_S: Final = 60.0
 """How much longer than ``--duration`` a run may take by the clock: plant time begins with the filter's first input."""
+
+PAGE_RATE_HZ: Final = 500.0
+FEW_PROCESSORS: Final = 2
+"""With a page on so few processors there are at most so many ticks a second, unless a rate is asked for: six processes
+at 1 kHz leave a browser there nothing to draw with (``docs/decisions/0014-slower-beside-a-page.md``)."""
 
 RECORDER_GRACE_S: Final = 20.0
 """How long the recorder may take to end: on a busy machine it has a backlog to write."""
@@ -86,7 +94,10 @@ def demo(
 
     Example: `passafe demo --mode off --duration 10`
     """
+    console = Console(highlight=False, soft_wrap=True)
     chosen = scenario_from_options(scenario, mode=mode, law=law, duration_s=duration, rate_hz=rate, links=link or ())
+    if rate is None and not headless:
+        chosen = with_room_for_a_page(chosen, processors(), console.print)
     design_of(chosen, robot_of(chosen))  # what cannot be built is said before anything starts
     folder = writable_folder(out)
     endpoint = Endpoint(host=LOOPBACK, port=router_port)
@@ -102,7 +113,6 @@ def demo(
         *(awake_specs() if keep_awake else ()),
         *_specs(effective, endpoint, log, None if headless else port, duration, RESTARTED if restart else ()),
     ]
-    console = Console(highlight=False, soft_wrap=True)
 
     def say_ready() -> None:
         if not headless:
@@ -112,6 +122,27 @@ def demo(
     most_s = None if duration is None else duration + PATIENCE_S
     outcome = supervise(specs, duration_s=most_s, on_ready=say_ready, emit=console.out)
     raise typer.Exit(_conclude(outcome, log, chosen, console))
+
+
+def with_room_for_a_page(scenario: Scenario, count: int, say: Callable[[str], object]) -> Scenario:
+    """Return a scenario with no more ticks a second than leave a browser room on so many processors.
+
+    Args:
+        scenario: As the options have it.
+        count: How many processors there are.
+        say: Takes the words for what is changed.
+    """
+    if count > FEW_PROCESSORS or scenario.rate_hz <= PAGE_RATE_HZ:
+        return scenario
+    try:
+        slower = scenario_from(scenario.model_dump(mode="json"), scenario.name, {"rate_hz": PAGE_RATE_HZ})
+    except ScenarioError:  # it stands only its own rate
+        return scenario
+    say(
+        f"{PAGE_RATE_HZ:g} ticks a second, not the scenario's {scenario.rate_hz:g}: a browser has to draw the page "
+        f"on the same {count} processors; --rate {scenario.rate_hz:g} insists, --headless does without a page"
+    )
+    return slower
 
 
 def _specs(

@@ -1,6 +1,5 @@
 """``passafe experiment``: sweeps in virtual time."""
 
-import os
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
@@ -24,6 +23,7 @@ from services.experiment.records import Records
 from services.experiment.runs import Result
 from services.experiment.summary import Summary
 from services.experiment.workers import Crew, dask_cluster, local_processes, results
+from services.runtime.realtime import processors
 from services.runtime.stop import Stop, stop_requests
 
 INTERRUPTED: Final = 130
@@ -99,7 +99,7 @@ def _crew(workers: int, scheduler: str | None) -> Iterator[Crew]:
 
 
 def _processes(workers: int) -> int:
-    return workers or os.cpu_count() or 1
+    return workers or processors()
 
 
 def _sweep(plan: Plan, study: Study, records: Records, crew: Crew, stop: Stop) -> None:

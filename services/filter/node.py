@@ -48,6 +48,7 @@ class FilterNode:
         request: AsSent,
         state_stale_ns: int,
         starts_nearest: bool,
+        explainer: Explainer,
         wording: Wording,
         info: ScenarioInfo,
     ) -> None:
@@ -62,6 +63,7 @@ class FilterNode:
             request: What the operator's commands ask for.
             state_stale_ns: Age of the newest state from which nothing is sent, ns.
             starts_nearest: Whether the first input of all is the nearest to û, rather than one step from u = 0.
+            explainer: Tells what the filter overrides and why.
             wording: Puts what the filter overrides into words.
             info: Published by the first step.
         """
@@ -69,7 +71,6 @@ class FilterNode:
         self._n, self._m = system.n, system.m
         self._core = core
         self._foresight, self._series, self._schedule = foresight, series, schedule
-        explainer = Explainer(core)
         self._telemetry = Telemetry(core, explainer)
         self._announcer = StatusAnnouncer()
         self._overrides = OverrideAnnouncer(explainer, wording, max(core.design.limits.magnitude))

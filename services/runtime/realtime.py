@@ -66,6 +66,11 @@ def own_processor(name: str) -> None:
         os.sched_setaffinity(0, {processors[min(LOOPS.index(name), len(processors) - 1)]})
 
 
+def processors() -> int:
+    """Return how many processors this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
 def give_way() -> None:
     """Let the bus' threads run, which have the priority and the processor of a loop that does not come to rest."""
     if hasattr(os, "sched_yield"):

@@ -25,7 +25,7 @@ def only_log(folder: Path) -> Path:
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> tuple[RunLog, list[str], int]:
     folder = tmp_path_factory.mktemp("live")
-    with running_demo(folder, "--duration", "3") as demo:
+    with running_demo(folder, "--duration", "3", "--rate", "1000") as demo:
         demo.wait_for(r"dashboard http://127\.0\.0\.1:\d+/")
         code = demo.end()
     return RunLog.read(only_log(folder)), demo.lines, code
@@ -90,7 +90,7 @@ def test_ctrl_c_ends_cleanly_with_the_verdict_and_leaves_nothing_behind(tmp_path
 
 @pytest.mark.parametrize("victim", ["router", "recorder", "dashboard", "operator", "filter", "plant"])
 def test_a_killed_process_is_named_within_a_second_and_the_log_is_readable(victim: str, tmp_path: Path) -> None:
-    with running_demo(tmp_path) as demo:
+    with running_demo(tmp_path, "--rate", "1000") as demo:
         demo.wait_for("running; end with Ctrl-C")
         pids = demo.children()
         os.kill(pids[victim], signal.SIGKILL)
