@@ -8,7 +8,7 @@ GENERATE := $(BIN)/python -m grpc_tools.protoc -I .
 DEMO ?=
 CAMPAIGN ?= $(basename $(notdir $(wildcard services/scenarios/*.toml)))
 
-.PHONY: help demo test check fast proto lock docs pictures bench campaign atlas delay-atlas mutation clean
+.PHONY: help demo test check fast proto lock docs pictures bench campaign atlas delay-atlas mutation wheel clean
 
 help:  ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 13
@@ -27,13 +27,14 @@ test: $(STAMP)  ## every test that CI runs, with coverage of core and protocol
 	$(BIN)/python -m pytest -n auto --dist loadfile -m 'not live and not browser' --cov --cov-report=
 	$(BIN)/python -m pytest -m 'live or browser' --cov --cov-append --cov-report=term:skip-covered --cov-fail-under=100
 
-fast: $(STAMP)  ## the tests that start no process and no browser
-	$(BIN)/python -m pytest -n auto --dist loadfile -m 'not live and not browser'
+fast: $(STAMP)  ## the tests that start no process and no browser, and compile nothing
+	$(BIN)/python -m pytest -n auto --dist loadfile -m 'not live and not browser and not compiled'
 
 check: $(STAMP)  ## lint, format, types, import direction, generated files current
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+	$(BIN)/mypy hatch_build.py
 	$(BIN)/lint-imports
 	@mkdir -p .build && $(GENERATE) --python_out=.build --pyi_out=.build $(PROTO)
 	@for f in passafe_pb2.py passafe_pb2.pyi; do cmp .build/protocol/$$f protocol/$$f || { echo "protocol/$$f is not current: run make proto"; exit 1; }; done
@@ -72,8 +73,12 @@ delay-atlas: $(STAMP)  ## the delay-margin atlas of docs/experiments.md; it goes
 	$(BIN)/passafe experiment delay-margin --keep none --out runs/delay-margin
 	cp runs/delay-margin/boundaries.svg docs/pictures/delay-margin.svg
 
+wheel: $(STAMP)  ## dist/: a wheel with the loop compiled, for long sweeps; needs a C compiler
+	HATCH_BUILD_HOOK_ENABLE_CUSTOM=true $(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --no-build-isolation --wheel-dir dist .
+	@ls dist/passafe-*
+
 lock: $(STAMP)  ## pin what is installed now
-	$(BIN)/python -m pip freeze --exclude-editable | grep -v ' @ ' > constraints.txt
+	$(BIN)/python -m pip freeze --all --exclude pip --exclude-editable | grep -v ' @ ' > constraints.txt
 
 clean:  ## remove everything generated
 	rm -rf $(VENV) .build .mypy_cache .ruff_cache .pytest_cache .hypothesis runs

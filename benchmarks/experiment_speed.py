@@ -1,7 +1,8 @@
 """How fast a sweep is, and what a second worker is worth: ``python benchmarks/experiment_speed.py``.
 
-The same runs with one worker and with two, in turn; the first portion of every crew, in which its processes start and
-derive, is left out of the rate. The machine's other load is printed beside it: two workers are worth two only where two
+The same runs with one worker and with two, in turn. A rate is the slope of the results' number over their time (least
+squares: they come in portions), without the first portions of every process, in which it starts and derives. The
+machine's other load is printed beside it: two workers are worth two only where two
 processors are free.
 """
 
@@ -9,7 +10,7 @@ import json
 import os
 import sys
 from dataclasses import asdict, dataclass
-from statistics import median
+from statistics import linear_regression, median
 from time import perf_counter
 from typing import Annotated
 
@@ -101,8 +102,8 @@ def timed(study: Study, workers: int) -> tuple[float, float]:
     with local_processes(workers) as crew:
         at_s = [perf_counter() - begun_s for _ in results(plan, study, crew, lambda: False)]
         portions = workers * crew.portion
-    first = at_s[2 * portions - 1]
-    return (len(at_s) - 2 * portions) / (at_s[-1] - first), at_s[portions - 1]
+    steady = range(2 * portions, len(at_s))
+    return linear_regression(at_s[2 * portions :], steady).slope, at_s[portions - 1]
 
 
 def show(speeds: list[Speed], gain: float, title: str, duration_s: float) -> None:
@@ -112,7 +113,7 @@ def show(speeds: list[Speed], gain: float, title: str, duration_s: float) -> Non
         rates = speed.runs_per_s
         middle = median(rates)
         figures = [f"{min(rates):.2f}", f"{middle:.2f}", f"{max(rates):.2f}", f"{duration_s * middle:.0f}"]
-        table.add_row(str(speed.workers), *figures, f"{1000 / middle:.0f} s", f"{speed.start_s:.1f} s")
+        table.add_row(str(speed.workers), *figures, f"{speed.start_s + 1000 / middle:.0f} s", f"{speed.start_s:.1f} s")
     console = Console(width=max(100, Console().width))
     console.print(table)
     console.print(f"two workers over one: {gain:.2f}")

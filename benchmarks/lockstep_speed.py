@@ -1,8 +1,8 @@
 """How many times real time the lockstep loop runs, recording off.
 
-``python benchmarks/lockstep_speed.py``. Timed runs come first, on one core, with nothing watching. The share of
-each node is then measured in runs of its own, with a clock around every node's step; the clock's own cost is
-measured and taken off.
+``python benchmarks/lockstep_speed.py``; over a bad network with ``--link``. Timed runs come first, on one core, with
+nothing watching. The share of each node is then measured in runs of its own, with a clock around every node's step; the
+clock's own cost is measured and taken off.
 """
 
 import gc
@@ -21,9 +21,10 @@ from rich.table import Table
 
 from protocol.messages import Received
 from services.assembly import filter_node, operator_node, period_ns, plant_node
+from services.cli.options import LinkOption, RateOption, scenario_from_options
 from services.runtime.lockstep import Lockstep
 from services.runtime.node import Node, Outgoing
-from services.scenarios.load import load_scenario
+from services.scenarios.links import link_settings
 from services.scenarios.schema import Scenario
 
 MODES = ("off", "safe", "passive", "both")
@@ -74,6 +75,8 @@ def main(
     scenario: Annotated[str, typer.Option(help="Scenario, by name or file.")] = "notomista-cai-2020",
     repetitions: Annotated[int, typer.Option(min=1, max=100, help="Timed runs for each mode.")] = 7,
     mode: Annotated[list[str] | None, typer.Option(help=f"Of {', '.join(MODES)}; all if not given.")] = None,
+    rate: RateOption = None,
+    link: LinkOption = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of the table.")] = False,
 ) -> None:
     """Time the lockstep loop in every mode."""
@@ -81,12 +84,16 @@ def main(
     unknown = sorted(set(mode or ()) - set(MODES))
     if unknown:
         raise typer.BadParameter(f"got {', '.join(unknown)}, allowed {', '.join(MODES)}", param_hint="--mode")
-    scenarios = {name: load_scenario(scenario, {"filter.mode": name}) for name in mode or MODES}
+    scenarios = {
+        name: scenario_from_options(scenario, mode=name, rate_hz=rate, links=link or ()) for name in mode or MODES
+    }
     speeds = [measure(loaded, name, repetitions) for name, loaded in scenarios.items()]
     load = os.getloadavg()[0]
     if as_json:
         facts = {
             "scenario": scenario,
+            "rate_hz": rate,
+            "links": link,
             "core": core,
             "python": sys.version.split()[0],
             "load_average_1min": load,
@@ -124,9 +131,14 @@ def loop_nodes(scenario: Scenario) -> list[Node]:
     return [plant_node(scenario), operator_node(scenario, 1), filter_node(scenario, "lockstep", 1)]
 
 
+def loop_of(nodes: Sequence[Node], scenario: Scenario) -> Lockstep:
+    """Return the scenario's loop of some nodes, over its links."""
+    return Lockstep(nodes, period_ns=period_ns(scenario), links=link_settings(scenario))
+
+
 def timed_run_ns(scenario: Scenario, steps: int) -> tuple[int, int]:
     """Return the wall-clock and the CPU time of some periods after a warm-up, ns."""
-    loop = Lockstep(loop_nodes(scenario), period_ns=period_ns(scenario))
+    loop = loop_of(loop_nodes(scenario), scenario)
     loop.run(WARM_UP_STEPS)
     gc.collect()
     wall_ns, cpu_ns = perf_counter_ns(), thread_time_ns()
@@ -138,7 +150,7 @@ def shares(scenario: Scenario, steps: int) -> dict[str, float]:
     """Return the time of each node's step and what remains for the driver, µs a period."""
     clock_ns = clock_cost_ns()
     clocked = [Clocked(node) for node in loop_nodes(scenario)]
-    loop = Lockstep(clocked, period_ns=period_ns(scenario))
+    loop = loop_of(clocked, scenario)
     loop.run(WARM_UP_STEPS)
     before = [node.spent_ns for node in clocked]
     begin = perf_counter_ns()

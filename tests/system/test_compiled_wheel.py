@@ -1,0 +1,69 @@
+"""The wheel with compiled modules does what the sources do, to the last bit."""
+
+import json
+import os
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+pytestmark = pytest.mark.compiled
+
+ROOT = Path(__file__).parents[2]
+HOOKS = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["hatch"]["build"]["targets"]["wheel"]["hooks"]
+MODULES = [path.removesuffix(".py").replace("/", ".") for path in HOOKS["custom"]["modules"]]
+
+
+def run(*command: str, **environment: str) -> str:
+    done = subprocess.run(
+        [sys.executable, *command],
+        cwd=ROOT,
+        env=os.environ | environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder with what the compiled wheel installs."""
+    folder = tmp_path_factory.mktemp("compiled")
+    quiet = ("-m", "pip", "--quiet", "--disable-pip-version-check")
+    wheel = ("wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", str(folder), ".")
+    run(*quiet, *wheel, HATCH_BUILD_HOOK_ENABLE_CUSTOM="true")
+    [built] = folder.glob("*.whl")
+    run(*quiet, "install", "--no-deps", "--no-index", "--target", str(folder / "site"), str(built))
+    return folder / "site"
+
+
+def looked_at(path: Path) -> dict[str, object]:
+    found: dict[str, object] = json.loads(run("tests/system/lockstep_digest.py", *MODULES, PYTHONPATH=str(path)))
+    return found
+
+
+def test_loops_send_the_same_bytes_compiled_and_not(installed: Path) -> None:
+    compiled, plain = looked_at(installed), looked_at(ROOT)
+
+    assert compiled["digest"] == plain["digest"]
+    origins = (compiled["origins"], plain["origins"])
+    assert all(isinstance(each, dict) and len(each) == len(MODULES) for each in origins)
+    assert {Path(file).suffix for file in compiled["origins"].values()} == {".so"}  # type: ignore[attr-defined]
+    assert {Path(file).suffix for file in plain["origins"].values()} == {".py"}  # type: ignore[attr-defined]
+
+
+def test_nothing_compiled_is_left_beside_the_sources(installed: Path) -> None:
+    assert list(installed.glob("passafe/*.so"))
+    assert not [path for package in ("passafe", "protocol", "services") for path in (ROOT / package).rglob("*.so")]
+
+
+def test_a_sweep_runs_in_worker_processes_from_the_wheel(installed: Path, tmp_path: Path) -> None:
+    sweep = ("experiment", "random-network", "--seeds", "4", "--workers", "2", "--keep", "none", "--out", str(tmp_path))
+
+    run(str(installed / "bin" / "passafe"), *sweep, PYTHONPATH=str(installed))
+
+    assert (tmp_path / "cells.csv").read_text()
