@@ -53,6 +53,8 @@ bench: $(STAMP)  ## benchmarks; the peers are installed first
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[peers]'
 	$(BIN)/python benchmarks/filter_step.py
 	$(BIN)/python benchmarks/lockstep_speed.py
+	$(BIN)/python benchmarks/lockstep_speed.py --mode both --rate 500 $(foreach way,plant-to-filter filter-to-plant,--link $(way):delay=0.1,jitter=0.01,loss=0.05)
+	$(BIN)/python benchmarks/prediction_cost.py
 	$(BIN)/python benchmarks/experiment_speed.py
 	$(BIN)/python benchmarks/human_input.py
 	$(BIN)/python benchmarks/campaign_speed.py
