@@ -83,4 +83,4 @@ lock: $(STAMP)  ## pin what is installed now
 	$(BIN)/python -m pip freeze --all --exclude pip --exclude-editable | grep -v ' @ ' > constraints.txt
 
 clean:  ## remove everything generated
-	rm -rf $(VENV) .build .mypy_cache .ruff_cache .pytest_cache .hypothesis runs
+	rm -rf $(VENV) .venv-compiled .build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis runs
