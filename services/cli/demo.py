@@ -89,6 +89,8 @@ def demo(
     end with Ctrl-C. Then the log is judged as by `passafe review`. Exits with 0 only if every required property
     holds and every process ended well.
 
+    With a page on two processors there are at most 500 ticks a second, so that a browser has room; `--rate` insists.
+
     With `--restart`, `pkill -9 -f 'services.cli.run filter'` shows what a dead process does to the robot: its own
     fail-safe stops it, and the next filter takes over from there.
 
