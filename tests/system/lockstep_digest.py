@@ -11,8 +11,11 @@ from protocol.topics import Topic
 from services.assembly import lockstep_loop
 from services.scenarios.load import load_scenario
 
-BAD = {"delay_s": 0.05, "jitter_s": 0.01, "loss": 0.1, "duplicate": 0.01, "corrupt": 0.01}
-LINKS = {f"links.{name}": BAD for name in ("plant-to-filter", "filter-to-plant", "operator-to-filter")}
+LINKS = {  # each by another of a link's ways through
+    "links.operator-to-filter": {"delay_s": 0.05},
+    "links.plant-to-filter": {"delay_s": 0.05, "jitter_s": 0.01, "loss": 0.1},
+    "links.filter-to-plant": {"delay_s": 0.05, "jitter_s": 0.01, "loss": 0.1, "duplicate": 0.01, "corrupt": 0.01},
+}
 
 
 def main() -> None:
@@ -24,9 +27,9 @@ def main() -> None:
 
     for name in ("notomista-cai-2020", "walls-and-disks", "human-steers", "lagged-point"):
         for prediction in (True, False):
-            overrides = {"rate_hz": 500.0, "filter.prediction": prediction, **LINKS}
+            overrides = {"rate_hz": 500.0, "filter.prediction": prediction} | LINKS
             loop = lockstep_loop(load_scenario(name, overrides), take)
-            loop.run(700)
+            loop.run(1500)
             loop.finish()
     origins = {module: import_module(module).__file__ for module in sys.argv[1:]}
     json.dump({"digest": digest.hexdigest(), "origins": origins}, sys.stdout)
