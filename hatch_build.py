@@ -30,7 +30,7 @@ class CompiledModules(BuildHookInterface):  # type: ignore[type-arg]  # the whee
         folder = root / ".build" / "compiled"
         shutil.rmtree(folder, ignore_errors=True)
         for package in self.build_config.packages:
-            shutil.copytree(root / package, folder / package, ignore=shutil.ignore_patterns("__pycache__", "*.so"))
+            shutil.copytree(root / package, folder / package, ignore=shutil.ignore_patterns("__pycache__"))
         # mypyc builds with setuptools, which must not take this for a project of its own.
         shutil.copy(root / "pyproject.toml", folder / "mypy.toml")
         # What `make check` has to be told to ignore on Python 3.11 need not be there on a newer one.

@@ -2,8 +2,7 @@
 
 The same runs with one worker and with two, in turn. A rate is the slope of the results' number over their time (least
 squares: they come in portions), without the first portions of every process, in which it starts and derives. The
-machine's other load is printed beside it: two workers are worth two only where two
-processors are free.
+machine's other load is printed beside it: two workers are worth two only where two processors are free.
 """
 
 import json

@@ -24,7 +24,7 @@ def campaign(
     rollouts: Annotated[int, typer.Option("--rollouts", "-n", min=1, help="Rollouts of each scenario.")] = 100,
     first_seed: Annotated[int, typer.Option("--first-seed", min=0, help="Seed of the first; the others follow.")] = 0,
     duration: Annotated[float, typer.Option("--duration", "-d", min=0.01, help="Seconds of plant time each.")] = 10.0,
-    workers: Annotated[int, typer.Option("--workers", "-w", min=0, help="Processes; 0: one for each core.")] = 0,
+    workers: Annotated[int, typer.Option("--workers", "-w", min=0, help="Processes; 0: one for each processor.")] = 0,
     singly: Annotated[bool, typer.Option("--singly", help="Let the filter take every decision one by one.")] = False,
 ) -> None:
     """Let adversaries drive a scenario from random safe starts and report the worst that happens.

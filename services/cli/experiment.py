@@ -33,7 +33,7 @@ INTERRUPTED: Final = 130
 def experiment(
     file: Annotated[str, typer.Argument(help="TOML file, or one that is shipped: delay, gain, jitter-margin, …")],
     out: Annotated[Path, typer.Option("--out", "-o", help="Folder for results, tables, page and logs.")],
-    workers: Annotated[int, typer.Option("--workers", "-w", min=0, help="Processes; 0: one for each core.")] = 0,
+    workers: Annotated[int, typer.Option("--workers", "-w", min=0, help="Processes; 0: one for each processor.")] = 0,
     scheduler: Annotated[
         str | None,
         typer.Option("--scheduler", metavar="ADDRESS", help="Run on a Dask cluster instead, e.g. tcp://10.0.0.1:8786."),

@@ -62,8 +62,8 @@ def own_processor(name: str) -> None:
         name: Name of the process; nothing happens if it has no loop.
     """
     if name in LOOPS and hasattr(os, "sched_setaffinity"):
-        processors = sorted(os.sched_getaffinity(0), reverse=True)  # the first ones have interrupts to serve
-        os.sched_setaffinity(0, {processors[min(LOOPS.index(name), len(processors) - 1)]})
+        allowed = sorted(os.sched_getaffinity(0), reverse=True)  # the first ones have interrupts to serve
+        os.sched_setaffinity(0, {allowed[min(LOOPS.index(name), len(allowed) - 1)]})
 
 
 def processors() -> int:
