@@ -34,7 +34,7 @@ check: $(STAMP)  ## lint, format, types, import direction, generated files curre
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
-	$(BIN)/mypy hatch_build.py
+	$(BIN)/mypy wheel_build
 	$(BIN)/lint-imports
 	@mkdir -p .build && $(GENERATE) --python_out=.build --pyi_out=.build $(PROTO)
 	@for f in passafe_pb2.py passafe_pb2.pyi; do cmp .build/protocol/$$f protocol/$$f || { echo "protocol/$$f is not current: run make proto"; exit 1; }; done

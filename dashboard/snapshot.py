@@ -7,8 +7,6 @@ from collections.abc import Mapping
 from math import hypot
 from typing import Any, Final, TypeAlias
 
-from msgspec.structs import asdict
-
 from dashboard.columns import COMMAND_AGE, POWER_MARGIN, STATE_AGE, TANK, measured_h, psi
 from dashboard.decimation import NS_PER_S, Worst
 from dashboard.feed import Feed
@@ -16,6 +14,7 @@ from dashboard.palette import PHASE_MEANINGS, STATUS_STYLES
 from dashboard.traffic import Traffic
 from protocol.link_effect import LinkCounts
 from protocol.messages import FilterTick, PlantState
+from protocol.shapes import as_dict
 from protocol.topics import HEALTH, LINKS, PROCESSES, STATE, TICK, TOPIC_OF_NAME
 
 Json: TypeAlias = dict[str, Any]
@@ -201,10 +200,10 @@ def link_json(feed: Feed, name: str, now_ns: int) -> Json:
     about: Json = {"link": name, "topic": topic.name, "reader": reader, "age_s": None, "settings": None, "counts": None}
     if heard is None:
         return about
-    state = asdict(heard.state)
+    state = as_dict(heard.state)
     return about | {
         "age_s": (now_ns - heard.received_ns) / NS_PER_S,
-        "settings": asdict(heard.state.parameters)
+        "settings": state["parameters"]
         | {
             "outages": [(outage.start_s, outage.end_s) for outage in heard.state.parameters.outages],
             "trace_opportunities": heard.state.trace_opportunities,

@@ -38,7 +38,11 @@ RELAXED_NORM: Final = 1e4
 """How many times further beyond the norm it may be where hard rows are given up: shortening costs them little more."""
 
 # Reaching a member through its enumeration takes 0.7 µs on Python 3.11, and a step has 20.
-_PASSED, _MODIFIED, _RELAXED, _UNCERTIFIED, _INFEASIBLE = Status
+_PASSED: Final = Status.PASSED
+_MODIFIED: Final = Status.MODIFIED
+_RELAXED: Final = Status.RELAXED
+_UNCERTIFIED: Final = Status.UNCERTIFIED
+_INFEASIBLE: Final = Status.INFEASIBLE
 
 
 class SafetyPassivityFilter:
@@ -81,7 +85,7 @@ class SafetyPassivityFilter:
         self._judge = space.bind(derivation.judge, derivation.judge_reads, list(judged))
         self._weigh = space.bind(derivation.conflict, ["G", "d", "relax", "u_ref", "low", "high"], ["conflict"])
         self._fail_safe = space.bind(derivation.fail_safe, ["x"], ["u_plus"])
-        self._m, self._lengths = m, (n, m, m, m)
+        self._n, self._m = n, m
         self._take = struct.Struct(f"{n + 5 * m + 4}d").pack_into
         self._worst = struct.Struct("2d").unpack_from, self.layout.parts["worst"].start * 8
         self._verdict = struct.Struct("7d").unpack_from, self.layout.parts["residuals"].start * 8
@@ -138,10 +142,10 @@ class SafetyPassivityFilter:
         Raises:
             ShapeError: An argument of the wrong length.
         """
-        lengths = (len(x), len(u), len(u_h), len(u_h_rate))
-        if lengths != self._lengths:
-            got, allowed = (", ".join(map(str, each)) for each in (lengths, self._lengths))
-            raise ShapeError("x, u, u_h, u_h_rate", f"lengths {got}", f"lengths {allowed}")
+        n, m = self._n, self._m
+        if len(x) != n or not len(u) == len(u_h) == len(u_h_rate) == m:
+            got = ", ".join(str(len(each)) for each in (x, u, u_h, u_h_rate))
+            raise ShapeError("x, u, u_h, u_h_rate", f"lengths {got}", f"lengths {n}, {m}, {m}, {m}")
         memory = self._workspace.memory
         self._take(memory, 0, *x, *u, *u_h, *u_h_rate, tank_j, t_s, start, *u, *self._first_guess)
         if self._too_long:

@@ -6,6 +6,7 @@ instruction sets round differently, so that a log would step again bit for bit o
 """
 
 from importlib import import_module
+from typing import Final
 
 import numpy as np
 
@@ -15,8 +16,8 @@ from passafe.workspace import Array
 piqp = import_module("piqp.piqp_python")  # the package itself is one of its builds and hides the others
 
 
-_SOLVED = int(piqp.PIQP_SOLVED)
-_INFEASIBLE = int(piqp.PIQP_PRIMAL_INFEASIBLE)
+_SOLVED: Final = int(piqp.PIQP_SOLVED)
+_INFEASIBLE: Final = int(piqp.PIQP_PRIMAL_INFEASIBLE)
 
 
 class PiqpSolver:

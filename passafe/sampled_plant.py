@@ -2,25 +2,25 @@
 
 import struct
 from collections.abc import Sequence
+from typing import Final
 
 import casadi as ca
 import numpy as np
-from msgspec import Struct as Record
-from msgspec.structs import replace
+from msgspec import Struct
 from scipy.linalg import expm
 
 from passafe.errors import IntegrationError, ShapeError
 from passafe.system import System
 from passafe.workspace import Layout, Workspace, dense_function
 
-LOCAL_TOLERANCE = 1e-10
+LOCAL_TOLERANCE: Final = 1e-10
 """Largest estimated local error of one period of a nonlinear plant, in each state's own units."""
 
-MAX_SUBSTEPS = 256
+MAX_SUBSTEPS: Final = 256
 """Substeps of a period beyond which a nonlinear plant counts as not integrable."""
 
 
-class Sample(Record, frozen=True, gc=False):
+class Sample(Struct, frozen=True, gc=False):
     """The plant at the end of a period.
 
     Attributes:
@@ -72,7 +72,7 @@ class SampledPlant:
         self._observe = dense_function("observe", [system.x], [system.y, V])
         self._take = struct.Struct(f"{n + m + 1}d").pack_into
         parts = self._space.layout.parts
-        self._sizes = n, m
+        self._n, self._m = n, m
         self._give_x = struct.Struct(f"{n}d").unpack_from, parts["x_next"].start * 8
         self._give_y = struct.Struct(f"{m}d").unpack_from, parts["y"].start * 8
         self._give_rest = struct.Struct("3d").unpack_from, parts["stored"].start * 8
@@ -106,9 +106,8 @@ class SampledPlant:
 
     def _step(self, x: Sequence[float], u: Sequence[float], h: float) -> Sample:
         memory = self._space.memory
-        if (len(x), len(u)) != self._sizes:
-            n, m = self._sizes
-            raise ShapeError("x, u", f"lengths {len(x)}, {len(u)}", f"lengths {n}, {m}")
+        if len(x) != self._n or len(u) != self._m:
+            raise ShapeError("x, u", f"lengths {len(x)}, {len(u)}", f"lengths {self._n}, {self._m}")
         self._take(memory, 0, *x, *u, h)
         self._advance()
         give_x, x_at = self._give_x
@@ -127,7 +126,7 @@ class SampledPlant:
                 energy += sample.energy_in_j
                 error += sample.integration_error
             if error <= LOCAL_TOLERANCE:
-                return replace(sample, energy_in_j=energy, integration_error=error)
+                return Sample(sample.x, sample.y, sample.stored_j, energy, error)
             substeps *= 2
         raise IntegrationError(error, LOCAL_TOLERANCE, substeps // 2)
 

@@ -11,7 +11,6 @@ from google.protobuf.descriptor_pb2 import FileDescriptorSet
 from google.protobuf.message import DecodeError as ParseError
 from google.protobuf.message import Message as ProtobufMessage
 from google.protobuf.unknown_fields import UnknownFieldSet
-from msgspec.structs import astuple
 
 from protocol import passafe_pb2
 from protocol.checksum import is_intact, sealed
@@ -114,7 +113,7 @@ def schema_name(topic: Topic) -> str:
 def _fill(topic: str, shape: Shape, message: ProtobufMessage, record: Record, path: str) -> None:
     """Copy a record into its protobuf message, which refuses wrong types and numbers out of range."""
     index, name = 0, ""
-    value = astuple(record)
+    value = shape.read(record)
     try:
         for index, name in shape.plain:
             setattr(message, name, value[index])

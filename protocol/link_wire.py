@@ -2,8 +2,9 @@
 
 from protocol.link_settings import LinkSettings
 from protocol.messages import LinkOutage, LinkParameters
+from protocol.shapes import shape_of
 
-_SHARED = tuple(field for field in LinkParameters.__struct_fields__ if field != "outages")
+_SHARED = tuple(field for field in shape_of(LinkParameters).names if field != "outages")
 
 
 def parameters_of(settings: LinkSettings) -> LinkParameters:

@@ -5,14 +5,14 @@ meanings are those of ``passafe.proto``; the header travels beside the body.
 """
 
 from enum import IntEnum
-from typing import TypeAlias
+from typing import Final, TypeAlias
 
 from msgspec import Struct
 
-SCHEMA_VERSION = 1
+SCHEMA_VERSION: Final = 1
 """Version of ``passafe.proto``; a reader refuses every other."""
 
-UNARMED = -1
+UNARMED: Final = -1
 """Plant time where there is none: an input of no arming, a plant that was never disarmed."""
 
 Vector: TypeAlias = tuple[float, ...]

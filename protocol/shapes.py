@@ -21,6 +21,7 @@ class Shape:
 
     Attributes:
         record_type: The type itself.
+        names: Names of the fields, in order.
         make: Makes a record from the values of its fields, in order.
         read: Values of the fields, in order, of anything that has attributes of their names.
         plain: Fields that protobuf takes and gives as they are: numbers, booleans, strings, enum values.
@@ -32,6 +33,7 @@ class Shape:
     """
 
     record_type: RecordType
+    names: tuple[str, ...]
     make: Callable[..., Record]
     read: Callable[[object], tuple[Any, ...]]
     plain: tuple[tuple[int, str], ...]
@@ -62,6 +64,7 @@ def shape_of(record_type: RecordType) -> Shape:
                 enums.append((index, name, {member.value: member for member in hint}))
     return Shape(
         record_type=record_type,
+        names=tuple(hints),
         make=record_type,
         read=attrgetter(*hints),
         plain=tuple(plain),
@@ -71,3 +74,14 @@ def shape_of(record_type: RecordType) -> Shape:
         parts=tuple(parts),
         lists=tuple(lists),
     )
+
+
+def as_dict(record: Record) -> dict[str, Any]:
+    """Fields of a record by name, and those of the records within it likewise: what JSON takes."""
+    shape = shape_of(type(record))
+    values = dict(zip(shape.names, shape.read(record), strict=True))
+    for _, name, _ in shape.parts:
+        values[name] = as_dict(values[name])
+    for _, name, _ in shape.lists:
+        values[name] = [as_dict(element) for element in values[name]]
+    return values

@@ -8,8 +8,6 @@ from collections.abc import Callable
 from math import isfinite
 from typing import Any, Final, NamedTuple
 
-from msgspec.structs import astuple
-
 from protocol.errors import InvalidMessageError
 from protocol.link_effect import CAUSES, EFFECTS
 from protocol.link_settings import DISTRIBUTIONS, MAX_DELAY_S, MAX_QUEUE, MAX_SCHEDULE_S, RANGES
@@ -180,7 +178,7 @@ def check(topic: str, shape: Shape, record: Record, path: str = "") -> None:
     Raises:
         InvalidMessageError: On the first field that is not allowed.
     """
-    value = astuple(record)
+    value = shape.read(record)
     _check_numbers(topic, shape, value, path)
     for index, name, members in shape.enums:
         if value[index] not in members:

@@ -1,6 +1,7 @@
 """What decides the plant's input where no other follows: the last one for a while, then the model's own law."""
 
 from struct import Struct
+from typing import Final
 
 import casadi as ca
 
@@ -9,7 +10,8 @@ from passafe.models.robot import Robot
 from passafe.workspace import Layout, Workspace, dense_function
 from protocol.messages import PlantPhase, Vector
 
-HOLDING, FAIL_SAFE = PlantPhase.HOLDING, PlantPhase.FAIL_SAFE
+HOLDING: Final = PlantPhase.HOLDING
+FAIL_SAFE: Final = PlantPhase.FAIL_SAFE
 
 
 class FailSafe:

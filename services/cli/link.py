@@ -7,6 +7,7 @@ from msgspec import json as msgspec_json
 
 from protocol.link_wire import settings_of
 from protocol.messages import LinkState
+from protocol.shapes import as_dict
 from protocol.topics import LINKS
 from services.cli.errors import OptionError
 from services.cli.link_text import LINK_KEYS, changed_parameters, link_fields, require_ranges, settings_text
@@ -70,7 +71,7 @@ def set_link(
 
 
 def _json(states: dict[str, LinkState]) -> str:
-    return msgspec_json.encode(states).decode()
+    return msgspec_json.encode({name: as_dict(state) for name, state in states.items()}).decode()
 
 
 def _lines(state: LinkState) -> str:

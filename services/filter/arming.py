@@ -10,7 +10,8 @@ MOST_AT_ONCE: Final = 64
 WAITING_NS: Final = 3_000_000_000
 """How long a plant may seem to wait for the first input before a new arming begins: that input may be lost."""
 
-WAITING, RUNNING = PlantPhase.WAITING, PlantPhase.RUNNING
+WAITING: Final = PlantPhase.WAITING
+RUNNING: Final = PlantPhase.RUNNING
 
 
 class Series(Protocol):

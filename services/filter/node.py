@@ -16,7 +16,8 @@ from services.filter.telemetry import STATUS, Telemetry, TickRecord
 from services.filter.wording import Wording
 from services.runtime.node import Outgoing
 
-_STALE, _WAITING = FilterStatus.STALE, PlantPhase.WAITING
+_STALE: Final = FilterStatus.STALE
+_WAITING: Final = PlantPhase.WAITING
 
 MOST_UNACCOUNTED: Final = 256
 """Messages that the first tick accounts for at most: telling of 3000 takes 8 ms, and the plant's inputs wait for it."""

@@ -1,7 +1,7 @@
 """The state that the plant will have when the next input takes effect."""
 
 from collections import deque
-from typing import Protocol
+from typing import Final, Protocol
 
 from msgspec import Struct
 
@@ -10,7 +10,8 @@ from passafe.tank import Tank
 from protocol.messages import UNARMED, PlantPhase, PlantState, Vector
 from services.arming.fail_safe import FailSafe
 
-WAITING, RUNNING = PlantPhase.WAITING, PlantPhase.RUNNING
+WAITING: Final = PlantPhase.WAITING
+RUNNING: Final = PlantPhase.RUNNING
 
 
 class Predicted(Struct, gc=False):

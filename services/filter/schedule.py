@@ -4,7 +4,7 @@ from typing import Final
 
 from protocol.messages import PlantPhase, PlantState
 
-_WAITING = PlantPhase.WAITING
+_WAITING: Final = PlantPhase.WAITING
 
 SLEW_STEPS: Final = 16
 """The schedule moves back by one period in so many steps, where the network got quicker."""

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from typing import Final
 
 from msgspec import Struct
-from msgspec.structs import replace
 
 from passafe.decision import Decision, Status
 from passafe.design import FilterDesign
@@ -58,7 +57,18 @@ class TickRecord(Struct, frozen=True, eq=False):
         self, status: FilterStatus, inbox: Sequence[Received], state_age_ns: int, command_age_ns: int
     ) -> "TickRecord":
         """Return the account of a step that decided nothing new."""
-        return replace(self, status=status, inbox=inbox, state_age_ns=state_age_ns, command_age_ns=command_age_ns)
+        return TickRecord(
+            self.telemetry,
+            self.tick,
+            status,
+            self.decision,
+            self.effective_plant_ns,
+            self.tank_j,
+            inbox,
+            state_age_ns,
+            command_age_ns,
+            self.horizon_ns,
+        )
 
     def __call__(self) -> FilterTick:
         """Return the message."""

@@ -13,8 +13,9 @@ from passafe.barrier import derive_chain
 from passafe.passivity import power_margin
 from passafe.workspace import Layout, Workspace, dense_function
 from protocol.messages import PlantState, Vector
+from services.operator.command import Command
 from services.operator.disturbances import Chirp, RandomSteps, bang_bang_period_s, bang_bang_sign
-from services.operator.source import Command, Source, SourceClock
+from services.operator.source import Source, SourceClock
 from services.operator.worst_direction import against_h, against_the_tank
 from services.scenarios.design import barriers_of, robot_of, storage_of
 from services.scenarios.schema import Scenario

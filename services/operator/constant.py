@@ -1,14 +1,15 @@
 """The same command throughout."""
 
-from dataclasses import dataclass
 from typing import ClassVar
 
+from msgspec import Struct
+
 from protocol.messages import Vector
-from services.operator.source import Command, SourceClock
+from services.operator.command import Command
+from services.operator.source import SourceClock
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Constant:
+class Constant(Struct, frozen=True, kw_only=True, gc=False):
     """u_h = value, u̇_h = 0.
 
     Attributes:

@@ -6,7 +6,8 @@ from typing import ClassVar, Final
 
 import numpy as np
 
-from services.operator.source import Command, SourceClock
+from services.operator.command import Command
+from services.operator.source import SourceClock
 
 LOWEST_HZ: Final = 0.1
 HIGHEST_HZ: Final = 50.0

@@ -19,15 +19,16 @@ against it. What that leaves of phase and what delay takes it away is in ``servi
 
 from collections import deque
 from math import exp, hypot, inf
-from typing import ClassVar
+from typing import ClassVar, Final
 
 from protocol.messages import PlantPhase, PlantState, Vector
+from services.operator.command import Command
 from services.operator.remnant import Remnant
-from services.operator.source import Command, SourceClock
+from services.operator.source import SourceClock
 from services.operator.steered_robot import SteeredRobot
 from services.scenarios.source_schema import HumanSource
 
-WAITING = PlantPhase.WAITING
+WAITING: Final = PlantPhase.WAITING
 
 
 class Human:

@@ -5,8 +5,9 @@ from math import exp, hypot
 from typing import ClassVar, Final, NamedTuple
 
 from protocol.messages import Vector
+from services.operator.command import Command
 from services.operator.keys import DIRECTIONS, Key
-from services.operator.source import Command, SourceClock
+from services.operator.source import SourceClock
 
 RAMP_S: Final = 0.1
 """Time constant with which u_h follows the keys: u̇_h = (target − u_h)/RAMP_S."""

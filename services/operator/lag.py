@@ -1,15 +1,16 @@
 """A first-order lag from rest to a target."""
 
-from dataclasses import dataclass
 from math import exp, expm1
 from typing import ClassVar
 
+from msgspec import Struct
+
 from protocol.messages import Vector
-from services.operator.source import Command, SourceClock
+from services.operator.command import Command
+from services.operator.source import SourceClock
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Lag:
+class Lag(Struct, frozen=True, kw_only=True, gc=False):
     """u_h = target·(1 − e^{−t/T}), u̇_h = target·e^{−t/T}/T.
 
     Attributes:

@@ -5,15 +5,17 @@ from typing import Final
 
 from protocol.messages import Event, FilterTick, OperatorCommand, PlantPhase, PlantState, Received
 from protocol.topics import COMMAND, EVENT, STATE, TICK, Topic
+from services.operator.command import Command
 from services.operator.display import OperatorView
-from services.operator.source import Command, Seeing, Source, SourceClock
+from services.operator.source import Seeing, Source, SourceClock
 from services.runtime.node import Outgoing
 
 SHOW_PERIOD_NS: Final = 100_000_000
 KNOWN_NS: Final = 500_000_000
 """What came longer ago is not shown as if it were so now."""
 
-WAITING, LOCAL = PlantPhase.WAITING, SourceClock.LOCAL
+WAITING: Final = PlantPhase.WAITING
+LOCAL: Final = SourceClock.LOCAL
 
 
 class OperatorNode:

@@ -2,16 +2,17 @@
 
 from bisect import bisect_right
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import ClassVar, Self
 
+from msgspec import Struct
+
 from protocol.messages import Vector
-from services.operator.source import Command, SourceClock
+from services.operator.command import Command
+from services.operator.source import SourceClock
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class PiecewiseLinear:
+class PiecewiseLinear(Struct, frozen=True, kw_only=True, gc=False):
     """u_h on straight lines through points, held before the first and from the last on.
 
     Between two points u̇_h is the slope; at a point it is the slope of what follows; where u_h is held, zero.

@@ -1,15 +1,16 @@
 """A sine on each axis."""
 
-from dataclasses import dataclass
 from math import cos, sin, tau
 from typing import ClassVar
 
+from msgspec import Struct
+
 from protocol.messages import Vector
-from services.operator.source import Command, SourceClock
+from services.operator.command import Command
+from services.operator.source import SourceClock
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Sine:
+class Sine(Struct, frozen=True, kw_only=True, gc=False):
     """u_h = offset + amplitude·sin(ωt + phase), u̇_h = amplitude·ω·cos(ωt + phase), ω = 2π·frequency.
 
     Attributes:

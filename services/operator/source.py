@@ -1,23 +1,10 @@
 """What a source of commands is: who or what plays the operator."""
 
 from enum import Enum
-from typing import NamedTuple, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
-from protocol.messages import PlantState, Vector
-
-
-class Command(NamedTuple):
-    """What is asked for at one instant.
-
-    Attributes:
-        u_h: Operator's part of the input, units of u.
-        u_h_rate: Its time derivative just after that instant, units of u per second.
-        enabled: Whether the dead-man switch is held.
-    """
-
-    u_h: Vector
-    u_h_rate: Vector
-    enabled: bool
+from protocol.messages import PlantState
+from services.operator.command import Command
 
 
 class SourceClock(Enum):

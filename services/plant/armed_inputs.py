@@ -1,7 +1,9 @@
 """Inputs that are good only together: an arming, of which every one was made for what the ones before it lead to."""
 
 from collections.abc import Callable
-from typing import Final, NamedTuple
+from typing import Final
+
+from msgspec import Struct
 
 from protocol.messages import UNARMED, Header, PlantInput, Vector
 
@@ -18,7 +20,7 @@ _Identity = tuple[int, int, int]
 """Session of the filter, basis and first plant time of an arming."""
 
 
-class ArmedInput(NamedTuple):
+class ArmedInput(Struct, frozen=True, gc=False):
     """One input of an arming."""
 
     u: Vector
@@ -80,9 +82,9 @@ class ArmedInputs:
         if due_ns not in self._waiting:
             self._waiting[due_ns] = ArmedInput(body.u, body.tick, body.hold_ns)
             oldest = 0
-        if due_ns != self._newest_ns + self._period_ns:
-            oldest = max(oldest, self._fill(body))
         self._newest_ns = max(due_ns, self._newest_ns)
+        if self._has_gaps():
+            oldest = max(oldest, self._fill(body))
         return oldest
 
     def take(self, plant_ns: int) -> ArmedInput | None:
@@ -161,6 +163,13 @@ class ArmedInputs:
         self._identity = identity
         self._newest_ns = first_ns - self._period_ns
         return True
+
+    def _has_gaps(self) -> bool:
+        """Tell whether an input is missing between the one that took effect last and the newest."""
+        before_ns = self.first_ns - self._period_ns
+        if self._taken_ns is not None and self._taken_ns > before_ns:
+            before_ns = self._taken_ns
+        return len(self._waiting) * self._period_ns < self._newest_ns - before_ns
 
     def _fill(self, body: PlantInput) -> int:
         """Take in what a message repeats of inputs that did not come; return how far back the oldest lies."""

@@ -4,9 +4,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import groupby, zip_longest
 
-from msgspec.structs import astuple
-
-from protocol.messages import FilterTick, Message, OperatorCommand, PlantState, Received
+from protocol.messages import FilterTick, Message, OperatorCommand, PlantState, Received, Record
+from protocol.shapes import shape_of
 from protocol.topics import TICK, TOPIC_OF_BODY
 from services.assembly import filter_node
 from services.review.continuity import Logged
@@ -62,7 +61,11 @@ def restep(log: RunLog) -> Restep:
                 Received(sent[key].header, sent[key].body, each.received_ns)
                 for key, each in zip(keys, consumed, strict=True)
             ]
-            again = [body() if callable(body) else body for topic, body in node.step(due_ns, inbox) if topic is TICK]
+            again = [
+                body if isinstance(body, Record) else body()
+                for topic, body in node.step(due_ns, inbox)
+                if topic is TICK
+            ]
             if told[-1] is last:
                 del again[len(told) :]
             for logged, made in zip_longest(told, again):
@@ -87,5 +90,6 @@ def _difference(logged: Logged[FilterTick] | None, again: Message | None) -> str
     number = f"tick {logged.body.tick}"
     if not isinstance(again, FilterTick):
         return f"{number}: no tick came out"
-    pairs = zip(FilterTick.__struct_fields__, astuple(logged.body), astuple(again), strict=True)
+    shape = shape_of(FilterTick)
+    pairs = zip(shape.names, shape.read(logged.body), shape.read(again), strict=True)
     return f"{number}: " + ", ".join(field for field, before, after in pairs if before != after)

@@ -1,11 +1,11 @@
 """All nodes of a closed loop in one process, in virtual time: the same nodes as live, without a network."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Any, Final
 
 from protocol.link_settings import LinkSettings
 from protocol.message_link import MessageLink
-from protocol.messages import Header, LinkSource, LinkState, Message, Received
+from protocol.messages import Header, LinkSource, LinkState, Message, Received, Record
 from protocol.topics import LINK_EVENT, LINK_STATE, Topic
 from services.runtime.inlet import require_links
 from services.runtime.link_control import LinkChange, LinkControl
@@ -16,10 +16,10 @@ Observer = Callable[[Topic, Header, Message], None]
 Tap = Callable[[Any], object]
 """Takes what a node hands over for a topic: a message, or what makes one, unmade."""
 
-START_NS = 1_000_000_000
+START_NS: Final = 1_000_000_000
 """Virtual monotonic time of the first step; not zero, so that no time is mistaken for a missing one."""
 
-_FAR_NS = 2**62
+_FAR_NS: Final = 2**62
 """Later than everything."""
 
 
@@ -177,13 +177,14 @@ class Lockstep:
         if seat.links:
             for link in seat.links:
                 inbox += link.arrived(now_ns)
-            inbox.sort(key=_arrival)
+            if len(inbox) > 1:
+                inbox.sort(key=_arrival)
         for topic, made in seat.node.step(now_ns, inbox):
             route = seat.routes.get(topic) or self._route(seat, topic)
             if route.tap is not None:
                 route.tap(made)
             if route.readers or observer is not None:
-                self._send(seat, route, made() if callable(made) else made)
+                self._send(seat, route, made if isinstance(made, Record) else made())
 
     def _send(self, sender: "_Seat", route: "_Route", body: Message) -> None:
         now_ns = self.now_ns

@@ -6,7 +6,7 @@ from time import monotonic_ns, time_ns
 
 from protocol.codec import encode
 from protocol.errors import ProtocolError
-from protocol.messages import Header, Message
+from protocol.messages import Header, Message, Record
 from protocol.topics import TOPICS, Topic
 from services.runtime.bus import Bus, Put
 from services.runtime.errors import PublisherError
@@ -66,7 +66,7 @@ class Outlet:
         line = self._lines.get(topic.name)
         if line is None:
             raise PublisherError(self.source, topic.name, topic.publishers)
-        message = body() if callable(body) else body
+        message = body if isinstance(body, Record) else body()
         header = Header(self.source, self.epoch, line.sequence, scheduled_ns, started_ns, monotonic_ns(), time_ns())
         try:
             data = encode(header, message)

@@ -10,6 +10,7 @@ from passafe.barrier import Barrier, derive_chain
 from passafe.class_k import Linear
 from passafe.models.damped_point import damped_point
 from protocol.messages import PlantPhase, PlantState, Vector
+from services.operator.command import Command
 from services.operator.disturbances import HIGHEST_HZ, SWEEP_S, bang_bang_period_s
 from services.operator.scenario_source import source_of
 from services.operator.source import Seeing, Source, SourceClock
@@ -122,7 +123,7 @@ def test_bang_bang_lets_go_and_pushes_the_other_way() -> None:
 
 @pytest.mark.parametrize("strategy", ["against-h", "bang-bang", "against-the-tank"])
 def test_who_has_seen_nothing_pushes_along_the_first_axis(strategy: str) -> None:
-    assert adversary(strategy).command(0.0) == ((STRENGTH, 0.0), (0.0, 0.0), True)
+    assert adversary(strategy).command(0.0) == Command((STRENGTH, 0.0), (0.0, 0.0), True)
 
 
 def test_a_barrier_that_does_not_hear_the_input_is_nobody_s_nearest() -> None:

@@ -9,6 +9,7 @@ import pytest
 from scipy.linalg import expm
 
 from protocol.messages import PlantPhase, PlantState, Vector
+from services.operator.command import Command
 from services.operator.errors import SourceConfigError
 from services.operator.human import Human
 from services.operator.scenario_source import crossover_loop, source_of
@@ -60,9 +61,9 @@ def test_nothing_is_asked_for_before_the_robot_moves() -> None:
     person = Human(config_of(), ROBOT)
     assert isinstance(person, Seeing)
     assert person.clock is SourceClock.LOCAL
-    assert person.command(0.0) == ((0.0, 0.0), (0.0, 0.0), True)
+    assert person.command(0.0) == Command((0.0, 0.0), (0.0, 0.0), True)
     person.see(state(0.0, (0.0,) * 4, PlantPhase.WAITING))
-    assert person.command(9.0) == ((0.0, 0.0), (0.0, 0.0), True)
+    assert person.command(9.0) == Command((0.0, 0.0), (0.0, 0.0), True)
 
 
 def test_the_hand_answers_a_glance_one_reaction_time_later_with_its_lag() -> None:
@@ -72,7 +73,7 @@ def test_the_hand_answers_a_glance_one_reaction_time_later_with_its_lag() -> Non
     decided = np.array([5.8, 2.6])
 
     assert person.command(10.0).u_h == (0.0, 0.0)  # local time, whatever plant time is
-    assert person.command(10.2 - 1e-9) == ((0.0, 0.0), (0.0, 0.0), True)
+    assert person.command(10.2 - 1e-9) == Command((0.0, 0.0), (0.0, 0.0), True)
     command = person.command(10.25)
     assert command.u_h == pytest.approx(decided * (1 - exp(-0.5)))
     assert command.u_h_rate == pytest.approx(decided * exp(-0.5) / 0.1)
@@ -145,7 +146,7 @@ def test_a_robot_that_starts_again_finds_a_person_at_rest() -> None:
     person.command(0.0)
     assert person.command(1.0).u_h[0] > 1
     person.see(state(0.0, (0.0,) * 4, PlantPhase.WAITING))
-    assert person.command(1.1) == ((0.0, 0.0), (0.0, 0.0), True)
+    assert person.command(1.1) == Command((0.0, 0.0), (0.0, 0.0), True)
     person.see(state(0.0, (0.0,) * 4))
     assert person.command(1.2).u_h == (0.0, 0.0)
     assert person.command(1.4).u_h == (0.0, 0.0)

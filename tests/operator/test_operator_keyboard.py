@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from services.operator.command import Command
 from services.operator.keyboard import PRESS_HOLD_S, RAMP_S, REPEAT_HOLD_S, REST_SHARE, Keyboard
 from services.operator.keys import DIRECTIONS, Key
-from services.operator.source import Command
 
 AUTHORITY = 15.0
 
@@ -50,7 +50,7 @@ def held(key: Key, start_s: float, end_s: float, *, wait_s: float = 0.5) -> list
 
 
 def test_at_rest_nothing_is_asked_for_and_the_dead_man_is_released() -> None:
-    assert Person([]).until(1.0) == ((0.0, 0.0), (0.0, 0.0), False)
+    assert Person([]).until(1.0) == Command((0.0, 0.0), (0.0, 0.0), False)
 
 
 @pytest.mark.parametrize("key", DIRECTIONS)
@@ -95,14 +95,14 @@ def test_a_fade_ends_at_exactly_zero_with_the_dead_man_released() -> None:
     person = Person([(0.0, Key.UP)])
     # e^{-6.9} is the share of the authority that counts as rest.
     assert person.until(PRESS_HOLD_S + RAMP_S * 6.8).enabled
-    assert person.until(PRESS_HOLD_S + RAMP_S * 7.0) == ((0.0, 0.0), (0.0, 0.0), False)
+    assert person.until(PRESS_HOLD_S + RAMP_S * 7.0) == Command((0.0, 0.0), (0.0, 0.0), False)
 
 
 def test_space_stops_at_once() -> None:
     person = Person([*held(Key.LEFT, 0.0, 1.0), (1.001, Key.STOP)])
     assert person.until(1.0).u_h[0] < -0.9 * AUTHORITY
-    assert person.until(1.001) == ((0.0, 0.0), (0.0, 0.0), False)
-    assert person.until(2.0) == ((0.0, 0.0), (0.0, 0.0), False)
+    assert person.until(1.001) == Command((0.0, 0.0), (0.0, 0.0), False)
+    assert person.until(2.0) == Command((0.0, 0.0), (0.0, 0.0), False)
 
 
 def test_repeats_still_on_their_way_do_not_undo_a_stop_and_a_new_press_after_quiet_drives_again() -> None:
@@ -110,13 +110,13 @@ def test_repeats_still_on_their_way_do_not_undo_a_stop_and_a_new_press_after_qui
     person = Person([*held(Key.LEFT, 0.0, 0.99), (0.995, Key.STOP), *late, (2.5, Key.LEFT)])
     person.until(0.995)
     for t_ms in range(996, 2500):
-        assert person.until(t_ms / 1000) == ((0.0, 0.0), (0.0, 0.0), False)
+        assert person.until(t_ms / 1000) == Command((0.0, 0.0), (0.0, 0.0), False)
     assert person.until(2.6).u_h[0] < -0.5 * AUTHORITY
 
 
 def test_a_stop_and_an_arrow_read_together_stop() -> None:
     person = Person([(0.5, Key.LEFT), (0.5, Key.STOP), (0.5, Key.LEFT)])
-    assert person.until(0.6) == ((0.0, 0.0), (0.0, 0.0), False)
+    assert person.until(0.6) == Command((0.0, 0.0), (0.0, 0.0), False)
 
 
 def test_the_opposite_key_takes_over_at_once() -> None:
@@ -149,9 +149,9 @@ def test_quit_stops_at_once_and_for_good() -> None:
     person = Person([*held(Key.LEFT, 0.0, 1.0), (1.001, Key.QUIT), (2.0, Key.LEFT)])
     person.until(1.0)
     assert not person.keyboard.finished
-    assert person.until(1.001) == ((0.0, 0.0), (0.0, 0.0), False)
+    assert person.until(1.001) == Command((0.0, 0.0), (0.0, 0.0), False)
     assert person.keyboard.finished
-    assert person.until(2.5) == ((0.0, 0.0), (0.0, 0.0), False)
+    assert person.until(2.5) == Command((0.0, 0.0), (0.0, 0.0), False)
 
 
 # In sixteenths of a second, which floats hold exactly and which meet no hold time on its edge.
@@ -167,8 +167,8 @@ def test_whatever_is_pressed_the_command_stays_within_its_authority_and_ends_at_
     for step in range(420):
         command = person.until(step * 0.01)
         assert hypot(*command.u_h) <= AUTHORITY * (1 + 1e-12)
-        assert command.enabled or command == ((0.0, 0.0), (0.0, 0.0), False)
-    assert person.until(4.0 + PRESS_HOLD_S + 8 * RAMP_S) == ((0.0, 0.0), (0.0, 0.0), False)
+        assert command.enabled or command == Command((0.0, 0.0), (0.0, 0.0), False)
+    assert person.until(4.0 + PRESS_HOLD_S + 8 * RAMP_S) == Command((0.0, 0.0), (0.0, 0.0), False)
 
 
 @settings(deadline=None)  # each example is seconds of virtual time

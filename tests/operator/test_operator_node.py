@@ -20,12 +20,13 @@ from protocol.messages import (
     Received,
 )
 from protocol.topics import COMMAND, EVENT, STATE, TICK
+from services.operator.command import Command
 from services.operator.display import OperatorView
 from services.operator.keyboard import RAMP_S, Keyboard
 from services.operator.keys import Key
 from services.operator.lag import Lag
 from services.operator.node import KNOWN_NS, SHOW_PERIOD_NS, OperatorNode
-from services.operator.source import Command, SourceClock
+from services.operator.source import SourceClock
 
 MS = 1_000_000
 EPOCH = 1_000

@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from services.operator.command import Command
 from services.operator.constant import Constant
 from services.operator.lag import Lag
 from services.operator.piecewise import PiecewiseLinear
@@ -31,8 +32,8 @@ def test_the_lag_of_the_paper_after_one_time_constant() -> None:
 
 def test_a_lag_starts_at_zero_with_its_steepest_rate_and_ends_at_its_target() -> None:
     lag = Lag(target=(4.0, -2.0), time_constant_s=0.5)
-    assert lag.command(0.0) == ((0.0, 0.0), (8.0, -4.0), True)
-    assert lag.command(1e6) == ((4.0, -2.0), (0.0, 0.0), True)
+    assert lag.command(0.0) == Command((0.0, 0.0), (8.0, -4.0), True)
+    assert lag.command(1e6) == Command((4.0, -2.0), (0.0, 0.0), True)
 
 
 def test_a_lag_keeps_its_digits_in_the_first_nanosecond() -> None:
@@ -55,7 +56,7 @@ def test_a_lag_obeys_its_differential_equation(target: tuple[float, float], time
 
 def test_a_constant_is_the_same_throughout() -> None:
     source = Constant(value=(1.0, -2.0))
-    assert source.command(0.0) == source.command(1e3) == ((1.0, -2.0), (0.0, 0.0), True)
+    assert source.command(0.0) == source.command(1e3) == Command((1.0, -2.0), (0.0, 0.0), True)
 
 
 def test_a_sine_at_a_quarter_of_its_period() -> None:
@@ -93,18 +94,18 @@ def test_waypoints_are_held_outside_and_joined_by_lines_inside() -> None:
     source = PiecewiseLinear.through(
         device="waypoints", times_s=(1.0, 2.0, 4.0), values=((0.0, 1.0), (2.0, 1.0), (-2.0, 3.0))
     )
-    assert source.command(0.0) == ((0.0, 1.0), (0.0, 0.0), True)
-    assert source.command(1.0) == ((0.0, 1.0), (2.0, 0.0), True)
-    assert source.command(1.5) == ((1.0, 1.0), (2.0, 0.0), True)
-    assert source.command(2.0) == ((2.0, 1.0), (-2.0, 1.0), True)
-    assert source.command(3.0) == ((0.0, 2.0), (-2.0, 1.0), True)
-    assert source.command(4.0) == ((-2.0, 3.0), (0.0, 0.0), True)
-    assert source.command(1e6) == ((-2.0, 3.0), (0.0, 0.0), True)
+    assert source.command(0.0) == Command((0.0, 1.0), (0.0, 0.0), True)
+    assert source.command(1.0) == Command((0.0, 1.0), (2.0, 0.0), True)
+    assert source.command(1.5) == Command((1.0, 1.0), (2.0, 0.0), True)
+    assert source.command(2.0) == Command((2.0, 1.0), (-2.0, 1.0), True)
+    assert source.command(3.0) == Command((0.0, 2.0), (-2.0, 1.0), True)
+    assert source.command(4.0) == Command((-2.0, 3.0), (0.0, 0.0), True)
+    assert source.command(1e6) == Command((-2.0, 3.0), (0.0, 0.0), True)
 
 
 def test_a_single_point_is_a_constant() -> None:
     source = PiecewiseLinear.through(device="recorded", times_s=(3.0,), values=((7.0,),))
-    assert source.command(0.0) == source.command(3.0) == source.command(9.0) == ((7.0,), (0.0,), True)
+    assert source.command(0.0) == source.command(3.0) == source.command(9.0) == Command((7.0,), (0.0,), True)
 
 
 @given(data=st.data())

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 from pydantic import TypeAdapter
 
+from services.operator.command import Command
 from services.operator.errors import OperatorError, RecordingError, SourceConfigError
 from services.operator.keys import Key
 from services.operator.source import Source, SourceClock
@@ -21,7 +22,7 @@ def build(inputs: int = 2, **config: object) -> Source:
 def test_the_lag_of_the_scenario() -> None:
     source = build(kind="lag", target=[-3.0, 0.0], time_constant_s=0.2)
     assert source.device == "lag"
-    assert source.command(0.0) == ((0.0, 0.0), (-15.0, 0.0), True)
+    assert source.command(0.0) == Command((0.0, 0.0), (-15.0, 0.0), True)
 
 
 def test_a_constant() -> None:
@@ -45,15 +46,15 @@ def test_a_sine_with_offset_and_phase() -> None:
 def test_waypoints() -> None:
     source = build(kind="waypoints", points=[{"at_s": 0, "value": [0, 0]}, {"at_s": 2, "value": [4, -2]}])
     assert source.device == "waypoints"
-    assert source.command(1.0) == ((2.0, -1.0), (2.0, -1.0), True)
+    assert source.command(1.0) == Command((2.0, -1.0), (2.0, -1.0), True)
 
 
 def test_a_recording_is_found_beside_its_scenario_and_ends_at_its_last_value(tmp_path: Path) -> None:
     (tmp_path / "drive.csv").write_text("time_s,u_h_0,u_h_1\n0,0,0\n1,2,4\n")
     source = build_source(schema.RecordedSource(kind="recorded", path="drive.csv"), 2, folder=tmp_path)
     assert source.device == "recorded"
-    assert source.command(0.5) == ((1.0, 2.0), (2.0, 4.0), True)
-    assert source.command(7.0) == ((2.0, 4.0), (0.0, 0.0), True)
+    assert source.command(0.5) == Command((1.0, 2.0), (2.0, 4.0), True)
+    assert source.command(7.0) == Command((2.0, 4.0), (0.0, 0.0), True)
 
 
 def test_a_recording_that_is_not_there_is_one_error_of_the_operator(tmp_path: Path) -> None:

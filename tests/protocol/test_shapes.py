@@ -12,7 +12,7 @@ def test_plant_state_is_read_from_its_annotations() -> None:
     assert [(name, members) for _, name, members in shape.enums] == [
         ("phase", {member.value: member for member in PlantPhase})
     ]
-    assert {name for _, name in (*shape.plain, *shape.vectors)} == set(PlantState.__struct_fields__)
+    assert {name for _, name in (*shape.plain, *shape.vectors)} == set(shape.names)
     assert not shape.parts
     assert not shape.lists
 
@@ -35,7 +35,7 @@ def test_every_entry_knows_its_place() -> None:
     shape = shape_of(FilterTick)
     kinds = (shape.plain, shape.floats, shape.enums, shape.vectors, shape.parts, shape.lists)
 
-    assert all(FilterTick.__struct_fields__[entry[0]] == entry[1] for kind in kinds for entry in kind)
+    assert all(shape.names[entry[0]] == entry[1] for kind in kinds for entry in kind)
 
 
 def test_make_undoes_read() -> None:
