@@ -15,12 +15,14 @@ from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
-FLAGS = "-ffp-contract=off -fno-semantic-interposition"
-"""No product and sum in one rounding: results are those of the interpreter, to the last bit. And no call within the
-module that somebody else might redirect: it can be put in line."""
+EXACT = "" if os.name == "nt" else "-ffp-contract=off"
+"""No product and sum in one rounding: results are those of the interpreter, to the last bit. MSVC needs no telling."""
 
-WATCHED = "-fprofile-generate -fprofile-update=single"
-TRAINED = "-fprofile-use -fprofile-partial-training -Wno-missing-profile -flto=auto"
+IN_LINE = "-fno-semantic-interposition"
+"""No call within the module that somebody might redirect; before and after training, or the code is not the same."""
+
+WATCHED = f"{IN_LINE} -fprofile-generate -fprofile-update=single"
+TRAINED = f"{IN_LINE} -fprofile-use -fprofile-partial-training -Wno-missing-profile -flto=auto"
 
 LINK = "delay=0.1,jitter=0.02,loss=0.1"
 TRAINING = ["benchmarks/lockstep_speed.py", "--repetitions", "1", "--rate", "500"]
@@ -45,17 +47,16 @@ class CompiledModules(BuildHookInterface):  # type: ignore[type-arg]  # the whee
         root = Path(self.root)
         folder = root / ".build" / "compiled"
         self._copy_to(folder)
-        if is_gcc():
+        if self.config["trained"] and is_gcc():
             profile = f"-fprofile-dir={folder / 'profile'}"
-            self._compile(folder, f"{FLAGS} {WATCHED} {profile}")
+            self._compile(folder, f"{WATCHED} {profile}")
             run(root, *TRAINING, PYTHONPATH=str(folder))
-            shutil.rmtree(folder / "build")
             for path in compiled(folder):
                 path.unlink()
-            self._compile(folder, f"{FLAGS} {TRAINED} {profile}")
+            self._compile(folder, f"{TRAINED} {profile}")
         else:
             self._compile(folder, "")
-        shutil.rmtree(folder / "build")
+        require_same_bytes(root, folder)
         build_data["force_include"] |= {str(path): str(path.relative_to(folder)) for path in compiled(folder)}
         build_data |= {"pure_python": False, "infer_tag": True, "dependencies": ["mypy-extensions>=1"]}
 
@@ -72,18 +73,39 @@ class CompiledModules(BuildHookInterface):  # type: ignore[type-arg]  # the whee
     def _compile(self, folder: Path, flags: str) -> None:
         # What `make check` has to be told to ignore on Python 3.11 need not be there on a newer one.
         options = ["--config-file=mypy.toml", "--no-warn-unused-ignores"]
+        shutil.rmtree(folder / "build", ignore_errors=True)  # what another call has left, compiled with other flags
         given = f"{sysconfig.get_config_var('CFLAGS') or ''} {os.environ.get('CFLAGS', '')}"
-        run(folder, "-m", "mypyc", *options, *self.config["modules"], CFLAGS=f"{given} {flags}", MYPYC_DEBUG_LEVEL="0")
+        environment = {"CFLAGS": f"{given} {EXACT} {flags}", "MYPYC_DEBUG_LEVEL": "0"}
+        run(folder, "-m", "mypyc", *options, *self.config["modules"], **environment)
 
 
-def run(folder: Path, *command: str, **environment: str) -> None:
-    """Run this interpreter in a folder."""
-    subprocess.run([sys.executable, *command], cwd=folder, env=os.environ | environment, check=True)  # noqa: S603
+def run(folder: Path, *command: str, **environment: str) -> str:
+    """Run this interpreter in a folder; return what it prints."""
+    return subprocess.run(  # noqa: S603 - our own scripts, and mypyc
+        [sys.executable, *command],
+        cwd=folder,
+        env=os.environ | environment,
+        check=True,
+        stdout=subprocess.PIPE,
+        text=True,
+    ).stdout
+
+
+def require_same_bytes(root: Path, folder: Path) -> None:
+    """Refuse modules whose loops do not send what those of the sources do.
+
+    Raises:
+        ValueError: They do not.
+    """
+    got, allowed = (run(root, "tests/system/lockstep_digest.py", PYTHONPATH=str(path)) for path in (folder, root))
+    if got != allowed:
+        raise ValueError(f"what compiled loops send: got {got}, allowed {allowed}, as from the sources")
 
 
 def compiled(folder: Path) -> list[Path]:
-    """Return the extension modules in a folder."""
-    return [path for kind in ("*.so", "*.pyd") for path in folder.rglob(kind)]
+    """Return the extension modules in a folder, those that mypyc has put in place."""
+    found = [path for kind in ("*.so", "*.pyd") for path in folder.rglob(kind)]
+    return [path for path in found if path.relative_to(folder).parts[0] != "build"]
 
 
 def is_gcc() -> bool:

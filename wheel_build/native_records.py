@@ -12,6 +12,21 @@ from pathlib import Path
 
 BASES = ("Struct", "Record")
 
+PRINTED = """
+def __repr__(self) -> str:
+    shown = [f"{name}={getattr(self, name)!r}" for name in type(self).__annotations__]
+    return f"{type(self).__name__}({', '.join(shown)})"
+"""
+
+COMPARED = """
+def __eq__(self, other: object) -> bool:
+    fields = type(self).__annotations__
+    return type(self) is type(other) and all([getattr(self, name) == getattr(other, name) for name in fields])
+
+def __hash__(self) -> int:
+    return hash(tuple([getattr(self, name) for name in type(self).__annotations__]))
+"""
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Field:
@@ -57,9 +72,11 @@ def _plain_class(record: ast.ClassDef) -> list[ast.stmt]:
     attributes = ["acyclic=True"] if base == "Record" or options.get("gc") == "False" else []
     if fields:
         attributes.append("free_list_len=1")
-        methods = _methods(record.name, fields, options)
         head = 1 if ast.get_docstring(record) else 0
-        record.body = [*record.body[:head], *methods, *(line for line in record.body[head:] if not _is_field(line))]
+        rest = [line for line in record.body[head:] if not _is_field(line)]
+        record.body = [*record.body[:head], *_maker(fields, options.get("kw_only") == "True"), *rest]
+    if base == "Struct":  # messages have what follows from their base
+        record.body += ast.parse(PRINTED + ("" if options.get("eq") == "False" else COMPARED)).body
     record.keywords = []
     record.bases = record.bases if base == "Record" else []
     decorator = ast.parse(f"mypyc_attr({', '.join(attributes)})", mode="eval").body
@@ -82,20 +99,11 @@ def _field(line: ast.stmt) -> Field:
     raise ValueError(f"field of a record: got {ast.unparse(line)!r}, allowed NAME: TYPE or NAME: TYPE = DEFAULT")
 
 
-def _methods(name: str, fields: list[Field], options: dict[str | None, str]) -> list[ast.stmt]:
-    """Return what msgspec gives a record, written out."""
-    names = [field.name for field in fields]
-    only_named = "*, " if options.get("kw_only") == "True" else ""
-    parameters = only_named + ", ".join(field.parameter for field in fields)
-    values = ", ".join(f"self.{each}" for each in names)
-    lines = [f"def __init__(self, {parameters}) -> None:", *(f"    self.{each} = {each}" for each in names)]
-    shown = ", ".join(f"{each}={{self.{each}!r}}" for each in names)
-    lines += ["def __repr__(self) -> str:", f"    return f'{name}({shown})'"]
-    if options.get("eq") != "False":
-        same = " and ".join(f"self.{each} == other.{each}" for each in names)
-        lines += ["def __eq__(self, other: object) -> bool:", f"    return isinstance(other, {name}) and {same}"]
-        lines += ["def __hash__(self) -> int:", f"    return hash(({values},))"]
-    return ast.parse("\n".join(lines)).body
+def _maker(fields: list[Field], only_named: bool) -> list[ast.stmt]:
+    """Return ``__init__``, as msgspec has it."""
+    parameters = ", ".join(field.parameter for field in fields)
+    lines = [f"def __init__(self, {'*, ' if only_named else ''}{parameters}) -> None:"]
+    return ast.parse("\n".join([*lines, *(f"    self.{field.name} = {field.name}" for field in fields)])).body
 
 
 def main() -> None:

@@ -54,7 +54,7 @@ class StatusAnnouncer:
         if status is self.settled:
             return None
         words = _WORDS.get(status, _WELL)
-        if words is self._announced:
+        if words == self._announced:
             self.settled = status
             return None
         if now_ns < self._quiet_until_ns:

@@ -58,25 +58,59 @@ class Trajectory:
         sequences = np.array([state.header.sequence for state in moving], dtype=np.uint64)
         session = np.cumsum(np.diff(epochs, prepend=epochs[:1]) != 0)
         follows = (np.diff(session, append=-1) == 0) & (np.diff(sequences, append=np.zeros(1, dtype=np.uint64)) == 1)
-        return cls._of([state.body for state in moving], session, follows)
+        states_of = [state.body for state in moving]
+        return cls._of(
+            np.array([state.plant_ns for state in states_of], dtype=np.int64),
+            _columns([state.x for state in states_of]),
+            _columns([state.u for state in states_of]),
+            np.array([state.energy_in_j for state in states_of], dtype=np.float64),
+            np.array([state.energy_stored_j for state in states_of], dtype=np.float64),
+            session,
+            follows,
+        )
 
     @classmethod
-    def unbroken(cls, states: Sequence[PlantState]) -> Self:
-        """Take it from the states of one session in which none is missing, those before its time began left out."""
-        follows = np.ones(len(states), dtype=np.bool_)
+    def unbroken(
+        cls,
+        *,
+        plant_ns: NDArray[np.int64],
+        x: FloatArray,
+        u: FloatArray,
+        energy_in_j: FloatArray,
+        energy_stored_j: FloatArray,
+    ) -> Self:
+        """Take it from the samples of one session in which none is missing, those before its time began left out.
+
+        Args:
+            plant_ns: Plant time, ns, shape (N,).
+            x: State, shape (n, N).
+            u: Input in force from each sample until the next, shape (m, N).
+            energy_in_j: ∫ yᵀu dt since plant time 0, J, shape (N,).
+            energy_stored_j: V(x), J, shape (N,).
+        """
+        follows = np.ones(len(plant_ns), dtype=np.bool_)
         follows[-1:] = False
-        return cls._of(states, np.zeros(len(states), dtype=np.int64), follows)
+        session = np.zeros(len(plant_ns), dtype=np.int64)
+        return cls._of(plant_ns, x, u, energy_in_j, energy_stored_j, session, follows)
 
     @classmethod
-    def _of(cls, states: Sequence[PlantState], session: NDArray[np.int64], follows: NDArray[np.bool_]) -> Self:
-        plant_ns = np.array([state.plant_ns for state in states], dtype=np.int64)
+    def _of(
+        cls,
+        plant_ns: NDArray[np.int64],
+        x: FloatArray,
+        u: FloatArray,
+        energy_in_j: FloatArray,
+        energy_stored_j: FloatArray,
+        session: NDArray[np.int64],
+        follows: NDArray[np.bool_],
+    ) -> Self:
         period_ns = np.diff(plant_ns, append=plant_ns[-1:])
         return cls(
             t_s=np.asarray(plant_ns / NS_PER_S, dtype=np.float64),
-            x=_columns([state.x for state in states]),
-            u=_columns([state.u for state in states]),
-            energy_in_j=np.array([state.energy_in_j for state in states], dtype=np.float64),
-            energy_stored_j=np.array([state.energy_stored_j for state in states], dtype=np.float64),
+            x=x,
+            u=u,
+            energy_in_j=energy_in_j,
+            energy_stored_j=energy_stored_j,
             session=session,
             period_s=np.where(follows, period_ns, 0) / NS_PER_S,
         )

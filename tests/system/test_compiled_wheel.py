@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -12,14 +13,15 @@ import pytest
 pytestmark = pytest.mark.compiled
 
 ROOT = Path(__file__).parents[2]
+PARTS = ("passafe", "protocol", "services", "dashboard", "wheel_build", "tests/system")
 HOOKS = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["hatch"]["build"]["targets"]["wheel"]["hooks"]
 MODULES = [path.removesuffix(".py").replace("/", ".") for path in HOOKS["custom"]["modules"]]
 
 
-def run(*command: str, **environment: str) -> str:
+def run(*command: str, folder: Path = ROOT, **environment: str) -> str:
     done = subprocess.run(
         [sys.executable, *command],
-        cwd=ROOT,
+        cwd=folder,
         env=os.environ | environment,
         capture_output=True,
         text=True,
@@ -31,11 +33,18 @@ def run(*command: str, **environment: str) -> str:
 
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder with what the compiled wheel installs."""
-    folder = tmp_path_factory.mktemp("compiled")
+    """Folder with what the compiled wheel installs; without training, which takes a minute and changes no result."""
+    folder, sources = tmp_path_factory.mktemp("compiled"), tmp_path_factory.mktemp("sources")
+    for name in PARTS:
+        shutil.copytree(ROOT / name, sources / name, ignore=shutil.ignore_patterns("__pycache__"))
+    for name in ("README.md", "LICENSE"):
+        shutil.copy(ROOT / name, sources)
+    project = (ROOT / "pyproject.toml").read_text()
+    assert "\ntrained = true\n" in project
+    (sources / "pyproject.toml").write_text(project.replace("\ntrained = true\n", "\ntrained = false\n"))
     quiet = ("-m", "pip", "--quiet", "--disable-pip-version-check")
     wheel = ("wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", str(folder), ".")
-    run(*quiet, *wheel, HATCH_BUILD_HOOK_ENABLE_CUSTOM="true")
+    run(*quiet, *wheel, folder=sources, HATCH_BUILD_HOOK_ENABLE_CUSTOM="true")
     [built] = folder.glob("*.whl")
     run(*quiet, "install", "--no-deps", "--no-index", "--target", str(folder / "site"), str(built))
     return folder / "site"
