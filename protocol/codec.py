@@ -18,7 +18,7 @@ from protocol.errors import ChecksumError, DecodeError, InvalidMessageError, Sch
 from protocol.messages import SCHEMA_VERSION, Header, Message, Record
 from protocol.shapes import RecordType, Shape, shape_of
 from protocol.topics import TOPICS, Topic
-from protocol.validation import check
+from protocol.validation import check, member_of
 
 MAX_MESSAGE_BYTES: Final = 1 << 20
 """Size of the largest message; bounds the time and memory that a reader spends on one."""
@@ -130,8 +130,8 @@ def _fill(topic: str, shape: Shape, message: ProtobufMessage, record: Record, pa
             _fill(topic, part, elements.add(), element, f"{path}{name}[{place}].")
 
 
-def _read(topic: str, shape: Shape, message: ProtobufMessage) -> Record:
-    """Record of a protobuf message; an unknown enum value stays a number, for the check to refuse.
+def _read(topic: str, shape: Shape, message: ProtobufMessage, path: str = "") -> Record:
+    """Record of a protobuf message, its fields of the right types.
 
     Fields that the message does not have are refused: protobuf would otherwise read a state as an input,
     since the numbers of their vectors agree.
@@ -144,10 +144,11 @@ def _read(topic: str, shape: Shape, message: ProtobufMessage) -> Record:
     values = list(shape.read(message))
     for index, _ in shape.vectors:
         values[index] = tuple(values[index][:])  # the slice copies in one go, iteration would call per number
-    for index, _, members in shape.enums:
-        values[index] = members.get(values[index], values[index])
-    for index, _, part in shape.parts:
-        values[index] = _read(topic, part, values[index])
-    for index, _, part in shape.lists:
-        values[index] = tuple([_read(topic, part, element) for element in values[index]])
+    for index, name, members in shape.enums:
+        values[index] = member_of(topic, path + name, values[index], members)
+    for index, name, part in shape.parts:
+        values[index] = _read(topic, part, values[index], f"{path}{name}.")
+    for index, name, part in shape.lists:
+        elements = enumerate(values[index])
+        values[index] = tuple([_read(topic, part, element, f"{path}{name}[{k}].") for k, element in elements])
     return shape.make(*values)

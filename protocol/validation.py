@@ -4,7 +4,8 @@ For every message: floats are finite, enum values are known and not UNSPECIFIED,
 ``MAX_VECTOR`` numbers. ``RULES`` adds what is particular to a field. Sender and reader run the same check.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from enum import IntEnum
 from math import isfinite
 from typing import Any, Final, NamedTuple
 
@@ -181,9 +182,7 @@ def check(topic: str, shape: Shape, record: Record, path: str = "") -> None:
     value = shape.read(record)
     _check_numbers(topic, shape, value, path)
     for index, name, members in shape.enums:
-        if value[index] not in members:
-            allowed = ", ".join(f"{member.value} ({member.name})" for member in members.values())
-            raise InvalidMessageError(topic, path + name, value[index], allowed)
+        member_of(topic, path + name, value[index], members)
     for rule in RULES[shape.record_type]:
         if not rule.holds(record):
             raise InvalidMessageError(topic, path + rule.field, getattr(record, rule.field), rule.allowed)
@@ -192,6 +191,24 @@ def check(topic: str, shape: Shape, record: Record, path: str = "") -> None:
     for index, name, part in shape.lists:
         for place, element in enumerate(value[index]):
             check(topic, part, element, f"{path}{name}[{place}].")
+
+
+def member_of(topic: str, field: str, value: int, members: Mapping[int, IntEnum]) -> IntEnum:
+    """Return the member of an enumeration that has a value.
+
+    Args:
+        topic: Name of the topic, for the error.
+        field: Where the value stands in the message.
+        value: The value.
+        members: Members by value.
+
+    Raises:
+        InvalidMessageError: There is none.
+    """
+    if value not in members:
+        allowed = ", ".join(f"{member.value} ({member.name})" for member in members.values())
+        raise InvalidMessageError(topic, field, value, allowed)
+    return members[value]
 
 
 def _check_numbers(topic: str, shape: Shape, value: tuple[Any, ...], path: str) -> None:

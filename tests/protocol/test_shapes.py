@@ -1,7 +1,19 @@
 """Shapes say of what kind each field is and where it stands."""
 
-from protocol.messages import BarrierChain, Certificate, FilterStatus, FilterTick, Override, PlantPhase, PlantState, Row
-from protocol.shapes import shape_of
+from protocol.link_settings import LinkSettings
+from protocol.link_wire import parameters_of
+from protocol.messages import (
+    BarrierChain,
+    Certificate,
+    FilterStatus,
+    FilterTick,
+    LinkConfig,
+    Override,
+    PlantPhase,
+    PlantState,
+    Row,
+)
+from protocol.shapes import as_dict, shape_of
 
 
 def test_plant_state_is_read_from_its_annotations() -> None:
@@ -46,3 +58,14 @@ def test_make_undoes_read() -> None:
 
     assert made == row
     assert type(made) is Row
+
+
+def test_records_within_a_record_become_dictionaries_too() -> None:
+    settings = LinkSettings(delay_s=0.1, outages_s=((1.0, 2.0), (3.0, 4.0)))
+
+    given = as_dict(LinkConfig("plant-to-filter", parameters_of(settings)))
+
+    assert list(given) == ["link", "parameters"]
+    assert list(given["parameters"]) == list(shape_of(type(parameters_of(settings))).names)
+    assert given["parameters"]["delay_s"] == 0.1
+    assert given["parameters"]["outages"] == [{"start_s": 1.0, "end_s": 2.0}, {"start_s": 3.0, "end_s": 4.0}]

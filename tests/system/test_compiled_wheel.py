@@ -32,16 +32,23 @@ def run(*command: str, folder: Path = ROOT, **environment: str) -> str:
 
 
 @pytest.fixture(scope="module")
-def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder with what the compiled wheel installs; without training, which takes a minute and changes no result."""
-    folder, sources = tmp_path_factory.mktemp("compiled"), tmp_path_factory.mktemp("sources")
+def sources(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Copy of what a wheel is built from, to be built without training: that takes a minute and changes no result."""
+    folder = tmp_path_factory.mktemp("sources")
     for name in PARTS:
-        shutil.copytree(ROOT / name, sources / name, ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
     for name in ("README.md", "LICENSE"):
-        shutil.copy(ROOT / name, sources)
+        shutil.copy(ROOT / name, folder)
     project = (ROOT / "pyproject.toml").read_text()
     assert "\ntrained = true\n" in project
-    (sources / "pyproject.toml").write_text(project.replace("\ntrained = true\n", "\ntrained = false\n"))
+    (folder / "pyproject.toml").write_text(project.replace("\ntrained = true\n", "\ntrained = false\n"))
+    return folder
+
+
+@pytest.fixture(scope="module")
+def installed(sources: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder with what the compiled wheel installs."""
+    folder = tmp_path_factory.mktemp("compiled")
     quiet = ("-m", "pip", "--quiet", "--disable-pip-version-check")
     wheel = ("wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", str(folder), ".")
     run(*quiet, *wheel, folder=sources, HATCH_BUILD_HOOK_ENABLE_CUSTOM="true")
@@ -63,9 +70,33 @@ def test_loops_send_the_same_bytes_compiled_and_not(installed: Path) -> None:
     assert looked_at(ROOT) == (digest, {".py"})
 
 
-def test_nothing_compiled_is_left_beside_the_sources(installed: Path) -> None:
+UNKNOWN_PHASE = """
+from protocol.checksum import sealed
+from protocol.codec import decode
+from protocol.errors import InvalidMessageError
+from protocol.passafe_pb2 import PlantState
+from protocol.topics import STATE
+
+message = PlantState(x=[1.0], phase=9)
+message.header.schema_version = 1
+message.header.source = "plant"
+try:
+    decode(STATE, sealed(message.SerializeToString()))
+except InvalidMessageError as refusal:
+    print(refusal)
+"""
+
+
+def test_what_a_compiled_record_cannot_hold_is_refused_as_from_the_sources(installed: Path) -> None:
+    refusals = [run("-P", "-c", UNKNOWN_PHASE, PYTHONPATH=str(path)) for path in (installed, ROOT)]
+
+    assert refusals[0] == refusals[1]
+    assert "phase: got 9, allowed 1 (WAITING)" in refusals[0]
+
+
+def test_nothing_compiled_is_left_beside_the_sources(installed: Path, sources: Path) -> None:
     assert list(installed.glob("passafe/*.so"))
-    assert not [path for package in ("passafe", "protocol", "services") for path in (ROOT / package).rglob("*.so")]
+    assert not [path for package in ("passafe", "protocol", "services") for path in (sources / package).rglob("*.so")]
 
 
 def test_a_sweep_runs_in_worker_processes_from_the_wheel(installed: Path, tmp_path: Path) -> None:
