@@ -210,6 +210,7 @@ class FilterNode:
         self._foresight.sent(effective_ns, decision.u)
         outgoing.append((INPUT, self._series.message(self._tick, decision.u, effective_ns)))
         stale = operator_is_stale and not decision.status.is_fallback
+        state_age_ns, command_age_ns = ages
         return TickRecord(
             self._telemetry,
             self._tick,
@@ -218,7 +219,8 @@ class FilterNode:
             effective_ns,
             tank_j,
             inbox,
-            *ages,
+            state_age_ns,
+            command_age_ns,
             self._foresight.horizon_ns,
         )
 
