@@ -1,6 +1,7 @@
-"""What is kept of a loop in virtual time: of every message the numbers that its figures need, and no message."""
+"""What is kept of a loop in virtual time: of every message the numbers that its figures need."""
 
 from collections.abc import Mapping
+from math import prod
 from struct import Struct
 from typing import Any, Final
 
@@ -19,8 +20,32 @@ from services.runtime.lockstep import Tap
 
 WAITING: Final = PlantPhase.WAITING
 
-_INTEGER: Final = "i8"
-_NUMBER: Final = "f8"
+
+class _Rows:
+    """Rows of numbers, all alike, packed one behind the other.
+
+    Attributes:
+        pack: Makes the bytes of one row from its integers and, after them, its other numbers.
+        packed: The bytes of all; who has packed a row appends it.
+    """
+
+    def __init__(self, *integers: str, **numbers: tuple[int, ...]) -> None:
+        """Start empty.
+
+        Args:
+            integers: Names of the columns of integers.
+            numbers: Names of the others, with the shape of an entry.
+        """
+        count = sum(prod(shape) for shape in numbers.values())
+        self.pack = Struct(f"={len(integers)}q{count}d").pack
+        self.packed = bytearray()
+        self._row = np.dtype(
+            [(name, "i8") for name in integers] + [(name, "f8", shape) for name, shape in numbers.items()]
+        )
+
+    def all(self) -> NDArray[Any]:
+        """Return every row, a structured array."""
+        return np.frombuffer(self.packed, self._row)
 
 
 class Tape:
@@ -43,32 +68,10 @@ class Tape:
         system = core.design.system
         self._newest: PlantState | None = None
         self._until_ns: int | None = None
-        self._states, self._sent, self._answered = bytearray(), bytearray(), bytearray()
-        self._pack_state = Struct(f"=3q{2 + system.n + system.m}d").pack
-        self._state_row = np.dtype(
-            [
-                ("plant_ns", _INTEGER),
-                ("phase", _INTEGER),
-                ("slack_ns", _INTEGER),
-                ("energy_in_j", _NUMBER),
-                ("energy_stored_j", _NUMBER),
-                ("x", _NUMBER, (system.n,)),
-                ("u", _NUMBER, (system.m,)),
-            ]
-        )
-        self._pack_input = Struct(f"=q{system.m}d").pack
-        self._input_row = np.dtype([("at_ns", _INTEGER), ("u", _NUMBER, (system.m,))])
-        self._pack_answer = Struct("=5q3d").pack
-        self._answer_row = np.dtype(
-            [
-                ("status", _INTEGER),
-                ("at_ns", _INTEGER),
-                ("state_age_ns", _INTEGER),
-                ("command_age_ns", _INTEGER),
-                ("decided", _INTEGER),
-                ("residuals", _NUMBER, (3,)),
-            ]
-        )
+        n, m = (system.n,), (system.m,)
+        self._states = _Rows("plant_ns", "phase", "slack_ns", energy_in_j=(), energy_stored_j=(), x=n, u=m)
+        self._sent = _Rows("at_ns", u=m)
+        self._answered = _Rows("status", "at_ns", "state_age_ns", "command_age_ns", "decided", residuals=(3,))
         self._residuals = Struct("3d").unpack_from, core.layout.parts["residuals"].start * 8
         self.taps: Mapping[Topic, Tap] = {STATE: self._keep_state, INPUT: self._keep_input, TICK: self._answer}
         self._asked: list[tuple[int, Decision]] = []
@@ -97,7 +100,7 @@ class Tape:
 
     def trajectory(self) -> Trajectory:
         """Motion of the plant."""
-        rows = self._moving()
+        rows = self._states.all()
         return Trajectory.unbroken(
             plant_ns=np.array(rows["plant_ns"]),
             x=np.array(rows["x"]).T,
@@ -108,20 +111,20 @@ class Tape:
 
     def phases(self) -> IntArray:
         """Phase of the plant at every sample of the trajectory, shape (N,)."""
-        return np.array(self._moving()["phase"])
+        return np.array(self._states.all()["phase"])
 
     def input_slack_ns(self) -> IntArray:
         """By how much the newest input came before its time, at every sample of the trajectory, ns, shape (N,)."""
-        return np.array(self._moving()["slack_ns"])
+        return np.array(self._states.all()["slack_ns"])
 
     def inputs(self) -> Inputs:
         """Inputs that the filter sent."""
-        rows = self._up_to_the_end(np.frombuffer(self._sent, self._input_row))
+        rows = self._up_to_the_end(self._sent)
         return Inputs(largest=np.abs(rows["u"]).max(axis=1, initial=0.0), at_ns=np.array(rows["at_ns"]))
 
     def answers(self) -> Answers:
         """Ticks of the filter."""
-        rows = self._up_to_the_end(np.frombuffer(self._answered, self._answer_row))
+        rows = self._up_to_the_end(self._answered)
         accepted = rows["decided"] != Status.UNCERTIFIED
         return Answers(
             status=np.array(rows["status"]),
@@ -138,16 +141,14 @@ class Tape:
             for at_ns, decision in self._asked
         )
 
-    def _moving(self) -> NDArray[Any]:
-        return np.frombuffer(self._states, self._state_row)
-
-    def _up_to_the_end(self, rows: NDArray[Any]) -> NDArray[Any]:
+    def _up_to_the_end(self, kept: _Rows) -> NDArray[Any]:
+        rows = kept.all()
         return rows if self._until_ns is None else rows[rows["at_ns"] <= self._until_ns]
 
     def _keep_state(self, state: PlantState) -> None:
         self._newest = state
         if state.phase is not WAITING:
-            self._states += self._pack_state(
+            self._states.packed += self._states.pack(
                 state.plant_ns,
                 state.phase,
                 state.input_slack_ns,
@@ -158,12 +159,12 @@ class Tape:
             )
 
     def _keep_input(self, sent: PlantInput) -> None:
-        self._sent += self._pack_input(sent.effective_plant_ns, *sent.u)
+        self._sent.packed += self._sent.pack(sent.effective_plant_ns, *sent.u)
 
     def _answer(self, record: TickRecord) -> None:
         decision = record.decision
         unpack, at = self._residuals
-        self._answered += self._pack_answer(
+        self._answered.packed += self._answered.pack(
             record.status,
             record.effective_plant_ns,
             record.state_age_ns,

@@ -1,7 +1,7 @@
 """What the plant did, as arrays: states, the inputs in force, and the states between two samples."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, NamedTuple, Self
 
 import numpy as np
@@ -58,16 +58,15 @@ class Trajectory:
         sequences = np.array([state.header.sequence for state in moving], dtype=np.uint64)
         session = np.cumsum(np.diff(epochs, prepend=epochs[:1]) != 0)
         follows = (np.diff(session, append=-1) == 0) & (np.diff(sequences, append=np.zeros(1, dtype=np.uint64)) == 1)
-        states_of = [state.body for state in moving]
-        return cls._of(
-            np.array([state.plant_ns for state in states_of], dtype=np.int64),
-            _columns([state.x for state in states_of]),
-            _columns([state.u for state in states_of]),
-            np.array([state.energy_in_j for state in states_of], dtype=np.float64),
-            np.array([state.energy_stored_j for state in states_of], dtype=np.float64),
-            session,
-            follows,
+        bodies = [state.body for state in moving]
+        one = cls.unbroken(
+            plant_ns=np.array([state.plant_ns for state in bodies], dtype=np.int64),
+            x=_columns([state.x for state in bodies]),
+            u=_columns([state.u for state in bodies]),
+            energy_in_j=np.array([state.energy_in_j for state in bodies], dtype=np.float64),
+            energy_stored_j=np.array([state.energy_stored_j for state in bodies], dtype=np.float64),
         )
+        return replace(one, session=session, period_s=np.where(follows, one.period_s, 0.0))
 
     @classmethod
     def unbroken(
@@ -88,31 +87,14 @@ class Trajectory:
             energy_in_j: ∫ yᵀu dt since plant time 0, J, shape (N,).
             energy_stored_j: V(x), J, shape (N,).
         """
-        follows = np.ones(len(plant_ns), dtype=np.bool_)
-        follows[-1:] = False
-        session = np.zeros(len(plant_ns), dtype=np.int64)
-        return cls._of(plant_ns, x, u, energy_in_j, energy_stored_j, session, follows)
-
-    @classmethod
-    def _of(
-        cls,
-        plant_ns: NDArray[np.int64],
-        x: FloatArray,
-        u: FloatArray,
-        energy_in_j: FloatArray,
-        energy_stored_j: FloatArray,
-        session: NDArray[np.int64],
-        follows: NDArray[np.bool_],
-    ) -> Self:
-        period_ns = np.diff(plant_ns, append=plant_ns[-1:])
         return cls(
             t_s=np.asarray(plant_ns / NS_PER_S, dtype=np.float64),
             x=x,
             u=u,
             energy_in_j=energy_in_j,
             energy_stored_j=energy_stored_j,
-            session=session,
-            period_s=np.where(follows, period_ns, 0) / NS_PER_S,
+            session=np.zeros(len(plant_ns), dtype=np.int64),
+            period_s=np.diff(plant_ns, append=plant_ns[-1:]) / NS_PER_S,
         )
 
     @property
