@@ -3,10 +3,10 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
-PROTO := protocol/passafe.proto
-GENERATE := $(BIN)/python -m grpc_tools.protoc -I .
+PROTO := passafe_protocol/passafe.proto
+GENERATE := $(BIN)/python -m grpc_tools.protoc -I protocol
 DEMO ?=
-CAMPAIGN ?= $(basename $(notdir $(wildcard services/scenarios/*.toml)))
+CAMPAIGN ?= $(basename $(notdir $(wildcard services/passafe_services/scenarios/*.toml)))
 
 .PHONY: help demo test check fast proto lock docs pictures bench campaign atlas delay-atlas mutation wheel clean
 
@@ -37,17 +37,17 @@ check: $(STAMP)  ## lint, format, types, import direction, generated files curre
 	$(BIN)/mypy wheel_build
 	$(BIN)/lint-imports
 	@mkdir -p .build && $(GENERATE) --python_out=.build --pyi_out=.build $(PROTO)
-	@for f in passafe_pb2.py passafe_pb2.pyi; do cmp .build/protocol/$$f protocol/$$f || { echo "protocol/$$f is not current: run make proto"; exit 1; }; done
-	$(BIN)/python -m protocol.wire_table --check docs/wire-protocol.md
+	@for f in passafe_pb2.py passafe_pb2.pyi; do cmp .build/passafe_protocol/$$f protocol/passafe_protocol/$$f || { echo "protocol/passafe_protocol/$$f is not current: run make proto"; exit 1; }; done
+	$(BIN)/python -m passafe_protocol.wire_table --check docs/wire-protocol.md
 
 proto: $(STAMP)  ## generate the protobuf code
-	$(GENERATE) --python_out=. --pyi_out=. $(PROTO)
+	$(GENERATE) --python_out=protocol --pyi_out=protocol $(PROTO)
 
 docs: $(STAMP)  ## generate docs/wire-protocol.md from the topic table
-	$(BIN)/python -m protocol.wire_table --write docs/wire-protocol.md
+	$(BIN)/python -m passafe_protocol.wire_table --write docs/wire-protocol.md
 
 pictures: $(STAMP)  ## the README's pictures, from live runs
-	$(BIN)/python -m dashboard.pictures docs/pictures
+	$(BIN)/python -m passafe_dashboard.pictures docs/pictures
 
 bench: $(STAMP)  ## benchmarks; the peers are installed first
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[peers]'

@@ -10,14 +10,13 @@ from time import process_time
 from typing import Annotated
 
 import typer
+from passafe_services.scenarios.load import load_scenario, shipped_scenarios
+from passafe_services.tools.campaign.rollout import Rollouts
+from passafe_services.tools.campaign.rollout_result import RolloutResult
+from passafe_services.tools.campaign.workers import BATCH, BATCH_SINGLY
 from rich.console import Console
 from rich.table import Table
 from threadpoolctl import threadpool_limits
-
-from services.campaign.outcome import Outcome
-from services.campaign.rollout import Rollouts
-from services.campaign.workers import BATCH, BATCH_SINGLY
-from services.scenarios.load import load_scenario, shipped_scenarios
 
 
 def main(
@@ -46,7 +45,7 @@ def measured(name: str, ticks: int, repeats: int) -> tuple[float, float, float]:
     scenario = load_scenario(name)
     ways = {singly: Rollouts(scenario, singly=singly) for singly in (True, False)}
     spent_us: dict[bool, list[float]] = {True: [], False: []}
-    done: list[Outcome] = []
+    done: list[RolloutResult] = []
     for _ in range(repeats):
         for singly, rollouts in ways.items():
             seeds = range(BATCH_SINGLY if singly else BATCH)

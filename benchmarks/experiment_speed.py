@@ -14,13 +14,12 @@ from time import perf_counter
 from typing import Annotated
 
 import typer
+from passafe_services.scenarios.load import load_scenario
+from passafe_services.tools.experiment.load import Study, experiment_from
+from passafe_services.tools.experiment.plan import Plan
+from passafe_services.tools.experiment.worker_pool import local_processes, results
 from rich.console import Console
 from rich.table import Table
-
-from services.experiment.load import Study, experiment_from
-from services.experiment.plan import Plan
-from services.experiment.workers import local_processes, results
-from services.scenarios.load import load_scenario
 
 LINKS = ("plant-to-filter", "filter-to-plant")
 

@@ -10,15 +10,15 @@ from importlib import import_module
 from typing import Any, Final, NamedTuple, Protocol
 
 import numpy as np
+from passafe_services.scenarios.barrier_schema import DiskBarrier
+from passafe_services.scenarios.design import design_of, robot_of
+from passafe_services.scenarios.schema import Scenario
 
-from passafe.barrier import derive_chain
+from passafe.barrier_chain import derive_chain
 from passafe.decision import Decision
 from passafe.derivation import CUSHION, Derivation
 from passafe.filter import SafetyPassivityFilter
-from passafe.workspace import Array, Layout, Workspace
-from services.scenarios.barrier_schema import DiskBarrier
-from services.scenarios.design import design_of, robot_of
-from services.scenarios.schema import Scenario
+from passafe.workspace import Array, BlockLayout, Workspace
 
 
 class Request(NamedTuple):
@@ -170,7 +170,7 @@ class _OnOurRows:
         design = design_of(scenario, robot_of(scenario))
         derivation = Derivation(design, [derive_chain(design.system, barrier) for barrier in design.barriers])
         given, derived = derivation.sizes_given, derivation.sizes_derived
-        self._space = space = Workspace(Layout.of(given | derived))
+        self._space = space = Workspace(BlockLayout.of(given | derived))
         self._evaluate = space.bind(derivation.prepare, list(given), list(derived))
         space.part("cushion")[:] = CUSHION * design.tolerance.residual
         asked = sum(given[name] for name in ("x", "u", "u_h", "u_h_rate", "tank"))

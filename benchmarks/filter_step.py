@@ -32,14 +32,14 @@ from filter_contenders import (
     ParametrisedCvxpy,
     Request,
 )
+from passafe_services.operator.sources.scenario_source import source_of
+from passafe_services.scenarios.design import robot_of, sampled_plant_of
+from passafe_services.scenarios.load import load_scenario
+from passafe_services.scenarios.schema import Scenario
 from rich.console import Console
 from rich.table import Table
 
 from passafe.decision import Status
-from services.operator.scenario_source import source_of
-from services.scenarios.design import robot_of, sampled_plant_of
-from services.scenarios.load import load_scenario
-from services.scenarios.schema import Scenario
 
 PACKAGES = ("passafe", "piqp", "casadi", "numpy", "cbfpy", "elastiqp", "jax", "cvxpy", "daqp")
 SCOUTED = 50

@@ -21,23 +21,22 @@ from tempfile import TemporaryDirectory
 from typing import Annotated, Any
 
 import typer
+from passafe_protocol.codec import decode
+from passafe_protocol.messages import Header, Message, PlantPhase, PlantState
+from passafe_protocol.topics import COMMAND, STATE, TICK, Topic
+from passafe_services.loop.bus import Bus, open_bus
+from passafe_services.loop.errors import BusError
+from passafe_services.loop.process_exit import Restarts
+from passafe_services.loop.realtime import RECORDER_PRIORITY, request_realtime
+from passafe_services.loop.router_endpoint import RouterEndpoint
+from passafe_services.scenarios.load import load_scenario
+from passafe_services.tools.review.core_evaluator import CoreEvaluator
+from passafe_services.tools.review.run_log import RunLog
+from passafe_services.tools.review.sequence_breaks import SequenceBreak, sequence_breaks
+from passafe_services.tools.review.verdict import Verdict
 from rich.console import Console
 from rich.progress import track
 from rich.table import Table
-
-from protocol.codec import decode
-from protocol.messages import Header, Message, PlantPhase, PlantState
-from protocol.topics import COMMAND, STATE, TICK, Topic
-from services.review.core_mathematics import CoreMathematics
-from services.review.disarmings import Disarming, disarmings
-from services.review.log import RunLog
-from services.review.verdict import Verdict
-from services.runtime.bus import Bus, open_bus
-from services.runtime.endpoint import Endpoint
-from services.runtime.errors import BusError
-from services.runtime.outcome import Restarts
-from services.runtime.realtime import RECORDER_PRIORITY, request_realtime
-from services.scenarios.load import load_scenario
 
 # Back and forth through the obstacles, further than the walls are, so that the robot runs into something all the time.
 SWEEPS = {
@@ -185,13 +184,13 @@ def running_demo(scenario: Path, out: Path, rate_hz: float) -> Iterator[Running]
     """Run a demo; whatever happens, nothing of it is left."""
     with socket.create_server(("127.0.0.1", 0)) as server:
         port = int(server.getsockname()[1])
-    command = [sys.executable, "-m", "services.cli", "demo", "--restart", "--headless"]
+    command = [sys.executable, "-P", "-m", "passafe_services.cli", "demo", "--restart", "--headless"]
     arguments = ["--scenario", str(scenario), "--out", str(out), "--router-port", str(port), "--rate", str(rate_hz)]
     with (out / "demo.txt").open("w", encoding="utf-8") as lines:
         process = subprocess.Popen([*command, *arguments], stdout=lines, stderr=lines, text=True)  # noqa: S603 - ours
         request_realtime(RECORDER_PRIORITY)  # what is started from now on would inherit it
         try:
-            with open_bus(Endpoint(port=port), timeout_s=START_S) as bus:
+            with open_bus(RouterEndpoint(port=port), timeout_s=START_S) as bus:
                 running = Running(process, bus)
                 if not running.heard(STATE, lambda _, body: is_running(body), START_S):
                     raise NoRobotError(f"no robot moved; see {out / 'demo.txt'}")
@@ -225,7 +224,7 @@ def strike_again_and_again(
     return kills
 
 
-def timed(kills: list[Kill], found: list[Disarming]) -> list[Kill]:
+def timed(kills: list[Kill], found: list[SequenceBreak]) -> list[Kill]:
     """Add to each kill what the log says of the first disarming between it and the next."""
     told = []
     for index, kill in enumerate(kills):
@@ -247,7 +246,7 @@ def timed(kills: list[Kill], found: list[Disarming]) -> list[Kill]:
 
 def judge(log: RunLog, number: int) -> Demo:
     """Return the figures of one log."""
-    verdict = Verdict.of(log, CoreMathematics(log.identity.scenario))
+    verdict = Verdict.of(log, CoreEvaluator(log.identity.scenario))
     states = log.of(PlantState)
     figures = (verdict.h_min, verdict.h_min_at_samples, verdict.tank_min_j)
     h_min, h_min_at_samples, tank_min_j = (float("nan") if figure is None else figure for figure in figures)
@@ -281,7 +280,7 @@ def run_demo(
         kills = strike_again_and_again(running, chance, numbers, number, say)
     [path] = [path for path in folder.glob("*.mcap") if not path.name.endswith(".torn.mcap")]
     log = RunLog.read(path)
-    return judge(log, number), timed(kills, disarmings(log.of(PlantState)))
+    return judge(log, number), timed(kills, sequence_breaks(log.of(PlantState)))
 
 
 def tables(demos: list[Demo], kills: list[Kill]) -> Iterator[Table]:

@@ -18,10 +18,9 @@ from typing import Annotated, Any
 
 import numpy as np
 import typer
+from passafe_services.loop.realtime import request_realtime
 from rich.console import Console
 from rich.table import Table
-
-from services.runtime.realtime import request_realtime
 
 RATE_HZ = 1000.0
 PAYLOAD = bytes(88)
@@ -64,7 +63,7 @@ def raw_udp_us(seconds: float) -> np.ndarray[Any, np.dtype[np.float64]]:
 def live_timing(seconds: float) -> dict[str, Any]:
     """Return the timing part of the review of a live run."""
     with TemporaryDirectory() as folder:
-        passafe = [sys.executable, "-m", "services.cli"]
+        passafe = [sys.executable, "-P", "-m", "passafe_services.cli"]
         arguments = ["demo", "--duration", str(seconds), "--out", folder]
         subprocess.run([*passafe, *arguments], check=True, stdout=subprocess.DEVNULL)  # noqa: S603 - ours
         [log] = Path(folder).glob("*.mcap")

@@ -16,18 +16,18 @@ from typing import Annotated, Any, Final
 
 import numpy as np
 import typer
+from passafe_protocol.messages import PlantPhase
+from passafe_services.filter.build import filter_node
+from passafe_services.scenarios.load import load_scenario
+from passafe_services.scenarios.schema import Scenario
+from passafe_services.simulation import lockstep_loop
+from passafe_services.tools.campaign.safe_starts import SafeStarts
+from passafe_services.tools.experiment.metrics import metrics_of
+from passafe_services.tools.experiment.run_trace import RunTrace
+from passafe_services.tools.experiment.runner import CompiledStudy
 from rich.console import Console
 from rich.progress import track
 from rich.table import Table
-
-from protocol.messages import PlantPhase
-from services.assembly import filter_node, lockstep_loop
-from services.campaign.starts import SafeStarts
-from services.experiment.bench import Kit
-from services.experiment.figures import figures_of
-from services.experiment.tape import Tape
-from services.scenarios.load import load_scenario
-from services.scenarios.schema import Scenario
 
 SCENARIOS: Final = ("notomista-cai-2020", "walls-and-disks")
 STRATEGIES: Final = ("piecewise-constant", "chirp", "bang-bang", "against-h", "against-the-tank")
@@ -87,17 +87,17 @@ def kill(seed: int) -> Kill:
     kit, starts = kit_of(name)
     at_s, down_s = float(rng.uniform(0.05, 3.0)), float(10 ** rng.uniform(-2.5, 0.0))
     scenario = drawn(name, rng, starts, {} if victim == "filter" else outage(victim, at_s, down_s))
-    tape = Tape(kit.derived.core)
-    loop = lockstep_loop(scenario, taps=tape.taps, derived=kit.derived)
+    tape = RunTrace(kit.compiled.filter.core)
+    loop = lockstep_loop(scenario, taps=tape.taps, compiled=kit.compiled)
     before, down, rest = (round(t * RATE_HZ) for t in (at_s, down_s, RUN_S))
     loop.run(before)
     if victim == "filter":
         loop.kill("filter")
     loop.run(down)
     if victim == "filter":
-        loop.revive(filter_node(scenario, "lockstep", 2, kit.derived), 2)
+        loop.revive(filter_node(scenario, "lockstep", 2, kit.compiled.model, kit.compiled.filter), 2)
     loop.run(rest)
-    figures = figures_of(scenario, tape, kit.mathematics, kit.motion, None)
+    figures = metrics_of(scenario, tape, kit.mathematics, kit.motion, None)
     assert figures.h_min is not None, "a run without a sample"  # noqa: S101 - a benchmark may
     assert figures.tank_min_j is not None, "a run without a sample"  # noqa: S101 - a benchmark may
     unserved = np.flatnonzero(tape.phases()[-rest:] != PlantPhase.RUNNING)
@@ -114,11 +114,11 @@ def kill(seed: int) -> Kill:
 
 
 @cache
-def kit_of(name: str) -> tuple[Kit, SafeStarts]:
+def kit_of(name: str) -> tuple[CompiledStudy, SafeStarts]:
     """Return what is derived from a scenario, once in each process."""
     scenario = load_scenario(name, {"rate_hz": RATE_HZ})
-    kit = Kit(scenario)
-    return kit, SafeStarts(scenario, kit.derived.core)
+    kit = CompiledStudy(scenario)
+    return kit, SafeStarts(scenario, kit.compiled.filter.core)
 
 
 def drawn(name: str, rng: np.random.Generator, starts: SafeStarts, outages: dict[str, Any]) -> Scenario:

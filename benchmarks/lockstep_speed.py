@@ -16,16 +16,18 @@ from time import perf_counter_ns, thread_time_ns
 from typing import Annotated, Any
 
 import typer
+from passafe_protocol.messages import Received
+from passafe_services.cli.options import LinkOption, RateOption, scenario_from_options
+from passafe_services.filter.build import filter_node
+from passafe_services.loop.lockstep import Lockstep
+from passafe_services.node import Node, Outgoing
+from passafe_services.operator.build import operator_node
+from passafe_services.plant.build import plant_node
+from passafe_services.plant_contract.plant_model import period_ns
+from passafe_services.scenarios.links import link_settings
+from passafe_services.scenarios.schema import Scenario
 from rich.console import Console
 from rich.table import Table
-
-from protocol.messages import Received
-from services.assembly import filter_node, operator_node, period_ns, plant_node
-from services.cli.options import LinkOption, RateOption, scenario_from_options
-from services.runtime.lockstep import Lockstep
-from services.runtime.node import Node, Outgoing
-from services.scenarios.links import link_settings
-from services.scenarios.schema import Scenario
 
 MODES = ("off", "safe", "passive", "both")
 WARM_UP_STEPS = 100

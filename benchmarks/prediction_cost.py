@@ -11,14 +11,14 @@ from time import perf_counter_ns
 from typing import Annotated
 
 import typer
+from passafe_protocol.messages import UNSEQUENCED, PlantPhase, PlantState
+from passafe_services.filter.predictor import Predictor
+from passafe_services.plant_contract.plant_model import period_ns
+from passafe_services.scenarios.design import tank_of
+from passafe_services.scenarios.load import load_scenario
+from passafe_services.simulation import CompiledScenario
 from rich.console import Console
 from rich.table import Table
-
-from protocol.messages import UNARMED, PlantPhase, PlantState
-from services.assembly import Derived, period_ns
-from services.filter.prediction import Predictor
-from services.scenarios.design import tank_of
-from services.scenarios.load import load_scenario
 
 ERROR = 1e-9
 
@@ -40,9 +40,9 @@ def main(
 def tick_costs_us(name: str, horizon: int, ticks: int, error: float) -> Iterator[float]:
     """Yield what each tick takes, µs, with every state of the plant off by ``error`` from where the model goes."""
     scenario = load_scenario(name)
-    derived, dt_ns = Derived.of(scenario), period_ns(scenario)
-    predictor = Predictor(derived.plant, derived.fail_safe, tank_of(scenario), dt_ns)
-    sample, u = derived.plant.at(scenario.plant.x0), (0.1,) * derived.robot.system.m
+    compiled, dt_ns = CompiledScenario.of(scenario), period_ns(scenario)
+    predictor = Predictor(compiled.model.dynamics, compiled.model.fail_safe, tank_of(scenario), dt_ns)
+    sample, u = compiled.model.dynamics.at(scenario.plant.x0), (0.1,) * compiled.model.robot.system.m
     for k in range(ticks + horizon):
         state = PlantState(
             plant_ns=k * dt_ns,
@@ -58,7 +58,7 @@ def tick_costs_us(name: str, horizon: int, ticks: int, error: float) -> Iterator
             inputs_refused=0,
             integration_error=0.0,
             received_tick=k,
-            disarmed_ns=UNARMED,
+            sequence_break_ns=UNSEQUENCED,
             since_ns=k * dt_ns,
         )
         begun_ns = perf_counter_ns()
@@ -71,7 +71,7 @@ def tick_costs_us(name: str, horizon: int, ticks: int, error: float) -> Iterator
         predictor.sent((k + horizon) * dt_ns, u)
         if k > horizon:
             yield (perf_counter_ns() - begun_ns) / 1e3
-        sample = derived.plant.advance(state.x, u)
+        sample = compiled.model.dynamics.advance(state.x, u)
 
 
 if __name__ == "__main__":

@@ -18,7 +18,20 @@ A filter is derived from symbolic expressions and then decides, tick by tick::
 ``docs/theory.md`` states the mathematics, ``docs/guarantees.md`` what holds and when.
 """
 
-from passafe.barrier import Barrier, BarrierChain, derive_chain
+from passafe.barrier_chain import Barrier, BarrierChain, derive_chain
+from passafe.barriers import (
+    box,
+    circular_motion,
+    disk_keep_in,
+    disk_keep_out,
+    ellipse_keep_in,
+    ellipse_keep_out,
+    half_plane,
+    oscillating_motion,
+    separation,
+    speed_limit,
+    uniform_motion,
+)
 from passafe.class_k import ClassK, Cubic, Linear, Piecewise
 from passafe.decision import Decision, Status
 from passafe.design import FilterDesign, Law, Mode
@@ -34,19 +47,6 @@ from passafe.models.two_points import two_points
 from passafe.passivity import Passivity, power_margin
 from passafe.quadratic_program import Tolerance
 from passafe.sampled_plant import Sample, SampledPlant
-from passafe.shapes import (
-    box,
-    circular_motion,
-    disk_keep_in,
-    disk_keep_out,
-    ellipse_keep_in,
-    ellipse_keep_out,
-    half_plane,
-    oscillating_motion,
-    separation,
-    speed_limit,
-    uniform_motion,
-)
 from passafe.storage import kinetic_energy, spring_energy, squared_norm
 from passafe.system import System
 from passafe.tank import Tank

@@ -5,12 +5,12 @@ from typing import Final
 
 import casadi as ca
 
-from passafe.barrier import BarrierChain
-from passafe.between_samples import curvature_bound, held_function
+from passafe.barrier_chain import BarrierChain
 from passafe.design import FilterDesign, Law
+from passafe.intersample_margin import curvature_bound, held_function
 from passafe.passivity import power_margin
 from passafe.quadratic_program import certificate_residuals
-from passafe.rows import TINY, Row, continuous_rows, passivity_row, row_at, stack
+from passafe.rows import TINY, ConstraintRow, continuous_rows, passivity_row, row_at, stack
 from passafe.tracking import nominal_input, tracking_rate
 from passafe.workspace import dense_function
 
@@ -167,7 +167,7 @@ class Derivation:
         # Outside the set there is nothing to keep between samples; on the way out the margin is given up by and by.
         return ca.fmax(ca.fmin(margin, margin + p / held_s), 0)
 
-    def _rows(self) -> list[Row]:
+    def _rows(self) -> list[ConstraintRow]:
         design, system = self._design, self._system
         passivity = design.passivity if design.mode.enforces_passivity else None
         if not self._sampled:
@@ -178,7 +178,9 @@ class Derivation:
             row = row_at(system, chain.barrier.name, held, self._u_ref, self._u_lin)
             length = ca.norm_2(row.gradient)
             rows.append(
-                Row(name=row.name, value=row.value - self._eps[i] - self._cushion * length, gradient=row.gradient)
+                ConstraintRow(
+                    name=row.name, value=row.value - self._eps[i] - self._cushion * length, gradient=row.gradient
+                )
             )
         if passivity is not None:
             rows.append(passivity_row(system, self._h_u, passivity, self._u_ref, self._u_lin, self._tank))

@@ -6,7 +6,7 @@ from math import inf
 
 import casadi as ca
 
-from passafe.barrier import Barrier
+from passafe.barrier_chain import Barrier
 from passafe.errors import DesignError
 from passafe.limits import Limits
 from passafe.passivity import Passivity

@@ -11,17 +11,17 @@ from typing import Final
 
 import numpy as np
 
-from passafe.barrier import derive_chain
-from passafe.daqp_solver import DaqpSolver
+from passafe.barrier_chain import derive_chain
 from passafe.decision import Decision, Status
 from passafe.derivation import NORM_TOLERANCE, TRUST, Derivation
 from passafe.design import FilterDesign
 from passafe.errors import ShapeError
-from passafe.least_distance_solver import LeastDistanceSolver
-from passafe.least_violation import least_violation
-from passafe.piqp_solver import PiqpSolver
-from passafe.solver import SOLVED, Solver
-from passafe.workspace import Layout, Workspace
+from passafe.solvers.daqp_solver import DaqpSolver
+from passafe.solvers.least_distance_solver import LeastDistanceSolver
+from passafe.solvers.least_violation import least_violation
+from passafe.solvers.piqp_solver import PiqpSolver
+from passafe.solvers.solver import SOLVED, Solver
+from passafe.workspace import BlockLayout, Workspace
 
 ATTEMPTS: Final = 14
 """How often margins and tangents are put where the answer was; the last margin is good for every input whatever."""
@@ -78,7 +78,7 @@ class SafetyPassivityFilter:
         N, k, n, m = len(self.row_names), derivation.k, system.n, system.m
         given, derived = derivation.sizes_given, derivation.sizes_derived
         judged = derivation.sizes_judged
-        self.layout = Layout.of(given | derived | derivation.sizes_solved | judged)
+        self.layout = BlockLayout.of(given | derived | derivation.sizes_solved | judged)
         self._workspace = space = Workspace(self.layout)
         self._prepare = space.bind(derivation.prepare, list(given), list(derived))
         self._prepare_usual = space.bind(derivation.prepare_usual, list(given), list(derived))

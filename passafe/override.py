@@ -19,14 +19,14 @@ import numpy as np
 
 from passafe.decision import Decision, Status
 from passafe.filter import SafetyPassivityFilter
-from passafe.workspace import Array, Layout, Workspace, dense_function
+from passafe.workspace import Array, BlockLayout, Workspace, dense_function
 
 ACTIVE_DUAL: Final = 1e-6
 """Push from which a row counts as active, units of u."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Cause:
+class OverrideCause:
     """A row that pushed.
 
     Attributes:
@@ -57,7 +57,7 @@ class Override:
 
     change: Array
     held_back: Array
-    causes: tuple[Cause, ...]
+    causes: tuple[OverrideCause, ...]
     allowed_fraction: float
     unavoidable: bool
 
@@ -87,7 +87,7 @@ class Explainer:
         read = [name for name in sizes if ca.depends_on(ca.vertcat(*explained.values()), symbols[name])]
         function = dense_function("explain", [symbols[name] for name in read], list(explained.values()))
         own = {name: value.numel() for name, value in explained.items()}
-        self._space = space = Workspace(Layout.of(sizes | own))
+        self._space = space = Workspace(BlockLayout.of(sizes | own))
         self._evaluate = space.bind(function, read, list(own))
         self._decided = space.block[: core.layout.size]
         self._change, self._held_back = space.part("change"), space.part("held_back")
@@ -111,11 +111,11 @@ class Explainer:
             unavoidable=fraction < 0.0,
         )
 
-    def _causes(self, pushes_and_shares: list[float]) -> tuple[Cause, ...]:
+    def _causes(self, pushes_and_shares: list[float]) -> tuple[OverrideCause, ...]:
         """Return the active rows in the order of their shares."""
         count = len(self._names)
         rows = zip(self._names, pushes_and_shares[:count], pushes_and_shares[count:], strict=True)
-        causes = [Cause(row=name, push=push, share=share) for name, push, share in rows if push > ACTIVE_DUAL]
+        causes = [OverrideCause(row=name, push=push, share=share) for name, push, share in rows if push > ACTIVE_DUAL]
         return tuple(sorted(causes, key=lambda cause: -cause.share))
 
 

@@ -9,7 +9,7 @@ from math import sqrt
 
 import casadi as ca
 
-from passafe.barrier import BarrierChain
+from passafe.barrier_chain import BarrierChain
 from passafe.class_k import ClassK
 from passafe.passivity import Passivity
 from passafe.system import System
@@ -22,7 +22,7 @@ TINY = 1e-12
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class Row:
+class ConstraintRow:
     """c + gᵀw + slack ≥ 0.
 
     Attributes:
@@ -38,7 +38,7 @@ class Row:
     slack_price: float | None = None
 
 
-def row_at(system: System, name: str, function: ca.SX, u_ref: ca.SX, u_lin: ca.SX) -> Row:
+def row_at(system: System, name: str, function: ca.SX, u_ref: ca.SX, u_lin: ca.SX) -> ConstraintRow:
     """Return the row function(x, u⁺) ≥ 0 of the sampled law, in w: exact if it is affine in u, else its tangent.
 
     Args:
@@ -50,12 +50,14 @@ def row_at(system: System, name: str, function: ca.SX, u_ref: ca.SX, u_lin: ca.S
     """
     gradient = ca.gradient(function, system.u)
     if not ca.depends_on(gradient, system.u):
-        return Row(name=name, value=ca.substitute(function, system.u, u_ref), gradient=gradient)
+        return ConstraintRow(name=name, value=ca.substitute(function, system.u, u_ref), gradient=gradient)
     value, slope = ca.substitute([function, gradient], [system.u], [u_lin])
-    return Row(name=name, value=value + ca.dot(slope, u_ref - u_lin), gradient=slope)
+    return ConstraintRow(name=name, value=value + ca.dot(slope, u_ref - u_lin), gradient=slope)
 
 
-def passivity_row(system: System, h_u: ca.SX, passivity: Passivity, u_ref: ca.SX, u_lin: ca.SX, tank_j: ca.SX) -> Row:
+def passivity_row(
+    system: System, h_u: ca.SX, passivity: Passivity, u_ref: ca.SX, u_lin: ca.SX, tank_j: ca.SX
+) -> ConstraintRow:
     """Return the soft row h_u(x, u⁺) ≥ −κ(E − E_r) − δ of the sampled law, in w; without a tank h_u ≥ −δ.
 
     Args:
@@ -70,7 +72,9 @@ def passivity_row(system: System, h_u: ca.SX, passivity: Passivity, u_ref: ca.SX
     spendable = ca.SX(0)
     if passivity.tank is not None:
         spendable = passivity.tank.rate_per_s * (tank_j - passivity.tank.reserve_j)
-    return Row(name=row.name, value=row.value + spendable, gradient=row.gradient, slack_price=passivity.slack_weight)
+    return ConstraintRow(
+        name=row.name, value=row.value + spendable, gradient=row.gradient, slack_price=passivity.slack_weight
+    )
 
 
 def continuous_rows(
@@ -80,7 +84,7 @@ def continuous_rows(
     passivity: Passivity | None,
     phi: ca.SX,
     dt_s: float,
-) -> list[Row]:
+) -> list[ConstraintRow]:
     """Return the paper's rows, all hard: ψ̇_r(x, u, φ + v) + γ(ψ_r) ≥ 0 and ḣ_u + γ_u(h_u) ≥ 0, in w = dt·v.
 
     Args:
@@ -97,7 +101,7 @@ def continuous_rows(
     return rows
 
 
-def stack(rows: Sequence[Row], m: int, reach: float) -> tuple[ca.SX, ca.SX, float]:
+def stack(rows: Sequence[ConstraintRow], m: int, reach: float) -> tuple[ca.SX, ca.SX, float]:
     """Return (G, d, √ρ) of G z ≥ d with rows of unit length; √ρ is 0 where no row is soft.
 
     A bound further away than any input can go, ``reach``, is drawn in to it: a row that always holds goes on
@@ -121,8 +125,8 @@ def stack(rows: Sequence[Row], m: int, reach: float) -> tuple[ca.SX, ca.SX, floa
     return ca.vertcat(ca.SX(0, size), *G), ca.vertcat(ca.SX(0, 1), *d), root
 
 
-def _rate_row(system: System, name: str, function: ca.SX, gamma: ClassK, phi: ca.SX, dt_s: float) -> Row:
-    """Row of d/dt function + γ(function) ≥ 0 along ẋ = f, u̇ = φ + v, times dt."""
+def _rate_row(system: System, name: str, function: ca.SX, gamma: ClassK, phi: ca.SX, dt_s: float) -> ConstraintRow:
+    """ConstraintRow of d/dt function + γ(function) ≥ 0 along ẋ = f, u̇ = φ + v, times dt."""
     gradient = ca.gradient(function, system.u)
     drift = system.rate(function) + ca.dot(gradient, phi) + gamma(function)
-    return Row(name=name, value=dt_s * drift, gradient=gradient)
+    return ConstraintRow(name=name, value=dt_s * drift, gradient=gradient)

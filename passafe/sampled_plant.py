@@ -11,7 +11,7 @@ from scipy.linalg import expm
 
 from passafe.errors import IntegrationError, ShapeError
 from passafe.system import System
-from passafe.workspace import Layout, Workspace, dense_function
+from passafe.workspace import BlockLayout, Workspace, dense_function
 
 LOCAL_TOLERANCE: Final = 1e-10
 """Largest estimated local error of one period of a nonlinear plant, in each state's own units."""
@@ -62,7 +62,7 @@ class SampledPlant:
         self.exact = is_linear(system)
         n, m = system.n, system.m
         self._space = Workspace(
-            Layout.of({"x": n, "u": m, "h": 1, "x_next": n, "y": m, "stored": 1, "energy": 1, "error": 1})
+            BlockLayout.of({"x": n, "u": m, "h": 1, "x_next": n, "y": m, "stored": 1, "energy": 1, "error": 1})
         )
         h = ca.SX.sym("h")
         x_next, energy, error = held_flow(system, dt_s if self.exact else h)

@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Layout:
+class BlockLayout:
     """Where each named part of a block lies.
 
     Attributes:
@@ -25,7 +25,7 @@ class Layout:
     size: int
 
     @classmethod
-    def of(cls, sizes: Mapping[str, int]) -> "Layout":
+    def of(cls, sizes: Mapping[str, int]) -> "BlockLayout":
         """Lay parts of the given sizes one after the other."""
         parts: dict[str, slice] = {}
         start = 0
@@ -44,7 +44,7 @@ class Workspace:
         memory: The same numbers for ``struct``, which reads and writes a few of them faster than numpy.
     """
 
-    def __init__(self, layout: Layout) -> None:
+    def __init__(self, layout: BlockLayout) -> None:
         self.layout = layout
         self.block: Array = np.zeros(layout.size)
         self.memory: memoryview = self.block.data

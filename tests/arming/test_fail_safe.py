@@ -3,12 +3,12 @@
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from passafe_protocol.messages import PlantPhase
+from passafe_services.plant_contract.fail_safe import FailSafe
 
 from passafe import damped_point
 from passafe.limits import Limits
 from passafe.models.robot import Robot
-from protocol.messages import PlantPhase
-from services.arming.fail_safe import FailSafe
 
 MS = 1_000_000
 X = (2.0, 2.0, -1.0, 0.5)

@@ -5,15 +5,15 @@ from collections.abc import Callable
 from math import cos, pi
 
 import numpy as np
+from passafe_services.scenarios.design import design_of, robot_of, sampled_plant_of, tank_of
+from passafe_services.scenarios.schema import Scenario
+from passafe_services.tools.campaign.rollout_result import RolloutResult
+from passafe_services.tools.campaign.safe_starts import SafeStarts
+from passafe_services.tools.review.core_evaluator import CoreEvaluator
 
 from passafe.decision import Decision
 from passafe.filter import SafetyPassivityFilter
 from passafe.workspace import Array
-from services.campaign.outcome import Outcome
-from services.campaign.starts import SafeStarts
-from services.review.core_mathematics import CoreMathematics
-from services.scenarios.design import design_of, robot_of, sampled_plant_of, tank_of
-from services.scenarios.schema import Scenario
 
 NAMES = ("piecewise-constant", "chirp", "bang-bang", "against-h", "against-the-tank")
 STRENGTH = 20.0
@@ -67,11 +67,11 @@ def into_passivity(seen: Decision | None, m: int) -> Array:
     return scaled(-G[-1] if len(G) > hard else np.zeros(m), m)
 
 
-def rollout(scenario: Scenario, seed: int, duration_s: float) -> Outcome:
+def rollout(scenario: Scenario, seed: int, duration_s: float) -> RolloutResult:
     """What a rollout comes to when nothing is done at once."""
     robot = robot_of(scenario)
     core = SafetyPassivityFilter(design_of(scenario, robot))
-    plant, tank, mathematics = sampled_plant_of(scenario, robot), tank_of(scenario), CoreMathematics(scenario)
+    plant, tank, mathematics = sampled_plant_of(scenario, robot), tank_of(scenario), CoreEvaluator(scenario)
     rng, m, dt_s = np.random.default_rng([seed, 0x9A55AFE]), robot.system.m, scenario.dt_s
     name = NAMES[seed % 5]
     ask = adversary(name, rng, m)
@@ -94,7 +94,7 @@ def rollout(scenario: Scenario, seed: int, duration_s: float) -> Outcome:
     x, held, t_s = np.array(xs).T, np.array(us).T, np.arange(len(xs)) * dt_s
     h = [mathematics.h(mathematics.flow(x, held, dt_s * j / 4), t_s + dt_s * j / 4) for j in (1, 2, 3, 4)]
     h.append(mathematics.h(x, t_s))
-    return Outcome(
+    return RolloutResult(
         seed=seed,
         adversary=name,
         h_min=min((float(each.min(initial=np.inf)) for each in h), default=np.inf),

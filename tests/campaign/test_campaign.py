@@ -5,24 +5,24 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from passafe_services.scenarios.design import design_of, robot_of
+from passafe_services.scenarios.load import load_scenario, shipped_scenarios
+from passafe_services.tools.campaign.adversaries import ADVERSARIES, STRENGTH
+from passafe_services.tools.campaign.errors import CampaignResultsError, NoSafeStartError
+from passafe_services.tools.campaign.results_file import CampaignHeading, CampaignResultsFile
+from passafe_services.tools.campaign.rollout import Rollouts
+from passafe_services.tools.campaign.rollout_result import RolloutResult
+from passafe_services.tools.campaign.summary import CampaignSummary
+from passafe_services.tools.campaign.workers import outcomes
 
 from passafe import SafetyPassivityFilter
-from passafe.many_decisions import ManyDecisions
-from services.campaign.adversaries import ADVERSARIES, STRENGTH
-from services.campaign.errors import NoSafeStartError, RecordsError
-from services.campaign.outcome import Outcome
-from services.campaign.records import Heading, Records
-from services.campaign.rollout import Rollouts
-from services.campaign.summary import Summary
-from services.campaign.workers import outcomes
-from services.scenarios.design import design_of, robot_of
-from services.scenarios.load import load_scenario, shipped_scenarios
+from passafe.batch.batch_filter import BatchFilter
 
 NAME = "notomista-cai-2020"
 SLICE_S = 2.0
 
 
-def outcome(seed: int, **changes: object) -> Outcome:
+def outcome(seed: int, **changes: object) -> RolloutResult:
     parts: dict[str, object] = {
         "seed": seed,
         "adversary": "chirp",
@@ -34,7 +34,7 @@ def outcome(seed: int, **changes: object) -> Outcome:
         "between_samples_unproven": 0,
         "decided_singly": 1,
     }
-    return Outcome.model_validate(parts | changes)
+    return RolloutResult.model_validate(parts | changes)
 
 
 @pytest.fixture(scope="module", params=shipped_scenarios())
@@ -67,7 +67,7 @@ def test_a_seed_decides_everything() -> None:
 
 def test_without_the_filter_the_campaign_sees_what_happens() -> None:
     unprotected = Rollouts(load_scenario(NAME, {"filter.mode": "off"}))
-    summary = Summary.of(NAME, [*unprotected.run(range(5), 3.0)])
+    summary = CampaignSummary.of(NAME, [*unprotected.run(range(5), 3.0)])
 
     assert not summary.holds
     assert summary.unsafe > 0
@@ -90,10 +90,10 @@ def test_a_box_without_a_safe_start_is_refused() -> None:
         Rollouts(load_scenario(NAME, inside)).run([0], 0.1)
 
 
-def decided(x: tuple[float, ...], count: int) -> ManyDecisions:
+def decided(x: tuple[float, ...], count: int) -> BatchFilter:
     """The reference scenario's filter at rest in one state, in every lane."""
     scenario = load_scenario(NAME)
-    many = ManyDecisions(SafetyPassivityFilter(design_of(scenario, robot_of(scenario))), count)
+    many = BatchFilter(SafetyPassivityFilter(design_of(scenario, robot_of(scenario))), count)
     zero = np.zeros((2, count))
     many.decide(np.tile(np.array(x)[:, None], count), zero, zero, zero)
     return many
@@ -136,7 +136,7 @@ def test_rows_that_are_equally_tight_are_pushed_in_their_order() -> None:
 @pytest.mark.parametrize("mode", ["off", "safe", "passive"])
 def test_adversaries_without_the_row_that_they_want_take_the_first_axis(mode: str) -> None:
     scenario = load_scenario(NAME, {"filter.mode": mode})
-    many = ManyDecisions(SafetyPassivityFilter(design_of(scenario, robot_of(scenario))), 1)
+    many = BatchFilter(SafetyPassivityFilter(design_of(scenario, robot_of(scenario))), 1)
     zero = np.zeros((2, 1))
     many.decide(np.array([[1.2], [0.3], [-0.5], [0.1]]), zero, zero, zero)
     first_axis = {
@@ -156,7 +156,7 @@ def test_worker_processes_give_what_one_process_gives() -> None:
 
 
 def test_the_summary_names_the_seed_of_each_worst() -> None:
-    summary = Summary.of(
+    summary = CampaignSummary.of(
         NAME,
         [
             outcome(0),
@@ -177,26 +177,26 @@ def test_the_summary_names_the_seed_of_each_worst() -> None:
     "changes", [{"h_min": -1e-15}, {"tank_min_j": -1e-9}, {"overreach": 1e-9}, {"between_samples_unproven": 1}]
 )
 def test_one_bad_rollout_is_enough(changes: dict[str, object]) -> None:
-    assert not Summary.of(NAME, [outcome(0), outcome(1, **changes)]).holds
+    assert not CampaignSummary.of(NAME, [outcome(0), outcome(1, **changes)]).holds
 
 
 def test_an_interrupted_campaign_goes_on(tmp_path: Path) -> None:
-    path, heading = tmp_path / "a.jsonl", Heading(scenario=load_scenario(NAME), duration_s=1.0)
-    assert len(list(Records(path, heading).add(iter([[outcome(0)], [outcome(1), outcome(3)]])))) == 2
+    path, heading = tmp_path / "a.jsonl", CampaignHeading(scenario=load_scenario(NAME), duration_s=1.0)
+    assert len(list(CampaignResultsFile(path, heading).add(iter([[outcome(0)], [outcome(1), outcome(3)]])))) == 2
     with path.open("a", encoding="utf-8") as file:
         file.write('{"seed": 2, "adv')  # killed while it wrote
 
-    again = Records(path, heading)
+    again = CampaignResultsFile(path, heading)
     assert sorted(again.outcomes) == [0, 1, 3]
     list(again.add(iter([[outcome(2)]])))
-    assert sorted(Records(path, heading).outcomes) == [0, 1, 2, 3]
+    assert sorted(CampaignResultsFile(path, heading).outcomes) == [0, 1, 2, 3]
 
 
 def test_another_campaign_s_outcomes_are_not_mixed_in(tmp_path: Path) -> None:
     path, scenario = tmp_path / "a.jsonl", load_scenario(NAME)
-    Records(path, Heading(scenario=scenario, duration_s=1.0))
-    with pytest.raises(RecordsError, match="another scenario, duration"):
-        Records(path, Heading(scenario=scenario, duration_s=2.0))
+    CampaignResultsFile(path, CampaignHeading(scenario=scenario, duration_s=1.0))
+    with pytest.raises(CampaignResultsError, match="another scenario, duration"):
+        CampaignResultsFile(path, CampaignHeading(scenario=scenario, duration_s=2.0))
     path.write_text("nonsense\n", encoding="utf-8")
-    with pytest.raises(RecordsError, match="no campaign"):
-        Records(path, Heading(scenario=scenario, duration_s=1.0))
+    with pytest.raises(CampaignResultsError, match="no campaign"):
+        CampaignResultsFile(path, CampaignHeading(scenario=scenario, duration_s=1.0))

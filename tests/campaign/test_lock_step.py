@@ -3,15 +3,14 @@
 import numpy as np
 import pytest
 from one_by_one import rollout
-
-from services.campaign.adversaries import ADVERSARIES
-from services.campaign.lowest_barrier import LowestBarrier
-from services.campaign.outcome import Outcome
-from services.campaign.rollout import Rollouts
-from services.campaign.workers import BATCH, _batches
-from services.review.core_mathematics import CoreMathematics
-from services.scenarios.load import load_scenario, shipped_scenarios
-from services.scenarios.schema import Scenario
+from passafe_services.scenarios.load import load_scenario, shipped_scenarios
+from passafe_services.scenarios.schema import Scenario
+from passafe_services.tools.campaign.adversaries import ADVERSARIES
+from passafe_services.tools.campaign.lowest_barrier import LowestBarrier
+from passafe_services.tools.campaign.rollout import Rollouts
+from passafe_services.tools.campaign.rollout_result import RolloutResult
+from passafe_services.tools.campaign.workers import BATCH, _batches
+from passafe_services.tools.review.core_evaluator import CoreEvaluator
 
 DURATION_S = 0.6
 AGREEMENT = {"h_min": 1e-4, "tank_min_j": 1e-4, "overreach": 1e-3}
@@ -26,7 +25,7 @@ NONLINEAR = {
 }
 
 
-def assert_same(got: Outcome, expected: Outcome) -> None:
+def assert_same(got: RolloutResult, expected: RolloutResult) -> None:
     assert (got.seed, got.adversary, got.ticks) == (expected.seed, expected.adversary, expected.ticks)
     for name, within in AGREEMENT.items():
         assert getattr(got, name) == pytest.approx(getattr(expected, name), abs=within), name
@@ -85,7 +84,7 @@ def test_the_lowest_h_of_a_period_is_that_of_its_instants(name: str) -> None:
 
 def lowest_after(scenario: Scenario, x: np.ndarray, u: np.ndarray, t_s: float, share: float) -> np.ndarray:
     """Smallest h after a share of a period, from the mathematics with which logs are reviewed."""
-    mathematics, offset_s = CoreMathematics(scenario), share * scenario.dt_s
+    mathematics, offset_s = CoreEvaluator(scenario), share * scenario.dt_s
     later = mathematics.flow(x, u, offset_s) if share else x
     return mathematics.h(later, np.full(x.shape[1], t_s + offset_s)).min(axis=0)
 

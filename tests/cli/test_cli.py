@@ -13,7 +13,7 @@ TIMEOUT_S = 120
 
 def passafe(*arguments: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [sys.executable, "-m", "services.cli", *arguments],
+        [sys.executable, "-P", "-m", "passafe_services.cli", *arguments],
         capture_output=True,
         text=True,
         timeout=TIMEOUT_S,
@@ -75,7 +75,7 @@ def test_nonsense_gets_one_clear_line_and_no_traceback(arguments: tuple[str, ...
 def test_a_barrier_that_the_input_never_reaches_is_told(tmp_path: Path) -> None:
     shipped = passafe("scenarios")
     assert "notomista-cai-2020" in shipped.stdout
-    from services.scenarios.load import load_scenario  # noqa: PLC0415 - only this test needs it
+    from passafe_services.scenarios.load import load_scenario  # noqa: PLC0415 - only this test needs it
 
     data = json.loads(load_scenario("notomista-cai-2020").model_dump_json())
     data["filter"]["barriers"][0]["class_k"] = data["filter"]["barriers"][0]["class_k"][:1]

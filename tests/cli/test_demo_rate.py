@@ -3,11 +3,10 @@
 import os
 
 import pytest
-
-from services.cli.demo import FEW_PROCESSORS, PAGE_RATE_HZ, with_room_for_a_page
-from services.runtime.realtime import processors
-from services.scenarios.load import load_scenario, shipped_scenarios
-from services.scenarios.schema import Scenario
+from passafe_services.cli.demo import FEW_PROCESSORS, PAGE_RATE_HZ, with_room_for_a_page
+from passafe_services.loop.realtime import processors
+from passafe_services.scenarios.load import load_scenario, shipped_scenarios
+from passafe_services.scenarios.schema import Scenario
 
 
 def roomy(scenario: Scenario, count: int) -> tuple[Scenario, list[str]]:

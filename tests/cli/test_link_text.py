@@ -3,20 +3,19 @@
 from dataclasses import replace
 
 import pytest
-
-from protocol.link_settings import LinkSettings
-from protocol.link_wire import parameters_of, settings_of
-from protocol.message_link import MessageLink
-from protocol.messages import LinkState
-from services.cli.errors import OptionError
-from services.cli.link_text import LINK_KEYS, changed_parameters, link_fields, require_ranges, settings_text
-from services.cli.options import scenario_from_options
-from services.scenarios.errors import ScenarioError
-from services.scenarios.link_schema import LinkConfig
+from passafe_protocol.link_settings import LinkSettings
+from passafe_protocol.link_wire import parameters_of, settings_of
+from passafe_protocol.message_link import MessageLink
+from passafe_protocol.messages import LinkState
+from passafe_services.cli.errors import OptionError
+from passafe_services.cli.link_text import LINK_KEYS, changed_parameters, link_fields, require_ranges, settings_text
+from passafe_services.cli.options import scenario_from_options
+from passafe_services.scenarios.errors import ScenarioError
+from passafe_services.scenarios.link_schema import ScenarioLink
 
 
 def test_every_setting_has_a_key() -> None:
-    assert sorted(LINK_KEYS.values()) == sorted(LinkConfig.model_fields)
+    assert sorted(LINK_KEYS.values()) == sorted(ScenarioLink.model_fields)
 
 
 def test_all_keys_reach_the_scenario() -> None:
@@ -27,7 +26,7 @@ def test_all_keys_reach_the_scenario() -> None:
     )
     link = scenario_from_options("notomista-cai-2020", links=[text]).links["plant-to-operator"]
 
-    assert link == LinkConfig(
+    assert link == ScenarioLink(
         delay_s=0.2,
         jitter_s=0.02,
         distribution="normal",

@@ -14,7 +14,7 @@ import pytest
 from finite_differences import Array, runge_kutta
 from shipped_robots import ROBOTS, Shipped, columns
 
-from passafe.barrier import Barrier, derive_chain
+from passafe.barrier_chain import Barrier, derive_chain
 from passafe.class_k import ClassK, Cubic, Linear
 from passafe.decision import Status
 from passafe.design import FilterDesign, Mode

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from passafe.barrier import Barrier
+from passafe.barrier_chain import Barrier
+from passafe.barriers import disk_keep_out, half_plane
 from passafe.class_k import ClassK, Cubic, Linear, Piecewise
 from passafe.decision import Decision, Status
 from passafe.design import FilterDesign, Law, Mode
@@ -15,7 +16,6 @@ from passafe.filter import SafetyPassivityFilter
 from passafe.models.damped_point import damped_point
 from passafe.models.drag_point import drag_point
 from passafe.passivity import Passivity
-from passafe.shapes import disk_keep_out, half_plane
 from passafe.system import System
 from passafe.tank import Tank
 

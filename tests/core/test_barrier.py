@@ -4,7 +4,7 @@ import pytest
 from core_designs import DESIGNS, Builder, drag_design, gains, jerk_design, pump_design, random_state
 from finite_differences import Array, numeric, rate_along
 
-from passafe.barrier import Barrier, derive_chain
+from passafe.barrier_chain import Barrier, derive_chain
 from passafe.class_k import Cubic, Linear
 from passafe.errors import DesignError, RelativeDegreeError, ShapeError
 from passafe.system import System

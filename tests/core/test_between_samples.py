@@ -11,14 +11,14 @@ from core_designs import DESIGNS, Builder, drag_design, gains, paper_design, pum
 from finite_differences import numeric, runge_kutta
 
 import passafe.filter
-from passafe.barrier import Barrier, derive_chain
-from passafe.between_samples import curvature_bound, held_function
+from passafe.barrier_chain import Barrier, derive_chain
 from passafe.class_k import Cubic, Piecewise
 from passafe.decision import Decision, Status
 from passafe.design import Mode
 from passafe.enclosure import UNKNOWN
 from passafe.errors import DesignError
 from passafe.filter import SafetyPassivityFilter
+from passafe.intersample_margin import curvature_bound, held_function
 from passafe.system import System
 
 PARTS = 8

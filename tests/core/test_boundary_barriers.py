@@ -9,8 +9,7 @@ from boundary_suite import BarrierSuite, OnBoundary, pytest_generate_tests
 from finite_differences import Array
 from shipped_robots import IN_THE_PLANE
 
-from passafe.models.robot import Robot
-from passafe.shapes import (
+from passafe.barriers import (
     box,
     circular_motion,
     disk_keep_in,
@@ -23,6 +22,7 @@ from passafe.shapes import (
     speed_limit,
     uniform_motion,
 )
+from passafe.models.robot import Robot
 
 __all__ = ["pytest_generate_tests"]
 

@@ -15,8 +15,8 @@ from boundary_suite import BarrierSuite
 from plant_suite import PlantSuite, StorageSuite
 from shipped_robots import ROBOTS
 
+import passafe.barriers
 import passafe.models
-import passafe.shapes
 import passafe.storage
 from passafe.models.robot import Robot
 
@@ -59,7 +59,7 @@ def called_by(work: Callable[[], object]) -> set[str]:
 
 
 def test_every_shape_and_every_motion_is_in_the_suite() -> None:
-    shipped = {name for module in modules_of(passafe.shapes) for name in public_functions(module, SHAPES)}
+    shipped = {name for module in modules_of(passafe.barriers) for name in public_functions(module, SHAPES)}
     seen: set[str] = set()
     for suite in suites(BarrierSuite, test_boundary_barriers):
         for robot in suite.robots:
@@ -67,7 +67,7 @@ def test_every_shape_and_every_motion_is_in_the_suite() -> None:
 
     assert len(shipped) >= 11
     assert shipped - seen == set()
-    assert {name.rpartition(".")[2] for name in shipped} == set(passafe.shapes.__all__)
+    assert {name.rpartition(".")[2] for name in shipped} == set(passafe.barriers.__all__)
 
 
 def test_every_robot_is_in_the_suite() -> None:

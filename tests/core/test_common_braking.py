@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 from shipped_robots import ROBOTS, columns
 
-from passafe.barrier import Barrier, derive_chain
+from passafe.barrier_chain import Barrier, derive_chain
+from passafe.barriers import box, disk_keep_out, ellipse_keep_out, separation, speed_limit
 from passafe.class_k import Linear
 from passafe.models.robot import Robot
-from passafe.shapes import box, disk_keep_out, ellipse_keep_out, separation, speed_limit
 
 GAINS = ((4.0, 5.0), (3.0, 2.5), (2.0, 6.0))
 """γ₁ and γ₂ of the barriers in turn; the largest γ₁ is below every γ₁ + γ₂."""

@@ -5,7 +5,7 @@ import casadi as ca
 import pytest
 from core_designs import gains, paper_design
 
-from passafe.barrier import Barrier
+from passafe.barrier_chain import Barrier
 from passafe.design import Law, Mode
 from passafe.errors import DesignError, ShapeError
 from passafe.quadratic_program import Tolerance

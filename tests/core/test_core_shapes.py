@@ -8,8 +8,7 @@ from finite_differences import numeric, slope
 from hypothesis import given
 from hypothesis import strategies as st
 
-from passafe.errors import DesignError, ShapeError
-from passafe.shapes import (
+from passafe.barriers import (
     box,
     circular_motion,
     disk_keep_in,
@@ -22,6 +21,7 @@ from passafe.shapes import (
     speed_limit,
     uniform_motion,
 )
+from passafe.errors import DesignError, ShapeError
 from passafe.storage import spring_energy
 
 coordinates = st.floats(-1e3, 1e3)

@@ -10,13 +10,13 @@ from core_designs import assert_consistent, gains, paper_design, pump_design, ra
 from finite_differences import Array, numeric
 
 import passafe.filter
-from passafe.barrier import Barrier
+from passafe.barrier_chain import Barrier
+from passafe.barriers import half_plane
 from passafe.decision import Status
 from passafe.design import FilterDesign, Law, Mode
 from passafe.filter import SafetyPassivityFilter
 from passafe.passivity import Passivity
 from passafe.quadratic_program import Tolerance
-from passafe.shapes import half_plane
 from passafe.system import System
 
 ZERO = (0.0, 0.0)

@@ -11,7 +11,7 @@ from passafe.design import Mode
 from passafe.filter import SafetyPassivityFilter
 from passafe.infeasibility import CLOSED, Distance, DistanceToInfeasibility
 from passafe.limits import Limits
-from passafe.workspace import Array, Layout
+from passafe.workspace import Array, BlockLayout
 
 NO_RATE = (0.0, 0.0)
 
@@ -34,7 +34,7 @@ def posed(
         "high": high,
         "u_plus": (low + high) / 2 if u_plus is None else u_plus,
     }
-    layout = Layout.of({name: value.size for name, value in values.items()})
+    layout = BlockLayout.of({name: value.size for name, value in values.items()})
     return Decision(np.concatenate(list(values.values())), layout.parts, Status.MODIFIED, "none", (0.0,) * m)
 
 

@@ -7,9 +7,9 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from passafe.batch.batch_workspace import VECTOR, BatchWorkspace
 from passafe.errors import DesignError
-from passafe.lanes import VECTOR, Lanes
-from passafe.workspace import Array, Layout, dense_function
+from passafe.workspace import Array, BlockLayout, dense_function
 
 EXACT: dict[str, Callable[..., ca.SX]] = {
     "a + b": lambda a, b: a + b,
@@ -61,7 +61,7 @@ def both(expression: Callable[..., ca.SX]) -> tuple[Array, Array]:
     a, b = ca.SX.sym("a"), ca.SX.sym("b")
     function = dense_function("f", [a, b], [expression(a, b)])
     grid = np.array([(p, q) for p in NUMBERS for q in NUMBERS]).T
-    lanes = Lanes(Layout.of({"a": 1, "b": 1, "f": 1}), grid.shape[1])
+    lanes = BatchWorkspace(BlockLayout.of({"a": 1, "b": 1, "f": 1}), grid.shape[1])
     lanes.block[:2, : lanes.used] = grid
     evaluate = lanes.bind(function, ["a", "b"], ["f"])
     evaluate()
@@ -85,7 +85,7 @@ def test_other_operations_are_casadi_s_up_to_rounding(name: str) -> None:
 
 def test_a_chosen_value_is_not_spoiled_by_one_that_is_not_chosen() -> None:
     a = ca.SX.sym("a")
-    lanes = Lanes(Layout.of({"a": 1, "f": 1}), 2)
+    lanes = BatchWorkspace(BlockLayout.of({"a": 1, "f": 1}), 2)
     evaluate = lanes.bind(dense_function("f", [a], [ca.if_else(a > 0, 1 / a, 7)]), ["a"], ["f"])
     lanes.part("a")[0, :2] = 2.0, nan
     evaluate()
@@ -103,7 +103,7 @@ def test_places_are_used_again_and_results_may_repeat() -> None:
         value = ca.sqrt(1 + value**2) + k * total
     results = [ca.vertcat(value, total, value), early, x[1], ca.SX(2.5)]
     function = dense_function("f", [x], results)
-    lanes = Lanes(Layout.of({"x": 3, "values": 3, "early": 1, "same": 1, "constant": 1}), 40)
+    lanes = BatchWorkspace(BlockLayout.of({"x": 3, "values": 3, "early": 1, "same": 1, "constant": 1}), 40)
     evaluate = lanes.bind(function, ["x"], ["values", "early", "same", "constant"])
     lanes.part("x")[:] = np.random.default_rng(1).normal(size=(3, 40))
     evaluate()
@@ -120,7 +120,7 @@ def test_a_lane_does_not_depend_on_the_others() -> None:
     values = np.random.default_rng(2).normal(size=(2, 3 * VECTOR + 1))
 
     def evaluated(columns: Array) -> Array:
-        lanes = Lanes(Layout.of({"x": 2, "f": 3}), columns.shape[1])
+        lanes = BatchWorkspace(BlockLayout.of({"x": 2, "f": 3}), columns.shape[1])
         lanes.part("x")[:, : lanes.used] = columns
         lanes.bind(function, ["x"], ["f"])()
         return lanes.part("f")[:, : lanes.used].copy()
@@ -133,14 +133,14 @@ def test_a_lane_does_not_depend_on_the_others() -> None:
 
 @pytest.mark.parametrize(("used", "count"), [(1, 8), (8, 8), (9, 16), (1000, 1000)])
 def test_there_are_whole_vectors_of_lanes(used: int, count: int) -> None:
-    lanes = Lanes(Layout.of({"x": 2}), used)
+    lanes = BatchWorkspace(BlockLayout.of({"x": 2}), used)
 
     assert (lanes.used, lanes.count) == (used, count)
     assert lanes.part("x").shape == (2, count)
 
 
 def test_a_matrix_has_its_columns_first() -> None:
-    lanes = Lanes(Layout.of({"before": 1, "G": 6}), 8)
+    lanes = BatchWorkspace(BlockLayout.of({"before": 1, "G": 6}), 8)
     lanes.part("G")[:, 3] = np.arange(6)
 
     assert lanes.matrix("G", (3, 2))[:, :, 3].tolist() == [[0, 1, 2], [3, 4, 5]]
@@ -148,7 +148,7 @@ def test_a_matrix_has_its_columns_first() -> None:
 
 def test_an_operation_that_arrays_do_not_know_is_refused() -> None:
     a = ca.SX.sym("a")
-    lanes = Lanes(Layout.of({"a": 1, "f": 1}), 1)
+    lanes = BatchWorkspace(BlockLayout.of({"a": 1, "f": 1}), 1)
 
     with pytest.raises(DesignError, match=r"lanes: got the operation OP_ERF, allowed OP_ACOS, .*OP_TANH"):
         lanes.bind(dense_function("f", [a], [ca.erf(a)]), ["a"], ["f"])

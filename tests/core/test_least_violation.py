@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from passafe.certificate import is_certified
-from passafe.least_violation import least_violation
 from passafe.quadratic_program import Tolerance
+from passafe.solvers.least_violation import least_violation
 
 BOX_G = np.vstack((np.eye(2), -np.eye(2)))
 BOX_D = np.full(4, -1.0)

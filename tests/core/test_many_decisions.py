@@ -17,10 +17,10 @@ from core_designs import (
 )
 from random_programs import unit
 
+from passafe.batch.batch_filter import BatchFilter
 from passafe.decision import Decision, Status
 from passafe.design import FilterDesign, Law, Mode
 from passafe.filter import SafetyPassivityFilter
-from passafe.many_decisions import ManyDecisions
 from passafe.tank import Tank
 from passafe.workspace import Array
 
@@ -71,7 +71,7 @@ def one_by_one(core: SafetyPassivityFilter, asked: Request, *, start: bool = Fal
     ]
 
 
-def assert_same(many: ManyDecisions, expected: Sequence[Decision]) -> None:
+def assert_same(many: BatchFilter, expected: Sequence[Decision]) -> None:
     """The same decisions; where the filter itself took them, to the last bit."""
     relaxed_above = many.core.design.passivity.relaxed_above
     for lane, decision in enumerate(expected):
@@ -94,7 +94,7 @@ def assert_same(many: ManyDecisions, expected: Sequence[Decision]) -> None:
 @pytest.mark.parametrize("name", DESIGNS)
 def test_random_requests_get_the_decisions_of_the_filter(name: str) -> None:
     core = SafetyPassivityFilter(DESIGNS[name])
-    many = ManyDecisions(core, 200)
+    many = BatchFilter(core, 200)
     asked = requests(DESIGNS[name], 200, seed=17)
     many.decide(*asked)
     assert_same(many, one_by_one(core, asked))
@@ -111,7 +111,7 @@ def test_random_requests_get_the_decisions_of_the_filter(name: str) -> None:
 @pytest.mark.parametrize("name", DESIGNS)
 def test_every_decision_meets_the_certificate_or_is_the_filter_s(name: str) -> None:
     design = DESIGNS[name]
-    many = ManyDecisions(SafetyPassivityFilter(design), 200)
+    many = BatchFilter(SafetyPassivityFilter(design), 200)
     many.decide(*requests(design, 200, seed=18))
     at_once = ~many.singly
     primal, dual, gap = many.part("residuals")[:, at_once]
@@ -141,7 +141,7 @@ def test_every_decision_meets_the_certificate_or_is_the_filter_s(name: str) -> N
 )
 def test_a_guess_counts_only_with_all_of_the_certificate(bound: float, z: float, lam: float, accepted: bool) -> None:
     """One row u₁ ≥ bound at rest; whatever is guessed, the answer is the filter's."""
-    many = ManyDecisions(row_filter(hard=1, soft=False), 1)
+    many = BatchFilter(row_filter(hard=1, soft=False), 1)
 
     def guess(into_z: Array, into_lam: Array) -> None:
         into_z[:] = 0.0
@@ -158,7 +158,7 @@ def test_a_guess_counts_only_with_all_of_the_certificate(bound: float, z: float,
 def test_first_inputs_are_the_filter_s() -> None:
     design = damped_design(input_rate_bound_per_s=100.0)
     core = SafetyPassivityFilter(design)
-    many, asked = ManyDecisions(core, 50), requests(design, 50, seed=19)
+    many, asked = BatchFilter(core, 50), requests(design, 50, seed=19)
     many.decide(*asked, start=True)
 
     assert many.singly.all()
@@ -169,7 +169,7 @@ def test_nothing_is_left_of_decisions_before() -> None:
     """The filter's own decisions have relaxed rows, tangents and multipliers; the next one has none of them."""
     design = damped_design(input_bound=20.0, input_norm_bound=12.0)
     core = SafetyPassivityFilter(design)
-    many, quiet = ManyDecisions(core, 64), requests(design, 64, seed=20)
+    many, quiet = BatchFilter(core, 64), requests(design, 64, seed=20)
     many.decide(*quiet)
     expected = many.lanes.block.copy()
     many.decide(*quiet, singly=True)
@@ -187,7 +187,7 @@ def test_hostile_numbers_get_the_filter_s_answer_and_leave_the_neighbours_alone(
     design = drag_design()
     core = SafetyPassivityFilter(design)
     asked = requests(design, 40, seed=22)
-    many = ManyDecisions(core, 40)
+    many = BatchFilter(core, 40)
     many.decide(*asked)
     undisturbed = many.lanes.block.copy()
     for lane, argument in enumerate(asked):
@@ -213,7 +213,7 @@ def test_rows_that_meet_contradict_one_another_or_have_no_gradient() -> None:
         states.append(row_state(rows))
     zero = np.zeros((2, len(states)))
     asked = (np.array(states).T, zero, zero, zero, np.zeros(len(states)), np.zeros(len(states)))
-    many = ManyDecisions(core, len(states))
+    many = BatchFilter(core, len(states))
     many.decide(*asked)
     expected = one_by_one(core, asked)
 
@@ -231,7 +231,7 @@ def test_where_a_row_pushes_beyond_a_limit_both_are_guessed_to_bind() -> None:
     sides = [np.diag(signs)[order] for signs in product((1.0, -1.0), repeat=2) for order in ([0, 1], [1, 0])]
     asked = np.array([side @ (4.5, 0.0) for side in sides]).T
     states = np.array([row_state([(*side @ (0.6, 0.8), -6.0)]) for side in sides]).T
-    many = ManyDecisions(core, len(sides))
+    many = BatchFilter(core, len(sides))
     many.decide(states, asked, asked, np.zeros_like(asked))
 
     assert not many.singly.any()
@@ -242,9 +242,9 @@ def test_a_lane_s_decision_does_not_depend_on_the_others() -> None:
     design = drag_design(input_bound=12.0)
     core = SafetyPassivityFilter(design)
     asked = requests(design, 60, seed=24)
-    together = ManyDecisions(core, 60)
+    together = BatchFilter(core, 60)
     together.decide(*asked)
-    alone = ManyDecisions(core, 1)
+    alone = BatchFilter(core, 1)
     for lane in range(0, 60, 7):
         alone.decide(*(each[..., lane : lane + 1] for each in asked))
 
@@ -255,7 +255,7 @@ def test_a_lane_s_decision_does_not_depend_on_the_others() -> None:
 def test_gradients_and_numbers_of_rows_are_those_of_the_filter() -> None:
     design = damped_design()
     core = SafetyPassivityFilter(design)
-    many, asked = ManyDecisions(core, 5), requests(design, 5, seed=25)
+    many, asked = BatchFilter(core, 5), requests(design, 5, seed=25)
     many.decide(*asked)
     for lane, decision in enumerate(one_by_one(core, asked)):
         G = decision.part("G").reshape((2, 3), order="F")

@@ -9,7 +9,7 @@ import pytest
 from core_designs import gains, paper_design
 from finite_differences import Array
 
-from passafe.barrier import Barrier
+from passafe.barrier_chain import Barrier
 from passafe.decision import Decision, Status
 from passafe.design import Mode
 from passafe.filter import SafetyPassivityFilter

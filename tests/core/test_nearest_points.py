@@ -7,8 +7,8 @@ import pytest
 from random_programs import KINDS, random_programs, unit
 from two_row_oracle import solve_exactly
 
+from passafe.batch.nearest_points import NearestPoints
 from passafe.certificate import is_certified
-from passafe.nearest_points import NearestPoints
 from passafe.quadratic_program import Tolerance
 from passafe.workspace import Array
 

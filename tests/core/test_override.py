@@ -12,13 +12,13 @@ from core_designs import (
     row_state,
 )
 
-from passafe.barrier import Barrier
+from passafe.barrier_chain import Barrier
+from passafe.barriers import half_plane
 from passafe.decision import Decision, Status
 from passafe.design import Law, Mode
 from passafe.filter import SafetyPassivityFilter
 from passafe.models.damped_point import damped_point
-from passafe.override import Cause, Explainer, Override
-from passafe.shapes import half_plane
+from passafe.override import Explainer, Override, OverrideCause
 
 TOLERANCE = 1e-6
 NO_RATE = (0.0, 0.0)
@@ -83,8 +83,8 @@ def test_a_limit_that_cuts_off_the_request_is_a_cause() -> None:
 
     assert decision.status is Status.PASSED
     assert override.causes == (
-        Cause(row="input 0 low", push=6.0, share=pytest.approx(36 / 37)),
-        Cause(row="input 1 high", push=1.0, share=pytest.approx(1 / 37)),
+        OverrideCause(row="input 0 low", push=6.0, share=pytest.approx(36 / 37)),
+        OverrideCause(row="input 1 high", push=1.0, share=pytest.approx(1 / 37)),
     )
     assert override.allowed_fraction == pytest.approx(0.25, abs=TOLERANCE)
 
@@ -245,4 +245,4 @@ def test_one_without_rows_has_limits_still() -> None:
     override = Explainer(core).override(decision)
 
     assert override.allowed_fraction == pytest.approx(0.25, abs=TOLERANCE)
-    assert override.causes == (Cause(row="input 0 high", push=300.0, share=1.0),)
+    assert override.causes == (OverrideCause(row="input 0 high", push=300.0, share=1.0),)

@@ -6,13 +6,13 @@ from core_designs import gains, paper_design
 from finite_differences import Array, numeric, rate_along
 from numpy.random import Generator
 
-from passafe.barrier import Barrier
+from passafe.barrier_chain import Barrier
+from passafe.barriers import disk_keep_out
 from passafe.class_k import ClassK, Cubic
 from passafe.design import Law
 from passafe.filter import SafetyPassivityFilter
 from passafe.models.damped_point import damped_point
 from passafe.passivity import Passivity
-from passafe.shapes import disk_keep_out
 
 SIGMA, D, K_P, K_D, K_I, DT_S = 1.3, 0.9, 4.0, 3.0, 20.0, 1e-3
 GAIN_X, GAIN_U = 2.0, 7.0

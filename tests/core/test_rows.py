@@ -8,10 +8,10 @@ import pytest
 from core_designs import DESIGNS, Builder, paper_design, paper_passivity, pump_design, random_state
 from finite_differences import Array, numeric, rate_along, slope
 
-from passafe.barrier import derive_chain
+from passafe.barrier_chain import derive_chain
 from passafe.design import FilterDesign
 from passafe.passivity import power_margin
-from passafe.rows import PASSIVITY_ROW, TINY, Row, continuous_rows, passivity_row, row_at, stack
+from passafe.rows import PASSIVITY_ROW, TINY, ConstraintRow, continuous_rows, passivity_row, row_at, stack
 from passafe.tank import Tank
 from passafe.tracking import tracking_rate
 
@@ -152,7 +152,8 @@ def test_a_tank_above_its_reserve_lends_power_and_below_it_asks_for_it_back() ->
 def stacked(rows: list[tuple[float, tuple[float, ...], float | None]], reach: float) -> tuple[Array, Array, float]:
     """G, d and √ρ of rows given as (value, gradient, slack's price)."""
     made = [
-        Row(name=str(i), value=ca.SX(c), gradient=ca.SX(list(g)), slack_price=p) for i, (c, g, p) in enumerate(rows)
+        ConstraintRow(name=str(i), value=ca.SX(c), gradient=ca.SX(list(g)), slack_price=p)
+        for i, (c, g, p) in enumerate(rows)
     ]
     G, d, root = stack(made, 2, reach)
     return ca.DM(ca.evalf(G)).full(), ca.DM(ca.evalf(d)).full().ravel(), root
@@ -190,7 +191,7 @@ def test_rows_out_of_reach_stay_kept_or_failing_for_every_admissible_input() -> 
     rng = np.random.default_rng(9)
     reach = 2 * 100.0 * sqrt(2)
     value, gradient = ca.SX.sym("c"), ca.SX.sym("g", 2)
-    G, d, _ = stack([Row(name="row", value=value, gradient=gradient)], 2, reach)
+    G, d, _ = stack([ConstraintRow(name="row", value=value, gradient=gradient)], 2, reach)
     row = numeric([value, gradient], ca.horzcat(G, d))
     verdicts = set()
     for _ in range(500):

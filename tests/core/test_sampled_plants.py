@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
+from passafe.batch.batch_plant import BatchPlant
 from passafe.errors import IntegrationError
 from passafe.models.damped_point import damped_point
 from passafe.models.drag_point import drag_point
 from passafe.models.lagged_point import lagged_point
 from passafe.models.robot import Robot
 from passafe.sampled_plant import LOCAL_TOLERANCE, SampledPlant
-from passafe.sampled_plants import SampledPlants
 from passafe.storage import squared_norm
 
 DT_S = 1e-2
@@ -19,7 +19,7 @@ def plant_of(robot: Robot, dt_s: float = DT_S) -> SampledPlant:
     return SampledPlant(robot.system, squared_norm(robot.system.x), dt_s)
 
 
-def assert_each_as_alone(plant: SampledPlant, many: SampledPlants, x: np.ndarray, u: np.ndarray) -> None:
+def assert_each_as_alone(plant: SampledPlant, many: BatchPlant, x: np.ndarray, u: np.ndarray) -> None:
     many.advance(x, u)
     for lane in range(x.shape[1]):
         sample = plant.advance(x[:, lane].tolist(), u[:, lane].tolist())
@@ -38,7 +38,7 @@ def assert_each_as_alone(plant: SampledPlant, many: SampledPlants, x: np.ndarray
 def test_plants_of_every_kind(robot: Robot) -> None:
     rng = np.random.default_rng(30)
     plant, n = plant_of(robot), robot.system.n
-    many = SampledPlants(plant, 30)
+    many = BatchPlant(plant, 30)
 
     assert_each_as_alone(plant, many, rng.normal(size=(n, 30)), rng.normal(size=(2, 30)) * 5)
     x = many.lanes.part("x_next")[:, :30]
@@ -51,8 +51,8 @@ def test_a_step_that_misses_its_accuracy_is_done_in_smaller_ones() -> None:
     x = np.zeros((4, 9))
     x[2] = np.linspace(0.0, 20.0, 9)
     u = np.ones((2, 9))
-    many = SampledPlants(plant, 9)
-    raw = SampledPlants(plant, 9)
+    many = BatchPlant(plant, 9)
+    raw = BatchPlant(plant, 9)
     raw.lanes.part("x")[:, :9], raw.lanes.part("u")[:, :9], raw.lanes.part("h")[:] = x, u, 5e-3
     raw._step()
 
@@ -64,7 +64,7 @@ def test_a_step_that_misses_its_accuracy_is_done_in_smaller_ones() -> None:
 
 def test_a_state_may_be_read_where_the_next_one_is_written() -> None:
     plant = plant_of(drag_point(sigma=0.5, drag=2.0), dt_s=5e-3)
-    many, apart = SampledPlants(plant, 3), SampledPlants(plant, 3)
+    many, apart = BatchPlant(plant, 3), BatchPlant(plant, 3)
     x, u = np.full((4, 3), 6.0), np.ones((2, 3))
     many.advance(x, u)
     apart.advance(x, u)
@@ -79,4 +79,4 @@ def test_a_plant_that_cannot_be_followed_is_said() -> None:
     x[2, 1] = np.nan
 
     with pytest.raises(IntegrationError):
-        SampledPlants(plant_of(drag_point(sigma=0.5, drag=2.0)), 2).advance(x, np.zeros((2, 2)))
+        BatchPlant(plant_of(drag_point(sigma=0.5, drag=2.0)), 2).advance(x, np.zeros((2, 2)))

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from finite_differences import numeric
 
+from passafe.barriers import box, disk_keep_out, ellipse_keep_out, separation, uniform_motion
 from passafe.errors import DesignError, ShapeError
 from passafe.models.joint_chain import joint_chain
-from passafe.shapes import box, disk_keep_out, ellipse_keep_out, separation, uniform_motion
 
 p, space, t = ca.SX.sym("p", 2), ca.SX.sym("q", 3), ca.SX.sym("t")
 

@@ -5,13 +5,13 @@ import pytest
 from random_programs import KINDS, Array, random_programs
 from two_row_oracle import solve_exactly
 
-import passafe.least_distance_solver
+import passafe.solvers.least_distance_solver
 from passafe.certificate import is_certified
-from passafe.daqp_solver import DaqpSolver
-from passafe.least_distance_solver import LeastDistanceSolver
-from passafe.piqp_solver import PiqpSolver
 from passafe.quadratic_program import Tolerance
-from passafe.solver import Solver, SolverOutcome
+from passafe.solvers.daqp_solver import DaqpSolver
+from passafe.solvers.least_distance_solver import LeastDistanceSolver
+from passafe.solvers.piqp_solver import PiqpSolver
+from passafe.solvers.solver import Solver, SolverOutcome
 
 EASY = ("generic", "parallel", "duplicated", "nearly parallel")
 Kind = type[PiqpSolver] | type[DaqpSolver] | type[LeastDistanceSolver]
@@ -110,7 +110,7 @@ def test_an_iteration_that_does_not_end_has_failed(name: str, monkeypatch: pytes
     def endless(*_: object) -> None:
         raise RuntimeError("Maximum number of iterations reached.")
 
-    monkeypatch.setattr(passafe.least_distance_solver, "nnls", endless)
+    monkeypatch.setattr(passafe.solvers.least_distance_solver, "nnls", endless)
     solver, G, d = at_work(name, 2)
     G[:], d[:] = np.eye(2), [1.0, 2.0]
 

@@ -4,9 +4,9 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from passafe.workspace import Layout, Workspace, dense_function
+from passafe.workspace import BlockLayout, Workspace, dense_function
 
-LAYOUT = Layout.of({"a": 2, "nothing": 0, "b": 3, "c": 6})
+LAYOUT = BlockLayout.of({"a": 2, "nothing": 0, "b": 3, "c": 6})
 
 
 def test_parts_lie_one_after_the_other() -> None:
@@ -18,7 +18,7 @@ def test_parts_lie_one_after_the_other() -> None:
     }
     assert list(LAYOUT.parts) == ["a", "nothing", "b", "c"]
     assert LAYOUT.size == 11
-    assert Layout.of({}).size == 0
+    assert BlockLayout.of({}).size == 0
 
 
 def test_parts_cannot_be_moved() -> None:

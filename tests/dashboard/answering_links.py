@@ -3,12 +3,11 @@
 from itertools import count
 
 from closed_form import header
-
-from dashboard.feed import Feed
-from protocol.link_settings import LinkSettings
-from protocol.message_link import MessageLink
-from protocol.messages import Header, LinkConfig
-from protocol.topics import LINKS
+from passafe_dashboard.feed import Feed
+from passafe_protocol.link_settings import LinkSettings
+from passafe_protocol.message_link import MessageLink
+from passafe_protocol.messages import Header, LinkConfig
+from passafe_protocol.topics import LINKS
 
 EPOCH = 77
 

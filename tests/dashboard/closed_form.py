@@ -8,8 +8,8 @@ from math import cos, sin
 from pathlib import Path
 from typing import Any
 
-from protocol.messages import (
-    BarrierChain,
+from passafe_protocol.messages import (
+    BarrierReport,
     Certificate,
     Consumed,
     Event,
@@ -19,17 +19,17 @@ from protocol.messages import (
     Health,
     LinkEvent,
     Message,
-    Override,
+    OverrideReport,
     PlantPhase,
     PlantState,
-    Row,
+    RowReport,
     ScenarioInfo,
     TopicHealth,
 )
-from services.scenarios.schema import Scenario
+from passafe_services.scenarios.schema import Scenario
 
 MS = 1_000_000
-SCENARIOS = Path(__file__).parents[2] / "services" / "scenarios"
+SCENARIOS = Path(__file__).parents[2] / "services" / "passafe_services" / "scenarios"
 
 
 def paper_scenario() -> Scenario:
@@ -72,16 +72,18 @@ def tick(k: int, **changes: Any) -> FilterTick:  # noqa: ANN401 - any field
         "phi": (0.0, 0.0),
         "v": (0.0, 0.0),
         "u": (-0.5, 0.25),
-        "barriers": (BarrierChain("disk", (h(t), 10 * h(t), 100 * h(t))),),
+        "barriers": (BarrierReport("disk", (h(t), 10 * h(t), 100 * h(t))),),
         "power_margin": power_margin(t),
         "tank_j": 1.0 + 0.1 * sin(t),
         "slack": 0.0,
-        "rows": (Row("disk", 0.02, 0.4, True, 1.0), Row("passivity", 1.3, 0.0, False)),
+        "rows": (RowReport("disk", 0.02, 0.4, True, 1.0), RowReport("passivity", 1.3, 0.0, False)),
         "certificate": Certificate("piqp", True, 1e-9, 2e-9, 3e-10),
         "consumed": (Consumed(topic="state", sequence=k, received_ns=k * MS, epoch=1),),
         "state_age_ns": MS + 200_000,
         "command_age_ns": 2 * MS,
-        "override": Override((3.0, 4.0), allowed_fraction=0.625, unavoidable=False, distance_to_infeasibility=12.5),
+        "override": OverrideReport(
+            (3.0, 4.0), allowed_fraction=0.625, unavoidable=False, distance_to_infeasibility=12.5
+        ),
     }
     return FilterTick(**(values | changes))
 

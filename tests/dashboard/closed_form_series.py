@@ -4,10 +4,9 @@ from typing import Any
 
 import numpy as np
 from closed_form import h, position, power_margin
-
-from dashboard.obstacles import Disk
-from dashboard.series import RunSeries, StatusSpan
-from protocol.messages import FilterStatus
+from passafe_dashboard.obstacles import Disk
+from passafe_dashboard.series import RunSeries, StatusSpan
+from passafe_protocol.messages import FilterStatus
 
 
 def run_series(samples: int = 10_000) -> RunSeries:

@@ -13,16 +13,15 @@ import httpx
 from answering_links import AnsweringLinks
 from closed_form import ClosedFormRun
 from msgspec import structs
+from passafe_dashboard.address import listening_socket
+from passafe_dashboard.broadcast import Broadcast
+from passafe_dashboard.feed import Feed
+from passafe_dashboard.link_requests import LinkRequests
+from passafe_dashboard.routes import create_app
+from passafe_dashboard.web_server import page_server
+from passafe_protocol.messages import FilterTick
+from passafe_services.loop.pace import Pace
 from websockets.sync.client import ClientConnection, connect
-
-from dashboard.address import listening_socket
-from dashboard.broadcast import Broadcast
-from dashboard.feed import Feed
-from dashboard.link_requests import LinkRequests
-from dashboard.live import create_app
-from dashboard.server import page_server
-from protocol.messages import FilterTick
-from services.runtime.pace import Pace
 
 
 class FastRun:

@@ -1,9 +1,8 @@
 import socket
 
 import pytest
-
-from dashboard.address import listening_socket, require_free_page_port
-from dashboard.errors import DashboardError, PageAddressError, PagePortInUseError
+from passafe_dashboard.address import listening_socket, require_free_page_port
+from passafe_dashboard.errors import DashboardError, PageAddressError, PagePortInUseError
 
 
 def test_a_taken_port_is_named_with_what_to_do() -> None:

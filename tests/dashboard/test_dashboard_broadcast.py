@@ -3,10 +3,9 @@ import json
 from typing import Any
 
 from closed_form import MS, ClosedFormRun, paper_scenario
-
-from dashboard.broadcast import Broadcast
-from dashboard.feed import Feed
-from services.runtime.pace import Pace
+from passafe_dashboard.broadcast import Broadcast
+from passafe_dashboard.feed import Feed
+from passafe_services.loop.pace import Pace
 
 
 class VirtualRun:

@@ -10,13 +10,12 @@ from typing import Any
 import pytest
 from closed_form import h, paper_scenario
 from closed_form_series import run_series, verdict
+from passafe_dashboard.feed import Feed
+from passafe_dashboard.report_page import report_page
+from passafe_protocol.link_settings import LinkSettings
+from passafe_protocol.messages import BarrierReport, FilterStatus
+from passafe_services.scenarios.schema import Scenario
 from served_page import FastRun, ServedPage, serve_page
-
-from dashboard.feed import Feed
-from dashboard.report_page import report_page
-from protocol.link_settings import LinkSettings
-from protocol.messages import BarrierChain, FilterStatus
-from services.scenarios.schema import Scenario
 
 pytestmark = pytest.mark.browser
 playwright = pytest.importorskip("playwright.sync_api")
@@ -127,7 +126,7 @@ def test_a_dip_of_one_tick_is_seen_on_the_page(watched: Watched, served: ServedP
     assert "negative" not in str(watched.page.get_attribute("#power-margin-worst", "class"))
     run.next_tick = {
         "power_margin": -3.5,
-        "barriers": (BarrierChain("disk", (-0.25, -1.0, -2.0)),),
+        "barriers": (BarrierReport("disk", (-0.25, -1.0, -2.0)),),
         "status": FilterStatus.INFEASIBLE,
     }
     watched.wait_for("document.getElementById('power-margin-worst').textContent === '−3.5000 W'")

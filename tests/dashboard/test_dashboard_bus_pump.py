@@ -2,13 +2,12 @@ from collections.abc import Callable
 
 import pytest
 from closed_form import MS, ClosedFormRun, header, paper_scenario, state, tick
-
-from dashboard.bus_pump import BusPump
-from dashboard.feed import Feed
-from protocol.codec import encode
-from protocol.messages import BarrierChain, Event, Health, Message
-from protocol.topics import EVENT, HEALTH, STATE, TICK, TOPIC_OF_BODY, Topic
-from services.runtime.pace import Pace
+from passafe_dashboard.bus_pump import BusPump
+from passafe_dashboard.feed import Feed
+from passafe_protocol.codec import encode
+from passafe_protocol.messages import BarrierReport, Event, Health, Message
+from passafe_protocol.topics import EVENT, HEALTH, STATE, TICK, TOPIC_OF_BODY, Topic
+from passafe_services.loop.pace import Pace
 
 
 class FakeReader:
@@ -94,7 +93,7 @@ def test_four_seconds_of_ticks_may_wait(rig: Rig) -> None:
 def test_a_dip_between_two_frames_is_seen(rig: Rig) -> None:
     for k in range(30):
         value = -0.5 if k == 11 else 1.0
-        body = tick(k, barriers=(BarrierChain("disk", (value, value, value)),))
+        body = tick(k, barriers=(BarrierReport("disk", (value, value, value)),))
         rig.arrive(TICK, encode(header("filter", k), body))
     rig.turn(30)
     assert rig.feed.worst["psi_0_0"] == (-0.5, 0.011)

@@ -5,18 +5,17 @@ import pytest
 from closed_form import MS, h, paper_scenario, position, state, tick
 from hypothesis import given
 from hypothesis import strategies as st
-
-from dashboard.columns import (
-    Layout,
+from passafe_dashboard.columns import (
+    ColumnLayout,
     drawn_columns,
     signed_log,
     signed_log_inverse,
 )
-from dashboard.obstacles import Disk, SpeedLimit
-from protocol.messages import BarrierChain
-from services.scenarios.barrier_schema import Swing
+from passafe_dashboard.obstacles import Disk, SpeedLimit
+from passafe_protocol.messages import BarrierReport
+from passafe_services.scenarios.barrier_schema import Swing
 
-LAYOUT = Layout.of(paper_scenario())
+LAYOUT = ColumnLayout.of(paper_scenario())
 
 
 def test_a_barrier_has_as_many_psi_as_class_k_functions() -> None:
@@ -48,9 +47,9 @@ def test_values_of_a_state_stand_under_their_columns() -> None:
 
 
 @pytest.mark.parametrize(
-    "barriers", [(), (BarrierChain("disk", (1.0, 2.0)),), (BarrierChain("disk", (1.0, 2.0, 3.0)),) * 2]
+    "barriers", [(), (BarrierReport("disk", (1.0, 2.0)),), (BarrierReport("disk", (1.0, 2.0, 3.0)),) * 2]
 )
-def test_a_tick_of_another_scenario_has_no_values(barriers: tuple[BarrierChain, ...]) -> None:
+def test_a_tick_of_another_scenario_has_no_values(barriers: tuple[BarrierReport, ...]) -> None:
     assert LAYOUT.tick_values(tick(0, barriers=barriers)) is None
 
 
@@ -62,11 +61,11 @@ def test_a_state_of_another_scenario_has_no_values(x: tuple[float, ...]) -> None
 
 def test_two_points_have_two_places_and_joints_none() -> None:
     obstacles = (SpeedLimit(name="speed", limit=2.0, first=6),)
-    both = Layout(obstacles=obstacles, levels=(2,), points=2, states=8)
+    both = ColumnLayout(obstacles=obstacles, levels=(2,), points=2, states=8)
     values = both.state_values(state(0, x=(1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 0.6, 0.8)))
     assert list(both.state_columns) == ["p1_m", "p2_m", "p3_m", "p4_m", "h_0"]
     assert values == [1.0, 2.0, 3.0, 4.0, pytest.approx(3.0)]
-    joints = Layout(obstacles=(), levels=(), points=0, states=2)
+    joints = ColumnLayout(obstacles=(), levels=(), points=0, states=2)
     assert joints.place_columns == ()
     assert joints.state_values(state(0, x=(1.0, 2.0))) == []
 
@@ -74,7 +73,7 @@ def test_two_points_have_two_places_and_joints_none() -> None:
 def test_what_moves_is_where_it_is_at_the_state_s_time() -> None:
     swing = Swing(kind="swing", amplitude_m=(2.0, 0.0), frequency_hz=0.25)
     disk = Disk(name="disk", centre=(0.0, 0.0), radius=1.0)
-    layout = Layout(obstacles=(disk, replace(disk, motion=swing)), levels=(3, 3), states=4)
+    layout = ColumnLayout(obstacles=(disk, replace(disk, motion=swing)), levels=(3, 3), states=4)
     assert layout.moved(1.0) == {"moving_1": (2.0, 0.0)}
     assert layout.measured(state(1000, x=(2.0, 0.0, 0.0, 0.0))) == [3.0, -1.0]
 

@@ -1,8 +1,7 @@
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
-
-from dashboard.decimation import DecimatedSeries, Keep, kept_samples
+from passafe_dashboard.decimation import DecimatedSeries, Keep, kept_samples
 
 BIN_NS = 10
 COLUMNS = {"low": Keep.LOWEST, "high": Keep.HIGHEST, "last": Keep.LAST}

@@ -5,10 +5,9 @@ from closed_form import MS, ClosedFormRun, h, header, health, paper_scenario, po
 from hypothesis import given
 from hypothesis import strategies as st
 from msgspec import structs
-
-from dashboard.feed import Feed, scenario_id
-from protocol.messages import (
-    BarrierChain,
+from passafe_dashboard.feed import Feed, scenario_id
+from passafe_protocol.messages import (
+    BarrierReport,
     Event,
     FilterStatus,
     LinkEvent,
@@ -17,7 +16,7 @@ from protocol.messages import (
     ScenarioInfo,
     TopicHealth,
 )
-from protocol.topics import TICK
+from passafe_protocol.topics import TICK
 
 
 def run_of(seconds: float) -> Feed:
@@ -27,8 +26,8 @@ def run_of(seconds: float) -> Feed:
     return feed
 
 
-def chain(value: float) -> tuple[BarrierChain, ...]:
-    return (BarrierChain("disk", (value, value, value)),)
+def chain(value: float) -> tuple[BarrierReport, ...]:
+    return (BarrierReport("disk", (value, value, value)),)
 
 
 def test_a_run_leaves_its_newest_state_and_its_worst_values() -> None:
@@ -71,7 +70,7 @@ def test_the_worst_status_of_a_bin_is_kept() -> None:
         status = FilterStatus.INFEASIBLE if k == 40 else FilterStatus.PASSED
         feed.push(header("filter", k), tick(k, status=status), k * MS)
     index = feed.ticks.columns.index("status")
-    assert [row.values[index] for row in feed.ticks.since(0).rows] == [1, 6]
+    assert [row.values[index] for row in feed.ticks.since(0).rows] == [1, 5]
 
 
 def test_an_overtaken_tick_counts_but_is_not_the_newest() -> None:

@@ -5,18 +5,17 @@ from bokeh.models import ColumnDataSource, HBar, Line
 from bokeh.models.annotations import Legend
 from bokeh.plotting import figure
 from closed_form import paper_scenario
+from passafe_dashboard.charts.barriers import MOST_SHOWN, chain_figure, h_figure, signed_log_ticks
+from passafe_dashboard.charts.energy import power_margin_figure, tank_figure
+from passafe_dashboard.charts.live_charts import live_charts
+from passafe_dashboard.charts.over_time import full_range, live_range
+from passafe_dashboard.charts.plane import plane_figure
+from passafe_dashboard.charts.timeline import age_figure, status_figure
+from passafe_dashboard.columns import P1, P2, PLACES, TIME, ZERO, ColumnLayout, drawn_columns, signed_log
+from passafe_dashboard.obstacles import Disk, HalfPlane
+from passafe_protocol.messages import FilterStatus
 
-from dashboard.columns import P1, P2, PLACES, TIME, ZERO, Layout, drawn_columns, signed_log
-from dashboard.figures.barriers import MOST_SHOWN, chain_figure, h_figure, signed_log_ticks
-from dashboard.figures.energy import power_margin_figure, tank_figure
-from dashboard.figures.over_time import full_range, live_range
-from dashboard.figures.page import live_charts
-from dashboard.figures.plane import plane_figure
-from dashboard.figures.timeline import age_figure, status_figure
-from dashboard.obstacles import Disk, HalfPlane
-from protocol.messages import FilterStatus
-
-LAYOUT = Layout(
+LAYOUT = ColumnLayout(
     obstacles=(
         Disk(name="disk", centre=(0.0, 0.0), radius=1.0),
         HalfPlane(name="wall", normal=(1.0, 0.0), offset=-3.0),
@@ -91,7 +90,7 @@ def test_every_barrier_has_its_own_named_lines() -> None:
 
 def test_where_there_are_many_barriers_some_lines_are_left_out() -> None:
     walls = tuple(HalfPlane(name=f"wall {i}", normal=(1.0, 0.0), offset=-3.0 - i) for i in range(MOST_SHOWN + 1))
-    layout = Layout(obstacles=walls, levels=(3,) * len(walls))
+    layout = ColumnLayout(obstacles=walls, levels=(3,) * len(walls))
     ticks = table(*drawn_columns(tuple(layout.tick_columns), layout.log_columns))
     states = table(*drawn_columns(tuple(layout.state_columns), ()))
     live = h_figure(layout, ticks=ticks, states=states, x_range=full_range())
@@ -101,7 +100,7 @@ def test_where_there_are_many_barriers_some_lines_are_left_out() -> None:
 
 
 def test_a_barrier_of_relative_degree_zero_has_no_chain() -> None:
-    layout = Layout(obstacles=LAYOUT.obstacles[:1], levels=(1,))
+    layout = ColumnLayout(obstacles=LAYOUT.obstacles[:1], levels=(1,))
     assert chain_figure(layout, ticks=table(TIME, ZERO), x_range=full_range()) is None
 
 
@@ -125,7 +124,7 @@ def test_a_live_range_follows_the_newest_sample() -> None:
 
 
 def test_the_page_has_a_chart_for_everything() -> None:
-    charts = live_charts(Layout.of(paper_scenario()), starts=((2.0, 2.0),), window_s=20.0)
+    charts = live_charts(ColumnLayout.of(paper_scenario()), starts=((2.0, 2.0),), window_s=20.0)
     assert set(charts.divs) == {"plane", "h", "chain", "power_margin", "tank", "status", "ages"}
     for name in ("ticks", "states", "robot"):
         assert f'"name":"{name}"' in charts.script
@@ -133,12 +132,12 @@ def test_the_page_has_a_chart_for_everything() -> None:
 
 
 def test_without_barriers_there_are_no_charts_of_them() -> None:
-    charts = live_charts(Layout(obstacles=(), levels=()), starts=((2.0, 2.0),), window_s=20.0)
+    charts = live_charts(ColumnLayout(obstacles=(), levels=()), starts=((2.0, 2.0),), window_s=20.0)
     assert set(charts.divs) == {"plane", "power_margin", "tank", "status", "ages"}
 
 
 def test_joints_have_no_plane() -> None:
-    charts = live_charts(Layout(obstacles=(), levels=(), points=0), starts=(), window_s=20.0)
+    charts = live_charts(ColumnLayout(obstacles=(), levels=(), points=0), starts=(), window_s=20.0)
     assert set(charts.divs) == {"power_margin", "tank", "status", "ages"}
 
 

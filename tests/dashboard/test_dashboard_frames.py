@@ -3,12 +3,11 @@ from typing import Any
 
 import pytest
 from closed_form import MS, ClosedFormRun, h, header, paper_scenario, state, tick
+from passafe_dashboard.columns import ColumnLayout, drawn_columns, signed_log
+from passafe_dashboard.feed import Feed
+from passafe_dashboard.frames import ClientView
 
-from dashboard.columns import Layout, drawn_columns, signed_log
-from dashboard.feed import Feed
-from dashboard.frames import ClientView
-
-LAYOUT = Layout.of(paper_scenario())
+LAYOUT = ColumnLayout.of(paper_scenario())
 TICK_COLUMNS = drawn_columns(tuple(LAYOUT.tick_columns), LAYOUT.log_columns)
 
 

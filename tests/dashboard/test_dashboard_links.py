@@ -8,12 +8,11 @@ import httpx
 import pytest
 from closed_form import paper_scenario
 from msgspec.structs import asdict
+from passafe_dashboard.feed import Feed
+from passafe_protocol.link_settings import LinkSettings
+from passafe_protocol.link_wire import parameters_of
+from passafe_protocol.topics import LINKS
 from served_page import FastRun, ServedPage, serve_page
-
-from dashboard.feed import Feed
-from protocol.link_settings import LinkSettings
-from protocol.link_wire import parameters_of
-from protocol.topics import LINKS
 
 LINK = "plant-to-filter"
 

@@ -6,10 +6,9 @@ import casadi as ca
 import numpy as np
 import pytest
 from closed_form import paper_scenario
-
-from dashboard.obstacles import Disk, HalfPlane, Limit, Separation, obstacles_of, unit_of_h
-from services.scenarios.design import barriers_of, robot_of
-from services.scenarios.schema import Scenario
+from passafe_dashboard.obstacles import Disk, HalfPlane, Limit, Separation, obstacles_of, unit_of_h
+from passafe_services.scenarios.design import barriers_of, robot_of
+from passafe_services.scenarios.schema import Scenario
 
 LINEAR = {"kind": "linear", "gain": 2.0}
 SWING = {"kind": "swing", "amplitude_m": (1.0, -0.5), "frequency_hz": 0.3, "phase_rad": 0.4}

@@ -5,9 +5,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from dashboard.obstacles import Disk, Ellipse, HalfPlane, Region
-from dashboard.outlines import border, reference, shifted, unsafe_side
+from passafe_dashboard.obstacles import Disk, Ellipse, HalfPlane, Region
+from passafe_dashboard.outlines import border, reference, shifted, unsafe_side
 
 normals = st.tuples(st.floats(-5, 5), st.floats(-5, 5)).filter(lambda n: n[0] ** 2 + n[1] ** 2 > 1e-4)
 REGIONS: list[Region] = [

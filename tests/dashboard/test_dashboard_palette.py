@@ -1,8 +1,7 @@
 from itertools import combinations
 
 import pytest
-
-from dashboard.palette import (
+from passafe_dashboard.palette import (
     INK,
     LINE_COLOURS,
     LINE_DASHES,
@@ -13,7 +12,7 @@ from dashboard.palette import (
     ZERO_COLOUR,
     line_style,
 )
-from protocol.messages import FilterStatus, PlantPhase
+from passafe_protocol.messages import FilterStatus, PlantPhase
 
 
 def channels(colour: str) -> list[float]:

@@ -13,15 +13,14 @@ from typing import Any
 import httpx
 import pytest
 from closed_form import header, state, tick
+from passafe_protocol.codec import encode
+from passafe_protocol.topics import STATE, TICK
+from passafe_services.loop.bus import open_bus
+from passafe_services.loop.readiness import ready_line
+from passafe_services.loop.router_endpoint import RouterEndpoint
 from served_page import frames
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
-
-from protocol.codec import encode
-from protocol.topics import STATE, TICK
-from services.runtime.bus import open_bus
-from services.runtime.endpoint import Endpoint
-from services.runtime.readiness import ready_line
 
 pytestmark = pytest.mark.live
 
@@ -83,7 +82,7 @@ def ok_processes(now: dict[str, Any]) -> list[str]:
 
 
 def test_messages_of_the_bus_reach_the_page(router_port: int) -> None:
-    with dashboard(router_port) as (_, address), open_bus(Endpoint(port=router_port)) as bus:
+    with dashboard(router_port) as (_, address), open_bus(RouterEndpoint(port=router_port)) as bus:
         put_tick, put_state = bus.publisher(TICK, "filter"), bus.publisher(STATE, "plant")
         with connect(f"ws://{address}/live", compression=None, max_queue=None) as page:
             until = time.monotonic() + PATIENCE_S

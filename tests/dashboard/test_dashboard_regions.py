@@ -5,15 +5,14 @@ import pytest
 from bokeh.models import Circle, DataRange1d, Line, Patch
 from bokeh.models.annotations import Legend
 from bokeh.plotting import figure
-
-from dashboard.columns import P1, P2, PLACES
-from dashboard.figures.page import unfilled_table
-from dashboard.figures.plane import plane_figure
-from dashboard.figures.regions import EARLIER, LIVE, Drawing
-from dashboard.obstacles import Disk, Ellipse, HalfPlane, Limit, Obstacle, Separation, SpeedLimit
-from dashboard.svg.chart import Placed, picture
-from services.scenarios.barrier_schema import Circle as CircleMotion
-from services.scenarios.barrier_schema import Swing, Travel
+from passafe_dashboard.charts.live_charts import unfilled_table
+from passafe_dashboard.charts.plane import plane_figure
+from passafe_dashboard.charts.regions import EARLIER, LIVE, Drawing
+from passafe_dashboard.columns import P1, P2, PLACES
+from passafe_dashboard.obstacles import Disk, Ellipse, HalfPlane, Limit, Obstacle, Separation, SpeedLimit
+from passafe_dashboard.svg.chart import Placed, picture
+from passafe_services.scenarios.barrier_schema import Circle as CircleMotion
+from passafe_services.scenarios.barrier_schema import Swing, Travel
 
 SWING = Swing(kind="swing", amplitude_m=(2.0, 0.0), frequency_hz=0.25)
 TRAVEL = Travel(kind="travel", velocity_m_per_s=(1.0, 0.0))

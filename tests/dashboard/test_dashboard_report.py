@@ -3,15 +3,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from closed_form import MS, ClosedFormRun, paper_scenario
-
-from dashboard.report import render_report, series_of
-from protocol.codec import encode
-from protocol.messages import FilterStatus
-from protocol.topics import TOPIC_OF_BODY
-from services.recorder.log_writer import LogWriter, run_metadata
-from services.review.core_mathematics import CoreMathematics
-from services.review.log import RunLog
-from services.review.verdict import Verdict
+from passafe_dashboard.report import render_report, series_of
+from passafe_protocol.codec import encode
+from passafe_protocol.messages import FilterStatus
+from passafe_protocol.topics import TOPIC_OF_BODY
+from passafe_services.log.log_writer import LogWriter, run_metadata
+from passafe_services.tools.review.core_evaluator import CoreEvaluator
+from passafe_services.tools.review.run_log import RunLog
+from passafe_services.tools.review.verdict import Verdict
 
 
 @pytest.fixture(scope="module")
@@ -30,7 +29,7 @@ def log(tmp_path_factory: pytest.TempPathFactory) -> RunLog:
 
 
 def test_series_hold_what_the_plant_measured(log: RunLog) -> None:
-    series = series_of(log, CoreMathematics(log.identity.scenario))
+    series = series_of(log, CoreEvaluator(log.identity.scenario))
     assert series.times_s == pytest.approx(np.arange(500) * 1e-3)
     assert series.h[0] == pytest.approx(series.x[0] ** 2 + series.x[1] ** 2 - 1.0)
     # y = x₂ = 0 and V = ‖x‖² give h_u = yᵀu − 2x₁ᵀx₂ − 2x₂ᵀ(−σx₂ + u) = 0.
@@ -40,7 +39,7 @@ def test_series_hold_what_the_plant_measured(log: RunLog) -> None:
 
 
 def test_the_report_of_a_log_shows_its_verdict_and_configuration(log: RunLog) -> None:
-    mathematics = CoreMathematics(log.identity.scenario)
+    mathematics = CoreEvaluator(log.identity.scenario)
     page = render_report(log, mathematics, Verdict.of(log, mathematics))
     assert "notomista-cai-2020" in page
     assert "playout_s" in page

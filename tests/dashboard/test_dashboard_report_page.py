@@ -4,11 +4,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from closed_form_series import run_series, verdict
-
-from dashboard.figures.run import lowest_barriers
-from dashboard.obstacles import Disk
-from dashboard.pictures import run_picture
-from dashboard.report_page import descriptions, inline_script, number, report_page
+from passafe_dashboard.charts.run_charts import lowest_barriers
+from passafe_dashboard.obstacles import Disk
+from passafe_dashboard.pictures import run_picture
+from passafe_dashboard.report_page import descriptions, inline_script, number, report_page
 
 CONFIGURATION = {"name": "circle", "title": "a <b>circle</b> & </script>"}
 VERSIONS = {"passafe": "0.1.0"}

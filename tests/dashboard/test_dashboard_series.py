@@ -7,10 +7,9 @@ import pytest
 from closed_form_series import run_series
 from hypothesis import given
 from hypothesis import strategies as st
-
-from dashboard.errors import SeriesError
-from dashboard.series import StatusSpan, status_spans
-from protocol.messages import FilterStatus
+from passafe_dashboard.errors import SeriesError
+from passafe_dashboard.series import StatusSpan, status_spans
+from passafe_protocol.messages import FilterStatus
 
 A, B = FilterStatus.PASSED, FilterStatus.MODIFIED
 

@@ -3,11 +3,10 @@ from math import inf
 
 import pytest
 from closed_form import MS, ClosedFormRun, h, header, health, paper_scenario, state, tick
-
-from dashboard.feed import Feed
-from dashboard.frames import json_text
-from dashboard.snapshot import REPORTING, liveness_json, status_json
-from protocol.messages import FilterStatus, Override, PlantPhase
+from passafe_dashboard.feed import Feed
+from passafe_dashboard.frames import json_text
+from passafe_dashboard.snapshot import REPORTING, liveness_json, status_json
+from passafe_protocol.messages import FilterStatus, OverrideReport, PlantPhase
 
 
 def feed_after(run_ns: int) -> Feed:
@@ -118,7 +117,7 @@ def test_an_age_that_is_not_known_is_null() -> None:
 
 def test_an_override_that_the_tick_does_not_tell_is_null() -> None:
     feed = Feed(paper_scenario())
-    feed.push(header("filter", 0), tick(0, override=Override()), 0)
+    feed.push(header("filter", 0), tick(0, override=OverrideReport()), 0)
     assert status_json(feed, 0)["filter"]["override"] is None
 
 

@@ -8,14 +8,13 @@ from bokeh.models import Annulus, ColumnDataSource, HBar, Line, Patch, Range1d, 
 from closed_form_series import run_series
 from hypothesis import given
 from hypothesis import strategies as st
-
-from dashboard.errors import UndrawableError
-from dashboard.figures.run import run_charts
-from dashboard.figures.style import plain_figure
-from dashboard.obstacles import Disk
-from dashboard.svg.chart import Placed, picture
-from dashboard.svg.extent import Extent, extent_of, round_ticks, same_scale, ticks_of
-from dashboard.svg.marks import Scale, draw, element
+from passafe_dashboard.charts.run_charts import run_charts
+from passafe_dashboard.charts.style import plain_figure
+from passafe_dashboard.errors import UndrawableError
+from passafe_dashboard.obstacles import Disk
+from passafe_dashboard.svg.chart import Placed, picture
+from passafe_dashboard.svg.extent import Extent, extent_of, round_ticks, same_scale, ticks_of
+from passafe_dashboard.svg.marks import Scale, draw, element
 
 SVG = "{http://www.w3.org/2000/svg}"
 SAME = Scale(x=lambda v: v, y=lambda v: -v, per_unit=1.0)

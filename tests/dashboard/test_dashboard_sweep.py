@@ -6,15 +6,14 @@ from base64 import b64decode
 from typing import Any
 
 import pytest
-
-from dashboard.sweep import boundary_charts, charts_of
-from dashboard.sweep_page import KeptLine, sweep_page, sweep_picture
-from services.experiment.agreement import Agreement
-from services.experiment.figures import Figures
-from services.experiment.load import experiment_from
-from services.experiment.plan import Plan
-from services.experiment.runs import Result, Run
-from services.experiment.summary import Summary
+from passafe_dashboard.sweep import boundary_charts, charts_of
+from passafe_dashboard.sweep_page import KeptLine, sweep_page, sweep_picture
+from passafe_services.tools.experiment.live_agreement import Agreement
+from passafe_services.tools.experiment.load import experiment_from
+from passafe_services.tools.experiment.metrics import Metrics
+from passafe_services.tools.experiment.plan import Plan
+from passafe_services.tools.experiment.runs import Result, Run
+from passafe_services.tools.experiment.summary import ExperimentSummary
 
 DELAY = {"name": "delay_s", "key": "links.plant-to-filter.delay_s", "values": [0.0, 0.1, 0.2]}
 LOSS = {"name": "loss", "key": "links.plant-to-filter.loss", "values": [0.0, 0.5]}
@@ -22,11 +21,11 @@ HOLD = {"name": "hold_s", "kind": "bisect", "key": "plant.hold_s", "low": 0.0, "
 LOW = {"name": "r", "kind": "uniform", "key": "plant.x0.0", "low": 2.0, "high": 3.0}
 
 
-def figures(h_min: float) -> Figures:
-    numbers = {name: 0 for name, field in Figures.model_fields.items() if field.annotation in {int, float}}
-    none = dict.fromkeys(Figures.model_fields)
+def figures(h_min: float) -> Metrics:
+    numbers = {name: 0 for name, field in Metrics.model_fields.items() if field.annotation in {int, float}}
+    none = dict.fromkeys(Metrics.model_fields)
     made: dict[str, Any] = {"h_min": h_min, "tank_min_j": 1.0, "status_counts": {}, "properties": {}}
-    return Figures.model_validate(none | numbers | made | {"verdict": "holds" if h_min >= 0 else "fails"})
+    return Metrics.model_validate(none | numbers | made | {"verdict": "holds" if h_min >= 0 else "fails"})
 
 
 def h_of(run: Run) -> float:
@@ -37,7 +36,7 @@ def h_of(run: Run) -> float:
     return h if run.probe is None or run.probe <= 0.75 - 2 * delay_s else -1.0
 
 
-def finished(*axes: dict[str, Any], count: int = 2) -> tuple[Plan, Summary]:
+def finished(*axes: dict[str, Any], count: int = 2) -> tuple[Plan, ExperimentSummary]:
     content = {"schema_version": 1, "name": "made-up", "title": "Made <up>", "scenario": "notomista-cai-2020"}
     content |= {"variants": {"off": {}, "both": {}}, "axes": axes, "seeds": {"count": count}}
     plan = Plan(experiment_from(content, "made-up"))
@@ -45,7 +44,7 @@ def finished(*axes: dict[str, Any], count: int = 2) -> tuple[Plan, Summary]:
     while waiting:
         run = waiting.pop()
         waiting += plan.after(Result(run=run, figures=figures(h_of(run) + 0.01 * run.seed), wall_s=0.1))
-    return plan, Summary.of(plan)
+    return plan, ExperimentSummary.of(plan)
 
 
 def test_a_figure_is_drawn_over_the_longest_axis_a_chart_for_each_value_of_the_others() -> None:

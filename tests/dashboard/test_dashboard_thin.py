@@ -1,15 +1,14 @@
 import pytest
 from closed_form import header, state, tick
+from passafe_dashboard.columns import ColumnLayout
+from passafe_dashboard.thin import THIN_READERS, thin_state, thin_tick
+from passafe_protocol import passafe_pb2
+from passafe_protocol.checksum import sealed
+from passafe_protocol.codec import decode, encode
+from passafe_protocol.messages import SCHEMA_VERSION, FilterTick, PlantState
+from passafe_protocol.topics import STATE, TICK
 
-from dashboard.columns import Layout
-from dashboard.thin import THIN_READERS, thin_state, thin_tick
-from protocol import passafe_pb2
-from protocol.checksum import sealed
-from protocol.codec import decode, encode
-from protocol.messages import FilterTick, PlantState
-from protocol.topics import STATE, TICK
-
-LAYOUT = Layout(obstacles=(), levels=(3,))
+LAYOUT = ColumnLayout(obstacles=(), levels=(3,))
 
 
 def test_a_thin_tick_has_what_charts_need() -> None:
@@ -53,6 +52,6 @@ def test_another_schema_version_and_an_unknown_word_are_left_to_the_codec() -> N
         assert thin(message.SerializeToString()) is None
         message.header.schema_version = 99
         assert thin(sealed(message.SerializeToString())) is None
-        message.header.schema_version = 1
+        message.header.schema_version = SCHEMA_VERSION
         message.ClearField("status" if kind is passafe_pb2.FilterTick else "phase")
         assert thin(sealed(message.SerializeToString())) is None

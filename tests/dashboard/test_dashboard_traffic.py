@@ -1,8 +1,7 @@
 import pytest
 from closed_form import MS, header
-
-from dashboard.traffic import Traffic
-from protocol.topics import HEALTH, SCENARIO, TICK
+from passafe_dashboard.traffic import Traffic
+from passafe_protocol.topics import HEALTH, SCENARIO, TICK
 
 
 def test_rate_is_messages_a_second() -> None:

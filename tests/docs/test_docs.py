@@ -10,20 +10,19 @@ from pathlib import Path
 from typing import get_args
 
 import pytest
-
-from protocol.topics import LINKS
-from services.assembly import lockstep_loop
-from services.cli.link_text import LINK_KEYS
-from services.experiment.bench import Bench
-from services.experiment.check import check
-from services.experiment.load import Study, experiment_from
-from services.experiment.plan import Plan
-from services.operator.scenario_source import crossover_loop
-from services.scenarios.barrier_schema import BarrierConfig, Motion
-from services.scenarios.link_schema import LinkConfig
-from services.scenarios.load import load_scenario, scenario_from
-from services.scenarios.single_barriers import POINTS
-from services.scenarios.source_schema import AdversarySource, HumanSource, Source
+from passafe_protocol.topics import LINKS
+from passafe_services.cli.link_text import LINK_KEYS
+from passafe_services.operator.sources.scenario_source import crossover_loop
+from passafe_services.scenarios.barrier_schema import BarrierConfig, Motion
+from passafe_services.scenarios.link_schema import ScenarioLink
+from passafe_services.scenarios.load import load_scenario, scenario_from
+from passafe_services.scenarios.single_barriers import POINTS
+from passafe_services.scenarios.source_schema import AdversarySource, HumanSource, Source
+from passafe_services.simulation import lockstep_loop
+from passafe_services.tools.experiment.check import check
+from passafe_services.tools.experiment.load import Study, experiment_from
+from passafe_services.tools.experiment.plan import Plan
+from passafe_services.tools.experiment.runner import StudyRunner
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -115,7 +114,7 @@ def test_the_page_of_links_names_every_setting_and_its_planned_changes_can_be_pl
     text = page.read_text(encoding="utf-8")
     changes = tomllib.loads(blocks(page, "toml")[0])["link_changes"]
 
-    for field in LinkConfig.model_fields:
+    for field in ScenarioLink.model_fields:
         assert f"`{field}`" in text, field
     for key in LINK_KEYS:
         assert f"`{key}" in text or key.startswith("burst-"), key
@@ -131,7 +130,7 @@ def test_the_example_experiment_and_its_bisected_axis_can_be_run() -> None:
     for content in (whole, whole | axis):
         study = Study(experiment=experiment_from(content, "docs/experiments.md"), scenario=scenario)
         check(study)
-        result = Bench(study).result(next(Plan(study.experiment).first()))
+        result = StudyRunner(study).result(next(Plan(study.experiment).first()))
         assert result.figures is not None, result.error
 
     kinds = {axis["kind"] for axis in (*whole["axes"], *axis["axes"]) if "kind" in axis}
@@ -143,7 +142,7 @@ def test_every_command_that_is_shown_has_the_options_that_are_shown(command: str
     words = shlex.split(command)[1:]
 
     done = subprocess.run(
-        [sys.executable, "-m", "services.cli", *words, "--help"],
+        [sys.executable, "-P", "-m", "passafe_services.cli", *words, "--help"],
         capture_output=True,
         text=True,
         timeout=120,

@@ -2,8 +2,8 @@
 
 from collections.abc import Mapping
 
-from services.experiment.load import Study, experiment_from
-from services.scenarios.load import load_scenario
+from passafe_services.scenarios.load import load_scenario
+from passafe_services.tools.experiment.load import Study, experiment_from
 
 NAME = "notomista-cai-2020"
 BOTH_WAYS = ["links.plant-to-filter.delay_s", "links.filter-to-plant.delay_s"]

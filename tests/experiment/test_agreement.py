@@ -4,45 +4,44 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from passafe_services.cli.experiment_live import run_live, spread
+from passafe_services.log.log_writer import LogWriter, run_metadata
+from passafe_services.recorder.lockstep_log import LockstepLog
+from passafe_services.scenarios.info import versions
+from passafe_services.scenarios.schema import Scenario
+from passafe_services.tools.experiment.errors import LiveRunError
+from passafe_services.tools.experiment.live_agreement import DRAWS, TOLERANCES, compare, draws_of, until
+from passafe_services.tools.experiment.metrics import Metrics
+from passafe_services.tools.experiment.runner import StudyRunner
+from passafe_services.tools.experiment.runs import Cell, cells_of, run_of
+from passafe_services.tools.review.core_evaluator import CoreEvaluator
+from passafe_services.tools.review.run_log import RunLog
+from passafe_services.tools.review.timing import Lateness
+from passafe_services.tools.review.verdict import Verdict
 from studies import study
-
-from services.cli.experiment_live import run_live, spread
-from services.experiment.agreement import DRAWS, TOLERANCES, compare, draws_of, until
-from services.experiment.bench import Bench
-from services.experiment.errors import LiveRunError
-from services.experiment.figures import Figures
-from services.experiment.runs import Cell, cells_of, run_of
-from services.recorder.lockstep_log import LockstepLog
-from services.recorder.log_writer import LogWriter, run_metadata
-from services.review.core_mathematics import CoreMathematics
-from services.review.log import RunLog
-from services.review.timing import Lateness
-from services.review.verdict import Verdict
-from services.scenarios.info import versions
-from services.scenarios.schema import Scenario
 
 DELAY = {"links.plant-to-filter.delay_s": 0.02, "links.filter-to-plant.delay_s": 0.01}
 
 
-def scenario(duration_s: float = 0.3, **overrides: object) -> tuple[Bench, Scenario]:
+def scenario(duration_s: float = 0.3, **overrides: object) -> tuple[StudyRunner, Scenario]:
     swept = study(duration_s=duration_s, overrides=DELAY | overrides)
-    bench = Bench(swept)
+    bench = StudyRunner(swept)
     return bench, bench.scenario_of(run_of(swept.experiment, cells_of(swept.experiment)[0], 0))
 
 
 @pytest.fixture(scope="module")
-def same(tmp_path_factory: pytest.TempPathFactory) -> tuple[Verdict, Figures]:
+def same(tmp_path_factory: pytest.TempPathFactory) -> tuple[Verdict, Metrics]:
     """A verdict on a log, and the figures, of the same run in lockstep."""
     bench, chosen = scenario()
     path = tmp_path_factory.mktemp("log") / "run.mcap"
     metadata = run_metadata(scenario_json=chosen.model_dump_json(), versions=versions(), driver="lockstep")
     with LogWriter(path, metadata) as log:
         bench.play(chosen, LockstepLog(log))
-    verdict = Verdict.of(until(RunLog.read(path), chosen.duration_s), CoreMathematics(chosen))
+    verdict = Verdict.of(until(RunLog.read(path), chosen.duration_s), CoreEvaluator(chosen))
     return verdict, bench.figures(chosen, until_its_end=True)
 
 
-def test_the_same_run_agrees_in_every_figure_without_any_difference(same: tuple[Verdict, Figures]) -> None:
+def test_the_same_run_agrees_in_every_figure_without_any_difference(same: tuple[Verdict, Metrics]) -> None:
     found = compare("cell", same[0], [same[1]])
     compared = {one.figure.partition(":")[0] for one in found}
 
@@ -63,7 +62,7 @@ def test_the_same_run_agrees_in_every_figure_without_any_difference(same: tuple[
     ],
 )
 def test_a_figure_that_is_off_is_told_with_by_how_much(
-    changes: dict[str, Any], figure: str, difference: float | None, same: tuple[Verdict, Figures]
+    changes: dict[str, Any], figure: str, difference: float | None, same: tuple[Verdict, Metrics]
 ) -> None:
     found = {one.figure: one for one in compare("cell", same[0].model_copy(update=changes), [same[1]])}
 
@@ -75,7 +74,7 @@ def test_a_figure_that_is_off_is_told_with_by_how_much(
 
 
 def test_where_links_are_random_a_live_run_must_lie_within_what_several_draws_show(
-    same: tuple[Verdict, Figures],
+    same: tuple[Verdict, Metrics],
 ) -> None:
     low, high = (same[1].model_copy(update={"u_norm_max": value}) for value in (10.0, 40.0))
     within, outside = (same[0].model_copy(update={"u_norm_max": value}) for value in (25.0, 42.5))
@@ -87,7 +86,7 @@ def test_where_links_are_random_a_live_run_must_lie_within_what_several_draws_sh
     assert (other.difference, other.agrees) == (2.5, False)
 
 
-def test_a_machine_that_was_later_than_the_tolerances_allow_for_is_told(same: tuple[Verdict, Figures]) -> None:
+def test_a_machine_that_was_later_than_the_tolerances_allow_for_is_told(same: tuple[Verdict, Metrics]) -> None:
     late = Lateness(p50=10.0, p99=100.0, p99_9=1000.0, max=7000.0)
     timing = same[0].timing.model_copy(update={"late_us": {"filter": late}})
 

@@ -6,23 +6,22 @@ from typing import Any
 
 import numpy as np
 import pytest
+from passafe_protocol.messages import PlantPhase, PlantState
+from passafe_services.log.log_writer import LogWriter, run_metadata
+from passafe_services.recorder.lockstep_log import LockstepLog
+from passafe_services.scenarios.info import versions
+from passafe_services.scenarios.load import load_scenario
+from passafe_services.simulation import lockstep_loop
+from passafe_services.tools.experiment.kept_logs import REVIEWED
+from passafe_services.tools.experiment.load import Study
+from passafe_services.tools.experiment.metrics import NUMERIC, Metrics
+from passafe_services.tools.experiment.run_trace import RunTrace
+from passafe_services.tools.experiment.runner import StudyRunner
+from passafe_services.tools.experiment.runs import Result, cells_of, run_of
+from passafe_services.tools.review.core_evaluator import CoreEvaluator
+from passafe_services.tools.review.run_log import RunLog
+from passafe_services.tools.review.verdict import Verdict, trajectory_of
 from studies import BOTH_WAYS, DELAY, NAME, study
-
-from protocol.messages import PlantPhase, PlantState
-from services.assembly import lockstep_loop
-from services.experiment.bench import Bench
-from services.experiment.figures import NUMERIC, Figures
-from services.experiment.kept import REVIEWED
-from services.experiment.load import Study
-from services.experiment.runs import Result, cells_of, run_of
-from services.experiment.tape import Tape
-from services.recorder.lockstep_log import LockstepLog
-from services.recorder.log_writer import LogWriter, run_metadata
-from services.review.core_mathematics import CoreMathematics
-from services.review.log import RunLog
-from services.review.verdict import Verdict, trajectory_of
-from services.scenarios.info import versions
-from services.scenarios.load import load_scenario
 
 BAD_LINKS = {
     f"links.{name}": {"delay_s": 0.02, "jitter_s": 0.03, "loss": 0.3}
@@ -30,13 +29,13 @@ BAD_LINKS = {
 }
 
 
-def results(swept: Study, bench: Bench | None = None) -> list[Result]:
-    bench = bench or Bench(swept)
+def results(swept: Study, bench: StudyRunner | None = None) -> list[Result]:
+    bench = bench or StudyRunner(swept)
     cells = cells_of(swept.experiment)
     return [bench.result(run_of(swept.experiment, cell, seed)) for cell in cells for seed in swept.experiment.seeds.all]
 
 
-def figures(swept: Study) -> Figures:
+def figures(swept: Study) -> Metrics:
     [result] = results(swept)
     assert result.figures is not None, result.error
     return result.figures
@@ -47,12 +46,12 @@ def figures(swept: Study) -> Figures:
 def test_every_figure_is_what_a_review_of_the_same_run_s_log_says(scenario: str, mode: str, tmp_path: Path) -> None:
     swept = study(scenario, 0.3, overrides=BAD_LINKS | {"filter.mode": mode})
     [result] = results(swept)
-    bench, path = Bench(swept), tmp_path / "run.mcap"
+    bench, path = StudyRunner(swept), tmp_path / "run.mcap"
     effective = bench.scenario_of(result.run)
     metadata = run_metadata(scenario_json=effective.model_dump_json(), versions=versions(), driver="lockstep")
     with LogWriter(path, metadata) as log:
         bench.play(effective, LockstepLog(log))
-    verdict = Verdict.of(RunLog.read(path), CoreMathematics(effective))
+    verdict = Verdict.of(RunLog.read(path), CoreEvaluator(effective))
 
     assert result.figures is not None
     assert {name: getattr(result.figures, name) for name in REVIEWED} == {
@@ -68,7 +67,7 @@ def test_every_figure_is_what_a_review_of_the_same_run_s_log_says(scenario: str,
 
 def test_a_run_does_not_depend_on_those_before_it() -> None:
     swept = study(overrides=BAD_LINKS, axes=[DELAY | {"keys": ["plant.playout_s"]}], seeds={"count": 3}, tracking=True)
-    bench = Bench(swept)
+    bench = StudyRunner(swept)
     first = results(swept, bench)
 
     again = results(swept, bench)[::-1] + results(swept)[::-1]
@@ -94,7 +93,7 @@ def test_a_robot_that_no_input_reaches_never_starts_and_proves_nothing() -> None
 
 def test_time_in_hold_and_fail_safe_is_what_the_plant_was_in() -> None:
     swept = study(duration_s=0.5, overrides={"links.filter-to-plant.loss": 0.9, "plant.hold_s": 0.005})
-    bench = Bench(swept)
+    bench = StudyRunner(swept)
     scenario = bench.scenario_of(run_of(swept.experiment, cells_of(swept.experiment)[0], 0))
     phases: list[PlantPhase] = []
 
@@ -117,7 +116,7 @@ def test_time_in_hold_and_fail_safe_is_what_the_plant_was_in() -> None:
 
 def test_the_tape_holds_what_a_log_holds(tmp_path: Path) -> None:
     scenario = load_scenario(NAME, BAD_LINKS | {"duration_s": 0.1})
-    bench, path = Bench(study()), tmp_path / "run.mcap"
+    bench, path = StudyRunner(study()), tmp_path / "run.mcap"
     metadata = run_metadata(scenario_json=scenario.model_dump_json(), versions=versions(), driver="lockstep")
     with LogWriter(path, metadata) as log:
         tape = bench.play(scenario, LockstepLog(log))
@@ -129,11 +128,11 @@ def test_the_tape_holds_what_a_log_holds(tmp_path: Path) -> None:
 
 def test_a_tape_costs_no_telemetry_and_changes_nothing() -> None:
     scenario = load_scenario(NAME, {"duration_s": 0.05})
-    bench = Bench(study())
+    bench = StudyRunner(study())
     kit = bench._kit(scenario)
-    tape = Tape(kit.derived.core)
+    tape = RunTrace(kit.compiled.filter.core)
     made: list[object] = []
-    loop = lockstep_loop(scenario, taps=tape.taps, derived=kit.derived)
+    loop = lockstep_loop(scenario, taps=tape.taps, compiled=kit.compiled)
 
     def refuse(_record: object) -> object:
         made.append(_record)
@@ -160,7 +159,7 @@ def test_tracking_is_the_distance_from_the_same_run_without_links() -> None:
 def test_random_starts_are_safe_seeded_and_the_same_in_every_mode() -> None:
     modes = {mode: {"filter.mode": mode} for mode in ("off", "safe", "both")}
     swept = study(start="random", variants=modes, seeds={"count": 2}, axes=[DELAY])
-    bench, cells = Bench(swept), cells_of(swept.experiment)
+    bench, cells = StudyRunner(swept), cells_of(swept.experiment)
     starts = {
         seed: {bench.scenario_of(run_of(swept.experiment, cell, seed)).plant.x0 for cell in cells} for seed in (0, 1)
     }
@@ -177,7 +176,7 @@ def test_every_seed_has_links_of_its_own_unless_the_file_names_one() -> None:
 
     def seed_of(one: Study, seed: int) -> int:
         run = run_of(one.experiment, cells_of(one.experiment)[0], seed)
-        return Bench(one).scenario_of(run).links["plant-to-filter"].seed
+        return StudyRunner(one).scenario_of(run).links["plant-to-filter"].seed
 
     assert [seed_of(swept, seed) for seed in (3, 4)] == [3, 4]
     assert [seed_of(fixed, seed) for seed in (3, 4)] == [77, 77]

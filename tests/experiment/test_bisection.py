@@ -5,9 +5,8 @@ from collections.abc import Callable
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from services.experiment.axes import BisectAxis
-from services.experiment.bisection import Boundary, first_values, most_values, next_value
+from passafe_services.tools.experiment.axes import BisectAxis
+from passafe_services.tools.experiment.bisection import Boundary, first_values, most_values, next_value
 
 
 def axis(low: float = 0.0, high: float = 1.0, tolerance: float = 0.01, scan: int = 3) -> BisectAxis:

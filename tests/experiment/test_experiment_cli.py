@@ -9,11 +9,10 @@ import time
 from pathlib import Path
 
 import pytest
+from passafe_services.tools.experiment.load import shipped_experiments
 from pyarrow import parquet
 
-from services.experiment.load import shipped_experiments
-
-EXAMPLES = Path(__file__).parents[2] / "services" / "experiment" / "examples"
+EXAMPLES = Path(__file__).parents[2] / "services" / "passafe_services" / "tools" / "experiment" / "examples"
 SMALL = """
 schema_version = 1
 name = "small"
@@ -33,7 +32,7 @@ values = [0.0, 0.02]
 
 def experiment(*arguments: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [sys.executable, "-m", "services.cli", "experiment", *arguments],
+        [sys.executable, "-P", "-m", "passafe_services.cli", "experiment", *arguments],
         capture_output=True,
         text=True,
         timeout=300,
@@ -62,7 +61,7 @@ def test_tables_page_and_logs_are_written(small: Path) -> None:
     logs = sorted((out / "logs").iterdir())
     assert len(logs) == 2
     reviewed = subprocess.run(
-        [sys.executable, "-m", "services.cli", "review", str(logs[0]), "--json"],
+        [sys.executable, "-P", "-m", "passafe_services.cli", "review", str(logs[0]), "--json"],
         capture_output=True,
         text=True,
         timeout=120,
@@ -99,7 +98,7 @@ def test_ctrl_c_loses_nothing_and_the_same_command_goes_on(workers: str, tmp_pat
     file.write_text(SMALL, encoding="utf-8")
     command = str(file), "--out", str(out), "--seeds", "40", "--workers", workers, "--keep", "none"
     running = subprocess.Popen(
-        [sys.executable, "-m", "services.cli", "experiment", *command],
+        [sys.executable, "-P", "-m", "passafe_services.cli", "experiment", *command],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

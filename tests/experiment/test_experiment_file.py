@@ -5,15 +5,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from passafe_services.scenarios.errors import ScenarioError
+from passafe_services.tools.experiment.axes import ChoiceAxis, LogUniformAxis, UniformAxis
+from passafe_services.tools.experiment.check import check
+from passafe_services.tools.experiment.errors import ExperimentError, UnknownExperimentError, UnreadableExperimentError
+from passafe_services.tools.experiment.load import experiment_from, load_study, shipped_experiments
+from passafe_services.tools.experiment.runs import cells_of, run_of
+from passafe_services.tools.experiment.schema import Experiment
 from studies import DELAY, NAME, study
-
-from services.experiment.axes import ChoiceAxis, LogUniformAxis, UniformAxis
-from services.experiment.check import check
-from services.experiment.errors import ExperimentError, UnknownExperimentError, UnreadableExperimentError
-from services.experiment.load import experiment_from, load_study, shipped_experiments
-from services.experiment.runs import cells_of, run_of
-from services.experiment.schema import Experiment
-from services.scenarios.errors import ScenarioError
 
 LEAST = {"schema_version": 1, "name": "small", "title": "Small", "scenario": NAME}
 BISECTED = {"name": "d", "kind": "bisect", "key": "plant.hold_s", "low": 0.0, "high": 1.0, "steps": 3}

@@ -6,15 +6,14 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
+from passafe_services.tools.experiment.errors import SchedulerError, WorkerLostError
+from passafe_services.tools.experiment.load import Study
+from passafe_services.tools.experiment.metrics import Metrics
+from passafe_services.tools.experiment.plan import Plan
+from passafe_services.tools.experiment.runner import StudyRunner
+from passafe_services.tools.experiment.runs import RunKey
+from passafe_services.tools.experiment.worker_pool import WorkerPool, dask_cluster, local_processes, results
 from studies import study
-
-from services.experiment.bench import Bench
-from services.experiment.errors import SchedulerError, WorkerLostError
-from services.experiment.figures import Figures
-from services.experiment.load import Study
-from services.experiment.plan import Plan
-from services.experiment.runs import RunKey
-from services.experiment.workers import Crew, dask_cluster, local_processes, results
 
 distributed: Any = pytest.importorskip("distributed")
 
@@ -34,14 +33,14 @@ def swept() -> Study:
     )
 
 
-def figures_by(crew: Crew, one: Study) -> dict[RunKey, Figures | None]:
+def figures_by(crew: WorkerPool, one: Study) -> dict[RunKey, Metrics | None]:
     found = list(results(Plan(one.experiment), one, crew, lambda: False))
     assert not [result.error for result in found if result.error]
     return {result.run.key: result.figures for result in found}
 
 
 @pytest.fixture(scope="module")
-def alone() -> dict[RunKey, Figures | None]:
+def alone() -> dict[RunKey, Metrics | None]:
     with local_processes(1) as crew:
         return figures_by(crew, swept())
 
@@ -61,7 +60,7 @@ def cluster() -> Iterator[str]:
 
 
 @pytest.mark.live
-def test_two_processes_give_what_one_gives(alone: dict[RunKey, Figures | None]) -> None:
+def test_two_processes_give_what_one_gives(alone: dict[RunKey, Metrics | None]) -> None:
     with local_processes(2) as crew:
         assert crew.workers == 2
         assert figures_by(crew, swept()) == alone
@@ -69,7 +68,7 @@ def test_two_processes_give_what_one_gives(alone: dict[RunKey, Figures | None]) 
 
 
 @pytest.mark.live
-def test_a_dask_cluster_gives_what_one_process_gives(alone: dict[RunKey, Figures | None], cluster: str) -> None:
+def test_a_dask_cluster_gives_what_one_process_gives(alone: dict[RunKey, Metrics | None], cluster: str) -> None:
     with dask_cluster(cluster) as crew:
         assert crew.workers == 2
         assert figures_by(crew, swept()) == alone
@@ -92,7 +91,7 @@ def test_no_scheduler_and_no_workers_are_told() -> None:
 
 @pytest.mark.live
 def test_workers_of_another_version_are_refused(cluster: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("services.scenarios.info._versions", lambda: {"passafe": "9"})
+    monkeypatch.setattr("passafe_services.scenarios.info._versions", lambda: {"passafe": "9"})
 
     with pytest.raises(SchedulerError, match="allowed workers with"), dask_cluster(cluster):
         pass
@@ -114,7 +113,7 @@ def test_who_wants_to_stop_waits_for_what_is_in_work() -> None:
     plan = Plan(one.experiment)
     with local_processes(2) as crew:
         taken = list(results(plan, one, crew, lambda: bool(plan.results)))
-    whole = Bench(one)
+    whole = StudyRunner(one)
 
     assert 1 <= len(taken) <= crew.workers * crew.ahead * crew.portion
     assert [whole.result(result.run).figures for result in taken] == [result.figures for result in taken]

@@ -5,17 +5,16 @@ from random import Random
 from typing import Any
 
 import pytest
+from passafe_services.tools.experiment.metrics import Metrics
+from passafe_services.tools.experiment.plan import Plan
+from passafe_services.tools.experiment.runs import Result, Run
+from passafe_services.tools.experiment.schema import Experiment
+from passafe_services.tools.experiment.summary import ExperimentSummary
 from studies import DELAY, study
 
-from services.experiment.figures import Figures
-from services.experiment.plan import Plan
-from services.experiment.runs import Result, Run
-from services.experiment.schema import Experiment
-from services.experiment.summary import Summary
-
 EMPTY: dict[str, Any] = {
-    **{name: None for name, field in Figures.model_fields.items() if field.annotation not in {int, float}},
-    **{name: 0 for name, field in Figures.model_fields.items() if field.annotation in {int, float}},
+    **{name: None for name, field in Metrics.model_fields.items() if field.annotation not in {int, float}},
+    **{name: 0 for name, field in Metrics.model_fields.items() if field.annotation in {int, float}},
     "status_counts": {},
     "properties": {},
     "verdict": "holds",
@@ -23,7 +22,7 @@ EMPTY: dict[str, Any] = {
 
 
 def result(run: Run, **figures: object) -> Result:
-    return Result(run=run, figures=Figures.model_validate(EMPTY | figures), wall_s=0.1)
+    return Result(run=run, figures=Metrics.model_validate(EMPTY | figures), wall_s=0.1)
 
 
 def bisected() -> Experiment:
@@ -77,7 +76,7 @@ def test_results_in_any_order_lead_to_the_same_runs(seed: int) -> None:
 def test_one_seed_that_fails_is_enough_and_each_cell_has_its_own_boundary() -> None:
     plan = Plan(bisected())
     done = work(plan, lambda _: None)
-    first, second = (found.boundaries["safe"] for found in Summary.of(plan).boundaries)
+    first, second = (found.boundaries["safe"] for found in ExperimentSummary.of(plan).boundaries)
 
     assert first.holds_up_to is not None
     assert second.holds_up_to is not None

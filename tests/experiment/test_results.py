@@ -6,19 +6,18 @@ from typing import Any
 
 import pyarrow as pa
 import pytest
+from passafe_services.tools.experiment.errors import ResultsFileError
+from passafe_services.tools.experiment.kept_logs import chosen, write_log
+from passafe_services.tools.experiment.load import Study
+from passafe_services.tools.experiment.plan import Plan
+from passafe_services.tools.experiment.results_file import ResultsFile
+from passafe_services.tools.experiment.runner import StudyRunner
+from passafe_services.tools.experiment.summary import ExperimentSummary
+from passafe_services.tools.experiment.tables import boundaries_table, cells_table, runs_table, write_tables
+from passafe_services.tools.feasibility.share import Share
+from passafe_services.tools.review.run_log import RunLog
 from pyarrow import csv, parquet
 from studies import DELAY, study
-
-from services.experiment.bench import Bench
-from services.experiment.errors import RecordsError
-from services.experiment.kept import chosen, write_log
-from services.experiment.load import Study
-from services.experiment.plan import Plan
-from services.experiment.records import Records
-from services.experiment.summary import Summary
-from services.experiment.tables import boundaries_table, cells_table, runs_table, write_tables
-from services.feasibility.share import Share
-from services.review.log import RunLog
 
 MODES: dict[str, Any] = {"off": {"filter.mode": "off"}, "both": {}}
 
@@ -31,7 +30,7 @@ def swept(**fields: object) -> Study:
 
 
 def done(one: Study) -> Plan:
-    plan, bench = Plan(one.experiment), Bench(one)
+    plan, bench = Plan(one.experiment), StudyRunner(one)
     waiting = list(plan.first())
     while waiting:
         waiting += plan.after(bench.result(waiting.pop(0)))
@@ -47,47 +46,47 @@ def finished() -> tuple[Study, Plan]:
 def test_an_interrupted_sweep_goes_on_where_it_was(finished: tuple[Study, Plan], tmp_path: Path) -> None:
     one, plan = finished
     path, all_results = tmp_path / "r.jsonl", list(plan.results.values())
-    assert len(list(Records(path, one).add(all_results[:3]))) == 3
+    assert len(list(ResultsFile(path, one).add(all_results[:3]))) == 3
     with path.open("a", encoding="utf-8") as file:
         file.write('{"run": {"cell": 0, "var')  # killed while it wrote
 
-    again = Records(path, one)
+    again = ResultsFile(path, one)
     assert list(again.results.values()) == all_results[:3]
     list(again.add(all_results[3:]))
-    assert Records(path, one).results == plan.results
+    assert ResultsFile(path, one).results == plan.results
 
 
 def test_more_seeds_may_be_asked_for_and_other_words_used(finished: tuple[Study, Plan], tmp_path: Path) -> None:
     one, plan = finished
     path = tmp_path / "r.jsonl"
-    list(Records(path, one).add(plan.results.values()))
+    list(ResultsFile(path, one).add(plan.results.values()))
     more = swept(seeds={"count": 5}, title="In other words")
 
-    assert len(list(Plan(more.experiment, Records(path, more).results).first())) == 4 * 5 - 4 * 2
+    assert len(list(Plan(more.experiment, ResultsFile(path, more).results).first())) == 4 * 5 - 4 * 2
 
 
 @pytest.mark.parametrize("other", [{"tracking": True}, {"axes": []}, {"start": "random"}, {"variants": {"both": {}}}])
 def test_another_experiment_s_results_are_not_mixed_in(other: dict[str, Any], tmp_path: Path) -> None:
-    Records(tmp_path / "r.jsonl", swept())
+    ResultsFile(tmp_path / "r.jsonl", swept())
 
-    with pytest.raises(RecordsError, match="another experiment, scenario or version"):
-        Records(tmp_path / "r.jsonl", swept(**other))
+    with pytest.raises(ResultsFileError, match="another experiment, scenario or version"):
+        ResultsFile(tmp_path / "r.jsonl", swept(**other))
 
 
 def test_a_changed_scenario_or_version_and_other_files_are_told(tmp_path: Path) -> None:
     path, one = tmp_path / "r.jsonl", swept()
-    Records(path, one)
+    ResultsFile(path, one)
     changed = one.model_copy(update={"scenario": one.scenario | {"rate_hz": 500.0}})
-    with pytest.raises(RecordsError, match="another experiment, scenario or version"):
-        Records(path, changed)
+    with pytest.raises(ResultsFileError, match="another experiment, scenario or version"):
+        ResultsFile(path, changed)
     heading = json.loads(path.read_text(encoding="utf-8"))
     heading["versions"]["numpy"] = "0.1"
     path.write_text(json.dumps(heading) + "\n", encoding="utf-8")
-    with pytest.raises(RecordsError, match="version"):
-        Records(path, one)
+    with pytest.raises(ResultsFileError, match="version"):
+        ResultsFile(path, one)
     path.write_text("nonsense\n", encoding="utf-8")
-    with pytest.raises(RecordsError, match="no results"):
-        Records(path, one)
+    with pytest.raises(ResultsFileError, match="no results"):
+        ResultsFile(path, one)
 
 
 def test_one_row_a_run_the_same_as_csv_and_as_parquet(finished: tuple[Study, Plan], tmp_path: Path) -> None:
@@ -115,7 +114,7 @@ def test_one_row_a_run_the_same_as_csv_and_as_parquet(finished: tuple[Study, Pla
 
 def test_cells_have_spread_share_and_its_interval(finished: tuple[Study, Plan]) -> None:
     _, plan = finished
-    summary = Summary.of(plan)
+    summary = ExperimentSummary.of(plan)
     rows = cells_table(summary).to_pylist()
     runs = runs_table(plan).to_pylist()
 
@@ -136,7 +135,7 @@ def test_cells_have_spread_share_and_its_interval(finished: tuple[Study, Plan]) 
 
 def test_runs_that_could_not_be_run_break_everything_and_are_counted() -> None:
     plan = done(swept(axes=[{"key": "plant.parameters.sigma", "values": [1.0, -1.0]}], seeds={"count": 1}))
-    summary = Summary.of(plan)
+    summary = ExperimentSummary.of(plan)
 
     assert (summary.runs, summary.errors) == (4, 2)
     broken = summary.cells[1]
@@ -162,7 +161,9 @@ def test_boundaries_are_a_row_for_each_cell_and_criterion() -> None:
     # The closer to the disk an unprotected robot begins, the deeper it gets.
     axis = {"name": "x", "kind": "bisect", "key": "plant.x0.0", "low": 1.0, "high": 2.0, "tolerance": 0.1}
     criteria = {"deep": {"figure": "h_min", "at_most": -0.3}, "solvent": {"figure": "tank_min_j", "at_least": 0.0}}
-    summary = Summary.of(done(swept(axes=[axis], variants={"off": {"filter.mode": "off"}}, criteria=criteria)))
+    summary = ExperimentSummary.of(
+        done(swept(axes=[axis], variants={"off": {"filter.mode": "off"}}, criteria=criteria))
+    )
     deep, solvent = boundaries_table(summary).to_pylist()
 
     assert (deep["variant"], deep["criterion"], solvent["criterion"]) == ("off", "deep", "solvent")

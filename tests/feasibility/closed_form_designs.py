@@ -2,12 +2,12 @@
 
 import casadi as ca
 
-from passafe.barrier import Barrier
+from passafe.barrier_chain import Barrier
+from passafe.barriers import disk_keep_out
 from passafe.class_k import Linear
 from passafe.design import FilterDesign
 from passafe.models.damped_point import damped_point
 from passafe.passivity import Passivity
-from passafe.shapes import disk_keep_out
 from passafe.system import System
 from passafe.tank import Tank
 

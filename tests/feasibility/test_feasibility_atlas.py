@@ -8,33 +8,35 @@ from math import inf, nan, sqrt
 import numpy as np
 import pytest
 from closed_form_designs import mass
-
-from dashboard.atlas import atlas_figure, atlas_picture, outline, regions_of
-from services.feasibility.atlas import Atlas, Counts, SampleSummary
-from services.feasibility.errors import FeasibilityError
-from services.feasibility.grid import Axis, Grid
-from services.feasibility.keeping import Findings, Keeping
-from services.feasibility.share import Share, random_states
+from passafe_dashboard.atlas import atlas_figure, atlas_picture, outline, regions_of
+from passafe_services.tools.feasibility.atlas import Atlas, Counts, SampleSummary
+from passafe_services.tools.feasibility.constraint_feasibility import ConstraintFeasibility, Findings
+from passafe_services.tools.feasibility.errors import FeasibilityError
+from passafe_services.tools.feasibility.grid import Grid, GridCoordinate
+from passafe_services.tools.feasibility.share import Share, random_states
 
 SVG = "{http://www.w3.org/2000/svg}"
 Z_95 = 1.959963984540054
 
 
 def grid(cells: int = 8) -> Grid:
-    across, up = Axis(index=0, low=-1.0, high=3.0), Axis(index=1, low=-4.0, high=4.0)
+    across, up = GridCoordinate(index=0, low=-1.0, high=3.0), GridCoordinate(index=1, low=-4.0, high=4.0)
     return Grid(across=across, up=up, fixed=(9.0, 9.0), cells=cells)
 
 
 @pytest.fixture(scope="module")
 def atlas() -> Atlas:
     """One wall, some of whose protected states ask for more than the brakes give."""
-    found = Keeping(mass(((1.0,), 0.0), ((0.3,), 0.0), input_bound=0.5)).at(grid().states())
+    found = ConstraintFeasibility(mass(((1.0,), 0.0), ((0.3,), 0.0), input_bound=0.5)).at(grid().states())
     return Atlas(scenario="one-wall", grid=grid(), plant_time_s=0.0, found=found)
 
 
 def test_a_cell_stands_for_its_centre() -> None:
     states = Grid(
-        across=Axis(index=2, low=0.0, high=2.0), up=Axis(index=0, low=10.0, high=14.0), fixed=(7.0, 8.0, 9.0), cells=2
+        across=GridCoordinate(index=2, low=0.0, high=2.0),
+        up=GridCoordinate(index=0, low=10.0, high=14.0),
+        fixed=(7.0, 8.0, 9.0),
+        cells=2,
     ).states()
 
     assert states.T.tolist() == [[11.0, 8.0, 0.5], [11.0, 8.0, 1.5], [13.0, 8.0, 0.5], [13.0, 8.0, 1.5]]
@@ -43,7 +45,7 @@ def test_a_cell_stands_for_its_centre() -> None:
 @pytest.mark.parametrize(("low", "high"), [(1.0, 1.0), (2.0, 1.0), (0.0, inf), (nan, 1.0)])
 def test_an_empty_range_is_refused(low: float, high: float) -> None:
     with pytest.raises(FeasibilityError, match="range of x3"):
-        Axis(index=3, low=low, high=high)
+        GridCoordinate(index=3, low=low, high=high)
 
 
 @pytest.mark.parametrize(
@@ -59,8 +61,8 @@ def test_an_empty_range_is_refused(low: float, high: float) -> None:
 def test_a_grid_over_nothing_is_refused(first: int, second: int, cells: int, named: str) -> None:
     with pytest.raises(FeasibilityError, match=named):
         Grid(
-            across=Axis(index=first, low=0.0, high=1.0),
-            up=Axis(index=second, low=0.0, high=1.0),
+            across=GridCoordinate(index=first, low=0.0, high=1.0),
+            up=GridCoordinate(index=second, low=0.0, high=1.0),
             fixed=(0.0, 0.0),
             cells=cells,
         )

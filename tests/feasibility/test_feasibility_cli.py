@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
-
-from services.cli import app
+from passafe_services.cli import app
 
 
 class Done(NamedTuple):
@@ -120,7 +119,7 @@ def test_nonsense_gets_one_clear_line(
 
 
 def test_the_continuous_law_is_refused(tmp_path: Path, feasibility: Feasibility) -> None:
-    from services.scenarios.load import load_scenario  # noqa: PLC0415 - only this test needs it
+    from passafe_services.scenarios.load import load_scenario  # noqa: PLC0415 - only this test needs it
 
     path = tmp_path / "continuous.json"
     path.write_text(load_scenario("notomista-cai-2020", {"filter.law": "continuous"}).model_dump_json())

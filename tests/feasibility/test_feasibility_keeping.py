@@ -6,17 +6,17 @@ import casadi as ca
 import numpy as np
 import pytest
 from closed_form_designs import CUSHION, GAIN, mass, paper
+from passafe_services.scenarios.design import design_of, robot_of
+from passafe_services.scenarios.load import load_scenario, shipped_scenarios
+from passafe_services.tools.feasibility.constraint_feasibility import AT_ONCE, ConstraintFeasibility, Findings
+from passafe_services.tools.feasibility.errors import FeasibilityError
+from passafe_services.tools.feasibility.share import random_states
 
 from passafe.design import FilterDesign, Law, Mode
 from passafe.filter import SafetyPassivityFilter
 from passafe.passivity import Passivity
 from passafe.system import System
 from passafe.tank import Tank
-from services.feasibility.errors import FeasibilityError
-from services.feasibility.keeping import AT_ONCE, Findings, Keeping
-from services.feasibility.share import random_states
-from services.scenarios.design import design_of, robot_of
-from services.scenarios.load import load_scenario, shipped_scenarios
 
 FURTHEST = 20.0
 """Bounds beyond twice the longest way between two inputs are drawn in, which changes no verdict."""
@@ -35,7 +35,7 @@ def test_one_wall_is_kept_where_the_brakes_are_strong_enough(between_samples: bo
     A push away from the wall bends ψ₁ upwards, so that ε = 0 there.
     """
     p, v = states = box(2)
-    found = Keeping(mass(((1.0,), 0.0), between_samples=between_samples)).at(states)
+    found = ConstraintFeasibility(mass(((1.0,), 0.0), between_samples=between_samples)).at(states)
     needed = -2 * GAIN * v - GAIN**2 * p
 
     assert found.hard_margin == pytest.approx(5.0 - np.clip(needed + cushion, -FURTHEST, FURTHEST), abs=1e-9)
@@ -51,7 +51,7 @@ def test_one_wall_is_kept_where_the_brakes_are_strong_enough(between_samples: bo
 def test_a_channel_of_two_walls_leaves_an_interval(width: float) -> None:
     """Rows −2γv − γ²p ≤ u ≤ −2γv + γ²(w − p): the interval has length γ²w, whatever the state; none if w < 0."""
     p, v = states = box(2)
-    found = Keeping(mass(((1.0,), 0.0), ((-1.0,), -width))).at(states)
+    found = ConstraintFeasibility(mass(((1.0,), 0.0), ((-1.0,), -width))).at(states)
     low, high = -2 * GAIN * v - GAIN**2 * p, -2 * GAIN * v + GAIN**2 * (width - p)
     low, high = np.clip(low, -FURTHEST, FURTHEST), np.clip(high, -FURTHEST, FURTHEST)
     best = np.clip((low + high) / 2, -5.0, 5.0)
@@ -64,7 +64,7 @@ def test_a_channel_of_two_walls_leaves_an_interval(width: float) -> None:
 @pytest.mark.parametrize(("norm", "strongest"), [(None, 5.0 * sqrt(2)), (6.0, 6.0), (4.0, 4.0), (20.0, 5 * sqrt(2))])
 def test_a_limit_of_the_norm_binds_between_the_axes(norm: float | None, strongest: float) -> None:
     states = box(4)
-    found = Keeping(mass((DIAGONAL, 0.0), input_norm_bound=norm)).at(states)
+    found = ConstraintFeasibility(mass((DIAGONAL, 0.0), input_norm_bound=norm)).at(states)
     along, speed = np.array(DIAGONAL) @ states[:2], np.array(DIAGONAL) @ states[2:]
     needed = -2 * GAIN * speed - GAIN**2 * along
 
@@ -73,7 +73,9 @@ def test_a_limit_of_the_norm_binds_between_the_axes(norm: float | None, stronges
 
 def test_limits_of_the_rate_are_left_out() -> None:
     states = box(2, 50)
-    slow, free = (Keeping(mass(((1.0,), 0.0), input_rate_bound_per_s=rate)).at(states) for rate in (1e-3, None))
+    slow, free = (
+        ConstraintFeasibility(mass(((1.0,), 0.0), input_rate_bound_per_s=rate)).at(states) for rate in (1e-3, None)
+    )
 
     assert np.array_equal(slow.hard_margin, free.hard_margin)
 
@@ -89,7 +91,7 @@ def test_away_from_the_disk_safety_and_passivity_pull_apart(gain: float, tank: T
     c = np.linspace(0.8, 3.0, 45)
     velocity = np.array([-1.0, -1.0])
     states = np.vstack((velocity[:, None] * c, np.repeat(velocity[:, None], len(c), axis=1)))
-    found = Keeping(paper(gain=gain, tank=tank)).at(states)
+    found = ConstraintFeasibility(paper(gain=gain, tank=tank)).at(states)
     x_1, x_2 = c * sqrt(2), sqrt(2)
     c_1 = 2 * x_2**2 + (4 * gain - 2) * x_1 * x_2 + gain**2 * (x_1**2 - 1)
     c_2 = 2 * x_2**2 - 2 * x_1 * x_2 + (0.0 if tank is None else 5.0 * 0.5)
@@ -111,7 +113,7 @@ def test_slowly_away_from_the_disk_they_conflict_at_high_gains_too() -> None:
     speed = np.linspace(0.01, 0.3, 60)
     direction = np.array([[0.6], [-0.8]])
     states = np.vstack((np.repeat(direction, len(speed), axis=1), direction * speed))
-    found = Keeping(paper(gain=10.0)).at(states)
+    found = ConstraintFeasibility(paper(gain=10.0)).at(states)
 
     assert np.array_equal(found.passive_kept, 42 * speed + 2 * speed**2 >= 4)
     assert found.hard_kept.all()
@@ -120,14 +122,14 @@ def test_slowly_away_from_the_disk_they_conflict_at_high_gains_too() -> None:
 def test_at_rest_passivity_asks_for_nothing() -> None:
     states = box(4, 50)
     states[2:] = 0.0
-    found = Keeping(paper(gain=10.0)).at(states)
+    found = ConstraintFeasibility(paper(gain=10.0)).at(states)
 
     assert found.passive_kept.all()
     assert found.passive_margin == pytest.approx(np.zeros(50), abs=1e-9)
 
 
 def test_without_barriers_everything_is_kept_and_inside() -> None:
-    found = Keeping(mass()).at(box(2, 20))
+    found = ConstraintFeasibility(mass()).at(box(2, 20))
 
     assert found.inside.all()
     assert found.hard_kept.all()
@@ -138,7 +140,7 @@ def test_without_barriers_everything_is_kept_and_inside() -> None:
 @pytest.mark.parametrize("mode", [Mode.OFF, Mode.SAFE])
 def test_both_duties_are_asked_for_in_every_mode(mode: Mode) -> None:
     states = box(4, 50)
-    some, both = (Keeping(paper(gain=1.0, mode=each)).at(states) for each in (mode, Mode.BOTH))
+    some, both = (ConstraintFeasibility(paper(gain=1.0, mode=each)).at(states) for each in (mode, Mode.BOTH))
 
     assert np.array_equal(some.passive_margin, both.passive_margin)
     assert np.array_equal(some.hard_margin, both.hard_margin)
@@ -148,7 +150,7 @@ def test_a_state_whose_rows_are_no_numbers_is_not_kept_and_spoils_no_other() -> 
     good = box(2, 3)
     states = good.copy()
     states[0, 1] = np.nan
-    keeping = Keeping(mass(((1.0,), 0.0)))
+    keeping = ConstraintFeasibility(mass(((1.0,), 0.0)))
     found, alone = keeping.at(states), keeping.at(good)
 
     assert found.hard_kept.tolist() == [alone.hard_kept[0], False, alone.hard_kept[2]]
@@ -159,12 +161,12 @@ def test_a_state_whose_rows_are_no_numbers_is_not_kept_and_spoils_no_other() -> 
 
 def test_the_continuous_law_is_refused() -> None:
     with pytest.raises(FeasibilityError, match="got continuous, allowed sampled"):
-        Keeping(paper(gain=1.0, law=Law.CONTINUOUS))
+        ConstraintFeasibility(paper(gain=1.0, law=Law.CONTINUOUS))
 
 
 def test_pieces_joined_are_the_whole() -> None:
     states = box(2, AT_ONCE + 17)
-    keeping = Keeping(mass(((1.0,), 0.0)))
+    keeping = ConstraintFeasibility(mass(((1.0,), 0.0)))
     parts = list(keeping.piecewise(states))
 
     assert [part.h.size for part in parts] == [AT_ONCE, 17]
@@ -183,7 +185,7 @@ def test_the_filter_s_own_verdicts_agree(name: str) -> None:
     scenario = load_scenario(name, tightened(name) | {"filter.mode": "both"})
     design = design_of(scenario, robot_of(scenario))
     n = design.system.n
-    found = Keeping(design).at(random_states([-3.0] * n, [3.0] * n, 250, 7))
+    found = ConstraintFeasibility(design).at(random_states([-3.0] * n, [3.0] * n, 250, 7))
     filtering, zero = SafetyPassivityFilter(design), (0.0,) * design.system.m
     tank = design.passivity.tank
     level_j = 0.0 if tank is None else tank.initial_j
@@ -218,6 +220,6 @@ def test_rows_not_affine_in_u_are_judged_as_they_are() -> None:
         between_samples=False,
     )
     states = np.linspace(-12.0, 3.0, 61)[None, :]
-    found = Keeping(design).at(states)
+    found = ConstraintFeasibility(design).at(states)
 
     assert np.array_equal(found.hard_kept, 10.0 + GAIN * states[0] >= 0)

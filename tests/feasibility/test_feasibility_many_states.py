@@ -3,21 +3,21 @@
 import numpy as np
 import pytest
 from closed_form_designs import mass
+from passafe_services.scenarios.design import design_of, robot_of
+from passafe_services.scenarios.load import load_scenario
+from passafe_services.tools.feasibility.batch_rows import BatchRows, StateRows
+from passafe_services.tools.feasibility.largest_margin import largest_margin_inputs
+from passafe_services.tools.feasibility.share import random_states
 
 from passafe.filter import SafetyPassivityFilter
 from passafe.limits import Limits
-from services.feasibility.largest_margin import largest_margin_inputs
-from services.feasibility.many_states import ManyStates, Rows
-from services.feasibility.share import random_states
-from services.scenarios.design import design_of, robot_of
-from services.scenarios.load import load_scenario
 
 
 @pytest.mark.parametrize("name", ["walls-and-disks", "moving-disk", "notomista-cai-2020"])
 def test_hard_rows_are_those_of_the_filter(name: str) -> None:
     scenario = load_scenario(name)
     design = design_of(scenario, robot_of(scenario))
-    filtering, many, m = SafetyPassivityFilter(design), ManyStates(design, 0.3), design.system.m
+    filtering, many, m = SafetyPassivityFilter(design), BatchRows(design, 0.3), design.system.m
     states = random_states([-2.0] * design.system.n, [2.0] * design.system.n, 20, 3)
     tank = design.passivity.tank
     level_j = 0.0 if tank is None else tank.initial_j
@@ -39,7 +39,7 @@ def test_the_passivity_row_is_the_power_margin_in_units_of_u(kind: str) -> None:
     """∂h_u/∂u = x₂ − ∂V/∂x₂ = −x₂ with V = ‖x‖²."""
     scenario = load_scenario("notomista-cai-2020", {"filter.passivity.kind": kind})
     design = design_of(scenario, robot_of(scenario))
-    tank, many, m = design.passivity.tank, ManyStates(design, 0.0), design.system.m
+    tank, many, m = design.passivity.tank, BatchRows(design, 0.0), design.system.m
     filtering = SafetyPassivityFilter(design)
     spendable = 0.0 if tank is None else tank.rate_per_s * (tank.initial_j - tank.reserve_j)
     level_j = 0.0 if tank is None else tank.initial_j
@@ -56,7 +56,7 @@ def test_the_passivity_row_is_the_power_margin_in_units_of_u(kind: str) -> None:
 def test_no_input_has_a_larger_margin(m: int, norm: float | None) -> None:
     rng = np.random.default_rng(m)
     G = rng.normal(size=(40, 5, m))
-    rows = Rows(G=G / np.linalg.norm(G, axis=2, keepdims=True), d=rng.normal(size=(40, 5)) * 2)
+    rows = StateRows(G=G / np.linalg.norm(G, axis=2, keepdims=True), d=rng.normal(size=(40, 5)) * 2)
     limits = Limits.of(m, 2.0, norm, None)
     u, t = largest_margin_inputs(rows, limits)
 
@@ -75,11 +75,11 @@ def test_a_moving_barrier_is_where_it_is_at_that_time() -> None:
     design = design_of(scenario, robot_of(scenario))
     at_centre = np.zeros((4, 1))
 
-    h_then, _ = ManyStates(design, 1.0).barriers(at_centre)
-    h_now, _ = ManyStates(design, 0.0).barriers(at_centre)
+    h_then, _ = BatchRows(design, 1.0).barriers(at_centre)
+    h_now, _ = BatchRows(design, 0.0).barriers(at_centre)
 
     assert (h_now[0], h_then[0]) == pytest.approx((-0.25, 1.5**2 - 0.25))
 
 
 def test_the_least_neighbourhood_is_the_filter_s() -> None:
-    assert ManyStates(mass(((1.0,), 0.0)), 0.0).least_trust == pytest.approx([5e-3])
+    assert BatchRows(mass(((1.0,), 0.0)), 0.0).least_trust == pytest.approx([5e-3])

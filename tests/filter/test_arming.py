@@ -1,26 +1,25 @@
 """Which inputs a step makes: an unbroken series, and a new one only when the plant cannot follow the old one."""
 
 import pytest
-
-from protocol.messages import UNARMED, PlantInput, PlantPhase, PlantState
-from services.filter.arming import WAITING_NS, Arming, Loose
+from passafe_protocol.messages import UNSEQUENCED, PlantInput, PlantPhase, PlantState
+from passafe_services.filter.input_sequencer import WAITING_NS, InputSequencer, UnsequencedInputs
 
 MS = 1_000_000
 WAITING, RUNNING, HOLDING, FAIL_SAFE = PlantPhase
 
 
 def state(plant_ms: int, phase: PlantPhase, disarmed_ms: int | None = None) -> PlantState:
-    disarmed_ns = UNARMED if disarmed_ms is None else disarmed_ms * MS
+    sequence_break_ns = UNSEQUENCED if disarmed_ms is None else disarmed_ms * MS
     return PlantState(
-        plant_ms * MS, (0.0,), (0.0,), (0.0,), 0, phase, 0.0, 0.0, 0, 0, 0, 0.0, 0, disarmed_ns=disarmed_ns
+        plant_ms * MS, (0.0,), (0.0,), (0.0,), 0, phase, 0.0, 0.0, 0, 0, 0, 0.0, 0, sequence_break_ns=sequence_break_ns
     )
 
 
-def arming(repeats: int = 2) -> Arming:
-    return Arming(period_ns=MS, hold_ns=10 * MS, repeats=repeats)
+def arming(repeats: int = 2) -> InputSequencer:
+    return InputSequencer(period_ns=MS, hold_ns=10 * MS, repeats=repeats)
 
 
-def send(series: Arming | Loose, *times_ms: int) -> list[PlantInput]:
+def send(series: InputSequencer | UnsequencedInputs, *times_ms: int) -> list[PlantInput]:
     return [series.message(at_ms + 1, (float(at_ms), -1.0), at_ms * MS) for at_ms in times_ms]
 
 
@@ -49,7 +48,9 @@ def test_messages_tell_of_their_arming_and_repeat_the_newest_earlier_inputs() ->
         (51.0, -1.0, 50.0, -1.0),
         (52.0, -1.0, 51.0, -1.0),
     ]
-    assert {(each.armed_from_ns, each.basis_ns, each.hold_ns) for each in sent} == {(50 * MS, 31 * MS, 10 * MS)}
+    assert {(each.input_sequence_start_ns, each.known_break_ns, each.hold_ns) for each in sent} == {
+        (50 * MS, 31 * MS, 10 * MS)
+    }
     assert [(each.tick, each.effective_plant_ns) for each in sent] == [(k + 1, k * MS) for k in range(50, 54)]
 
 
@@ -68,7 +69,7 @@ def test_a_break_ends_the_series_and_the_next_one_rests_on_it(phase: PlantPhase)
 
     assert series.begins_with(state(2, phase, 2), 9 * MS) == (9 * MS, True)
     [message] = send(series, 9)
-    assert (message.armed_from_ns, message.basis_ns, message.earlier) == (9 * MS, 2 * MS, ())
+    assert (message.input_sequence_start_ns, message.known_break_ns, message.earlier) == (9 * MS, 2 * MS, ())
 
 
 def test_a_series_that_can_still_begin_is_kept() -> None:
@@ -96,7 +97,7 @@ def test_a_plant_that_runs_on_what_another_filter_made_gets_nothing_until_it_has
         assert next_ns > (plant_ms + 6) * MS
         assert not begins
     assert series.begins_with(state(5, HOLDING, 5), 11 * MS) == (11 * MS, True)
-    assert send(series, 11)[0].basis_ns == 5 * MS
+    assert send(series, 11)[0].known_break_ns == 5 * MS
 
 
 def test_a_plant_that_was_armed_anew_by_another_filter_ends_the_series_and_gets_none() -> None:
@@ -129,11 +130,11 @@ def test_after_a_restart_a_new_series_begins_with_whatever_plant_there_is() -> N
 
 
 def test_loose_inputs_are_of_no_arming_and_never_for_a_time_that_was_decided() -> None:
-    series = Loose(period_ns=MS, hold_ns=10 * MS)
+    series = UnsequencedInputs(period_ns=MS, hold_ns=10 * MS)
     assert series.begins_with(state(0, WAITING), 4 * MS) == (4 * MS, False)
     [sent] = send(series, 4)
 
-    assert sent == PlantInput(5, (4.0, -1.0), 4 * MS, 10 * MS, UNARMED, UNARMED, ())
+    assert sent == PlantInput(5, (4.0, -1.0), 4 * MS, 10 * MS, UNSEQUENCED, UNSEQUENCED, ())
     assert series.begins_with(state(0, RUNNING), 4 * MS) == (5 * MS, False)
     assert series.begins_with(state(0, RUNNING), 7 * MS) == (7 * MS, False)
     series.restart()

@@ -2,10 +2,8 @@ from math import exp
 
 import pytest
 from msgspec.structs import replace
-
-from passafe import SafetyPassivityFilter
-from protocol.codec import decode, encode
-from protocol.messages import (
+from passafe_protocol.codec import decode, encode
+from passafe_protocol.messages import (
     Event,
     FilterStatus,
     FilterTick,
@@ -17,13 +15,15 @@ from protocol.messages import (
     Received,
     ScenarioInfo,
 )
-from protocol.topics import TICK
-from services.assembly import filter_node
-from services.filter.arming import MOST_AT_ONCE
-from services.filter.node import MOST_UNACCOUNTED, FilterNode
-from services.runtime.node import Outgoing
-from services.scenarios.design import design_of, robot_of
-from services.scenarios.load import load_scenario
+from passafe_protocol.topics import TICK
+from passafe_services.filter.build import filter_node
+from passafe_services.filter.input_sequencer import MOST_AT_ONCE
+from passafe_services.filter.node import MOST_UNACCOUNTED, FilterNode
+from passafe_services.node import Outgoing
+from passafe_services.scenarios.design import design_of, robot_of
+from passafe_services.scenarios.load import load_scenario
+
+from passafe import SafetyPassivityFilter
 
 MS = 1_000_000
 SCENARIO = load_scenario("notomista-cai-2020")
@@ -113,7 +113,7 @@ def test_a_tick_sends_the_input_that_it_tells_of() -> None:
     assert isinstance(plant_input, PlantInput)
     assert isinstance(tick, FilterTick)
     assert (plant_input.tick, plant_input.u, plant_input.effective_plant_ns) == (1, tick.u, 0)
-    assert (plant_input.armed_from_ns, plant_input.basis_ns, plant_input.earlier) == (0, -1, ())
+    assert (plant_input.input_sequence_start_ns, plant_input.known_break_ns, plant_input.earlier) == (0, -1, ())
     assert tick.u_h == (-3.0, 0.5)
     assert tick.x_hat == (2.0, 2.0, -1.0, -1.0)
     assert [chain.name for chain in tick.barriers] == ["disk"]
@@ -263,7 +263,7 @@ def test_while_the_plant_runs_on_anothers_inputs_nothing_is_sent_and_the_first_t
     for k in range(1, 4):
         assert sent(list(node.step(k * MS, [plant_state(k, k, phase=PlantPhase.RUNNING)])), FilterTick) == []
 
-    tick = tick_of(node, 4, plant_state(4, 4, phase=PlantPhase.HOLDING, disarmed_ns=4 * MS, since_ns=3 * MS))
+    tick = tick_of(node, 4, plant_state(4, 4, phase=PlantPhase.HOLDING, sequence_break_ns=4 * MS, since_ns=3 * MS))
 
     assert [each.sequence for each in tick.consumed] == [1, 2, 3, 4]
     assert tick.effective_plant_ns == (4 + 1 + 5) * MS
@@ -276,7 +276,7 @@ def test_a_wait_without_end_fills_no_memory_and_no_message() -> None:
         node.step(k * MS, [plant_state(k, k, phase=PlantPhase.RUNNING), command(k)])
         held = max(held, len(node._unaccounted))
     at_ms = MOST_UNACCOUNTED + 500
-    broken = plant_state(at_ms, at_ms, phase=PlantPhase.HOLDING, disarmed_ns=at_ms * MS, since_ns=at_ms * MS)
+    broken = plant_state(at_ms, at_ms, phase=PlantPhase.HOLDING, sequence_break_ns=at_ms * MS, since_ns=at_ms * MS)
     tick = tick_of(node, at_ms, broken)
 
     assert held <= MOST_UNACCOUNTED + 2
@@ -287,14 +287,14 @@ def test_a_wait_without_end_fills_no_memory_and_no_message() -> None:
 def test_a_plant_that_was_started_again_gets_a_series_of_its_own_and_the_old_one_is_heard_no_more() -> None:
     node = make_node()
     tick_of(node, 1, plant_state(1), command(1))
-    running = plant_state(2, 700, phase=PlantPhase.RUNNING, x=(9.0, 9.0, 0.0, 0.0), disarmed_ns=5)
+    running = plant_state(2, 700, phase=PlantPhase.RUNNING, x=(9.0, 9.0, 0.0, 0.0), sequence_break_ns=5)
     node.step(2 * MS, [running])
 
     [fresh] = inputs_of(node, 3, plant_state(3, 0, epoch=2, sequence=0))
     [after] = inputs_of(node, 4, plant_state(4, 800, phase=PlantPhase.RUNNING, epoch=1))
 
-    assert (fresh.effective_plant_ns, fresh.armed_from_ns, fresh.basis_ns) == (0, 0, -1)
-    assert (after.effective_plant_ns, after.armed_from_ns) == (MS, 0)
+    assert (fresh.effective_plant_ns, fresh.input_sequence_start_ns, fresh.known_break_ns) == (0, 0, -1)
+    assert (after.effective_plant_ns, after.input_sequence_start_ns) == (MS, 0)
 
 
 def test_a_state_that_comes_twice_is_no_sign_of_life() -> None:
@@ -311,7 +311,7 @@ def test_only_a_plant_at_rest_gets_a_first_input_of_its_own() -> None:
     """The first input of all may be far from zero; a plant that moves has one in force, and u⁺ = u + dt(φ + v)."""
     values = {"filter.start": "nearest", "filter.mode": "off"}
     at_rest, moving = (filter_node(load_scenario(SCENARIO.name, values), "lockstep", 1) for _ in range(2))
-    braking = {"phase": PlantPhase.FAIL_SAFE, "u": (9.0, 9.0), "disarmed_ns": 0}
+    braking = {"phase": PlantPhase.FAIL_SAFE, "u": (9.0, 9.0), "sequence_break_ns": 0}
 
     first = tick_of(at_rest, 1, plant_state(1), command(1))
     joined = tick_of(moving, 1, plant_state(1, 40, **braking), command(1))

@@ -2,19 +2,19 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 import pytest
+from passafe_protocol.codec import decode, encode
+from passafe_protocol.messages import Event, FilterStatus, FilterTick, Header
+from passafe_protocol.topics import TICK
+from passafe_services.filter.telemetry import Telemetry, TickRecord
+from passafe_services.scenarios.design import design_of, robot_of
+from passafe_services.scenarios.load import load_scenario
+from passafe_services.scenarios.units import input_unit
+from passafe_services.simulation import lockstep_loop
 
 from passafe.decision import Status
 from passafe.filter import SafetyPassivityFilter
 from passafe.infeasibility import DistanceToInfeasibility
 from passafe.override import Explainer
-from protocol.codec import decode, encode
-from protocol.messages import Event, FilterStatus, FilterTick, Header
-from protocol.topics import TICK
-from services.assembly import lockstep_loop
-from services.filter.telemetry import Telemetry, TickRecord
-from services.scenarios.design import design_of, robot_of
-from services.scenarios.load import load_scenario
-from services.scenarios.units import input_unit
 
 SCENARIO = load_scenario("notomista-cai-2020")
 CORE = SafetyPassivityFilter(design_of(SCENARIO, robot_of(SCENARIO)))

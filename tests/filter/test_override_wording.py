@@ -3,8 +3,12 @@ from math import pi, sqrt
 import casadi as ca
 import numpy as np
 import pytest
+from passafe_services.filter.barrier_distance import BarrierDistance, Reading
+from passafe_services.filter.event_emitter import FORGET_NS, LOOK_AGAIN_NS, QUIET_NS, OverrideEventEmitter
+from passafe_services.filter.override_text import OverrideText
 
-from passafe.barrier import Barrier, derive_chain
+from passafe.barrier_chain import Barrier, derive_chain
+from passafe.barriers import disk_keep_out, half_plane, speed_limit
 from passafe.class_k import Linear
 from passafe.decision import Decision, Status
 from passafe.design import FilterDesign, Law, Mode
@@ -13,10 +17,6 @@ from passafe.models.damped_point import damped_point
 from passafe.models.robot import Robot
 from passafe.override import Explainer
 from passafe.passivity import Passivity
-from passafe.shapes import disk_keep_out, half_plane, speed_limit
-from services.filter.announcer import FORGET_NS, LOOK_AGAIN_NS, QUIET_NS, OverrideAnnouncer
-from services.filter.gauges import BarrierGauge, Reading
-from services.filter.wording import Wording
 
 MS = 1_000_000
 ROBOT = damped_point(sigma=1.0)
@@ -54,7 +54,7 @@ def core_of(
 
 def said(core: SafetyPassivityFilter, x: tuple[float, ...], u_h: tuple[float, float], robot: Robot = ROBOT) -> str:
     decision = core.decide(x, REST, u_h, REST, start=True)
-    return Wording(core, robot, "m/s²").sentence(decision, Explainer(core).override(decision))
+    return OverrideText(core, robot, "m/s²").sentence(decision, Explainer(core).override(decision))
 
 
 def test_an_obstacle_with_its_distance_and_the_part_that_would_pass() -> None:
@@ -141,7 +141,7 @@ def test_hard_passivity_that_is_given_up_is_energy() -> None:
     given_up = core.decide((9.0, 0.0, 1e-3, 0.0), (50.0, 0.0), REST, REST)
 
     assert given_up.status is Status.INFEASIBLE
-    assert "m/s² of energy: it asks" in Wording(core, ROBOT, "m/s²").sentence(
+    assert "m/s² of energy: it asks" in OverrideText(core, ROBOT, "m/s²").sentence(
         given_up, Explainer(core).override(given_up)
     )
 
@@ -150,7 +150,7 @@ def test_passivity_that_yields_says_by_how_much() -> None:
     # At (−1.05, 0) inside a wall the safe input points outward and passivity asks for the opposite.
     core = core_of(wall("west", 1.0, -1.0), mode=Mode.BOTH)
     decision = core.decide((-1.2, 0.0, 0.5, 0.0), REST, REST, REST, start=True)
-    words = Wording(core, ROBOT, "m/s²").sentence(decision, Explainer(core).override(decision))
+    words = OverrideText(core, ROBOT, "m/s²").sentence(decision, Explainer(core).override(decision))
 
     assert decision.status is Status.RELAXED
     assert words.endswith(f"gave up {decision.slack:.2g} W of passivity")
@@ -158,7 +158,7 @@ def test_passivity_that_yields_says_by_how_much() -> None:
 
 def test_a_gauge_of_a_disk_is_its_distance_to_first_order_and_h_where_that_has_no_slope() -> None:
     disk = barrier("disk", disk_keep_out(ROBOT.position, centre=(0.0, 0.0), radius=1.0))
-    gauge = BarrierGauge(derive_chain(ROBOT.system, disk), ROBOT)
+    gauge = BarrierDistance(derive_chain(ROBOT.system, disk), ROBOT)
 
     assert gauge.is_obstacle
     assert gauge.read(np.array([1.02, 0.0, 3.0, 1.0]), 0.0) == Reading(
@@ -169,13 +169,13 @@ def test_a_gauge_of_a_disk_is_its_distance_to_first_order_and_h_where_that_has_n
 
 def test_a_moving_obstacle_is_read_at_its_time() -> None:
     h = half_plane(ROBOT.position, normal=(1.0, 0.0), offset=-1.0) - ca.sin(ROBOT.system.t)
-    gauge = BarrierGauge(derive_chain(ROBOT.system, barrier("tide", h)), ROBOT)
+    gauge = BarrierDistance(derive_chain(ROBOT.system, barrier("tide", h)), ROBOT)
 
     assert gauge.read(np.zeros(4), pi / 2) == Reading(value=pytest.approx(0.0, abs=1e-15), unit="m")
 
 
-def announcer(core: SafetyPassivityFilter) -> OverrideAnnouncer:
-    return OverrideAnnouncer(Explainer(core), Wording(core, ROBOT, "m/s²"), 100.0)
+def announcer(core: SafetyPassivityFilter) -> OverrideEventEmitter:
+    return OverrideEventEmitter(Explainer(core), OverrideText(core, ROBOT, "m/s²"), 100.0)
 
 
 SOUTH = barrier("south", half_plane(ROBOT.position, normal=(0.0, 1.0), offset=-1.0))

@@ -6,13 +6,13 @@ from itertools import pairwise
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from passafe_protocol.messages import UNSEQUENCED, PlantPhase, PlantState, Vector
+from passafe_services.filter.predictor import NoPrediction, Predictor
+from passafe_services.plant_contract.fail_safe import FailSafe
 
 from passafe import SampledPlant, Tank, damped_point
 from passafe.limits import Limits
 from passafe.sampled_plant import Sample
-from protocol.messages import UNARMED, PlantPhase, PlantState, Vector
-from services.arming.fail_safe import FailSafe
-from services.filter.prediction import NoPrediction, Predictor
 
 MS = 1_000_000
 HOLD_MS = 3
@@ -51,7 +51,7 @@ class TruePlant:
         self.energy_in_j = 0.0
         self.k = self.since = 0
         self.u: Vector = (0.0, 0.0)
-        self.phase, self.disarmed_ns = RUNNING, UNARMED
+        self.phase, self.sequence_break_ns = RUNNING, UNSEQUENCED
 
     def advance(self, u: Vector | None) -> None:
         self.sample = self.model.advance(self.sample.x, self.u)
@@ -61,7 +61,7 @@ class TruePlant:
             self.u, self.phase, self.since = u, RUNNING, self.k
             return
         if self.phase is RUNNING:
-            self.disarmed_ns = self.k * MS
+            self.sequence_break_ns = self.k * MS
         self.phase, self.u = self.rule.without_input(self.u, self.since * MS, self.k * MS, self.sample.x)
 
     def state(self, phase: PlantPhase | None = None) -> PlantState:
@@ -80,7 +80,7 @@ class TruePlant:
             inputs_refused=0,
             integration_error=0.0,
             received_tick=self.k,
-            disarmed_ns=self.disarmed_ns,
+            sequence_break_ns=self.sequence_break_ns,
             since_ns=self.since * MS,
         )
 
@@ -138,7 +138,7 @@ def test_an_arming_that_broke_is_followed_through_hold_and_fail_safe_to_the_next
         truth.advance(None)
         predictor.confirm(truth.state())
 
-    assert (before_u, phase, foreseen.disarmed_ns) == (truth.u, FAIL_SAFE, missing * MS)
+    assert (before_u, phase, foreseen.sequence_break_ns) == (truth.u, FAIL_SAFE, missing * MS)
     for k in range(20, 26):
         truth.advance(inputs[k])
         assert predicted[k] == truth.sample.x
@@ -156,7 +156,7 @@ def test_a_series_with_a_hole_is_predicted_to_be_disarmed_there_for_good() -> No
         truth.advance(u)
 
     assert found.sample.x == truth.sample.x
-    assert (found.phase, found.disarmed_ns) == (FAIL_SAFE, 3 * MS)
+    assert (found.phase, found.sequence_break_ns) == (FAIL_SAFE, 3 * MS)
 
 
 def test_a_break_earlier_than_foreseen_counts_even_where_state_and_input_are_the_same() -> None:
@@ -185,12 +185,12 @@ def test_whatever_is_missing_an_input_that_takes_effect_meets_the_state_that_was
     predictor.restart()
     predictor.confirm(truth.state())
     predicted: dict[int, Vector] = {}
-    first, next_k, basis = 1, 1, truth.disarmed_ns
+    first, next_k, basis = 1, 1, truth.sequence_break_ns
     arrived: dict[int, int] = {}  # period → plant time of the arming's beginning
     for now in range(40):
-        if truth.disarmed_ns != basis or (truth.phase is not RUNNING and now >= first):
+        if truth.sequence_break_ns != basis or (truth.phase is not RUNNING and now >= first):
             first = next_k = now + delay
-            basis = truth.disarmed_ns
+            basis = truth.sequence_break_ns
             predictor.begin(first * MS)
         while next_k <= now + delay:
             predicted[next_k] = predictor.at(next_k * MS).sample.x
@@ -199,7 +199,7 @@ def test_whatever_is_missing_an_input_that_takes_effect_meets_the_state_that_was
                 arrived[next_k] = first
             next_k += 1
         k = truth.k + 1
-        follows = truth.phase is RUNNING or (k == first and truth.disarmed_ns == basis)
+        follows = truth.phase is RUNNING or (k == first and truth.sequence_break_ns == basis)
         truth.advance(inputs[k] if follows and arrived.get(k) == first else None)
         predictor.confirm(truth.state())
         if truth.phase is RUNNING:

@@ -1,11 +1,11 @@
 """What the operator's commands ask for, as sent and estimated."""
 
 import pytest
+from passafe_protocol.messages import Header, OperatorCommand, Received
+from passafe_services.filter.operator_request import EstimatedRequest, PassThroughRequest
+from passafe_services.filter.sender_clock import SenderClock
 
 from passafe.human_input import HandModel, HumanInputEstimator
-from protocol.messages import Header, OperatorCommand, Received
-from services.filter.request import AsSent, Estimated
-from services.filter.sender_clock import SenderClock
 
 MS = 1_000_000
 STALE_NS = 200 * MS
@@ -14,17 +14,17 @@ CLOCK_AHEAD_NS = 77_000_000 * MS
 ZERO = ((0.0,), (0.0,))
 
 
-def as_sent(fade_ns: int = FADE_NS) -> AsSent:
-    return AsSent(1, STALE_NS, fade_ns)
+def as_sent(fade_ns: int = FADE_NS) -> PassThroughRequest:
+    return PassThroughRequest(1, STALE_NS, fade_ns)
 
 
-def estimated() -> Estimated:
+def estimated() -> EstimatedRequest:
     model = HandModel(agility=10.0, resolution=2 / 64, horizon_s=0.05, fade_s=0.1)
-    return Estimated(1, STALE_NS, FADE_NS, HumanInputEstimator(model, 1))
+    return EstimatedRequest(1, STALE_NS, FADE_NS, HumanInputEstimator(model, 1))
 
 
 def hear(
-    request: AsSent,
+    request: PassThroughRequest,
     at_ms: float,
     u_h: tuple[float, ...],
     *,
@@ -40,7 +40,7 @@ def hear(
     request.hear(Received(header, body, round((at_ms + late_ms) * MS)), body)
 
 
-def ramp(request: AsSent, first_ms: int = 0, last_ms: int = 500) -> None:
+def ramp(request: PassThroughRequest, first_ms: int = 0, last_ms: int = 500) -> None:
     for at_ms in range(first_ms, last_ms + 1, 20):
         hear(request, at_ms, (at_ms * 1e-3,))
 

@@ -2,9 +2,8 @@ from itertools import pairwise
 
 import pytest
 from msgspec.structs import replace
-
-from protocol.messages import PlantPhase, PlantState
-from services.filter.schedule import SLEW_STEPS, EffectSchedule
+from passafe_protocol.messages import PlantPhase, PlantState
+from passafe_services.filter.playout_schedule import SLEW_STEPS, EffectSchedule
 
 MS = 1_000_000
 WAITING, RUNNING = PlantPhase.WAITING, PlantPhase.RUNNING

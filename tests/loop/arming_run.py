@@ -4,16 +4,29 @@ from collections import defaultdict
 from collections.abc import Sequence
 
 import numpy as np
-
-from protocol.codec import encode
-from protocol.messages import FilterTick, Header, Message, OperatorCommand, PlantInput, PlantPhase, PlantState, Received
-from protocol.topics import Topic
-from services.assembly import VIRTUAL_WALL_NS, filter_node, link_settings, operator_node, period_ns, plant_node
-from services.review.core_mathematics import CoreMathematics
-from services.runtime.lockstep import Lockstep, Observer
-from services.runtime.node import Node, Outgoing
-from services.scenarios.load import load_scenario
-from services.scenarios.schema import Scenario
+from passafe_protocol.codec import encode
+from passafe_protocol.messages import (
+    FilterTick,
+    Header,
+    Message,
+    OperatorCommand,
+    PlantInput,
+    PlantPhase,
+    PlantState,
+    Received,
+)
+from passafe_protocol.topics import Topic
+from passafe_services.filter.build import filter_node
+from passafe_services.loop.lockstep import Lockstep, Observer
+from passafe_services.node import Node, Outgoing
+from passafe_services.operator.build import operator_node
+from passafe_services.plant.build import plant_node
+from passafe_services.plant_contract.plant_model import period_ns
+from passafe_services.scenarios.links import link_settings
+from passafe_services.scenarios.load import load_scenario
+from passafe_services.scenarios.schema import Scenario
+from passafe_services.simulation import VIRTUAL_WALL_NS
+from passafe_services.tools.review.core_evaluator import CoreEvaluator
 
 INPUTS, STATES, COMMANDS = PlantInput, PlantState, OperatorCommand
 
@@ -106,7 +119,7 @@ class ArmingRun:
 
     def disarmings(self) -> list[int]:
         """Plant times at which an input was missing."""
-        return sorted({state.disarmed_ns for state in self.trajectory()} - {-1})
+        return sorted({state.sequence_break_ns for state in self.trajectory()} - {-1})
 
     def wire(self) -> list[bytes]:
         """Everything as bytes."""
@@ -129,7 +142,7 @@ class ArmingRun:
 
     def least_h(self, parts: int = 4) -> float:
         """Return the smallest barrier value at the samples and between them."""
-        mathematics, states = CoreMathematics(self.scenario), self.trajectory()
+        mathematics, states = CoreEvaluator(self.scenario), self.trajectory()
         x, u = np.array([state.x for state in states]).T, np.array([state.u for state in states]).T
         t_s = np.array([state.plant_ns for state in states]) * 1e-9
         dt_s = self.scenario.dt_s

@@ -13,13 +13,12 @@ import pytest
 from arming_run import COMMANDS, INPUTS, RATE_HZ, SLOW, STATES, ArmingRun, bad_links
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-
-from protocol.messages import FilterTick, PlantInput, PlantPhase
-from services.recorder.lockstep_log import LockstepLog
-from services.recorder.log_writer import LogWriter, run_metadata
-from services.review.log import RunLog
-from services.review.restep import restep
-from services.scenarios.load import load_scenario
+from passafe_protocol.messages import FilterTick, PlantInput, PlantPhase
+from passafe_services.log.log_writer import LogWriter, run_metadata
+from passafe_services.recorder.lockstep_log import LockstepLog
+from passafe_services.scenarios.load import load_scenario
+from passafe_services.tools.replay import replay_filter
+from passafe_services.tools.review.run_log import RunLog
 
 ROUND_TRIPS = 4
 """Round trips within which a loop whose network works again is armed, beside the play-out time."""
@@ -259,7 +258,7 @@ def test_a_log_of_a_bad_network_steps_again_tick_by_tick(tmp_path: Path, estimat
     overrides = bad_links(delay_s=0.04, jitter_s=0.03, loss=0.2, seed=9) | {"operator.estimator": ESTIMATORS[estimator]}
     run, log = logged(tmp_path / "run.mcap", restart=restart, **overrides)
     steps = [message.header.scheduled_ns for message in log.of(PlantInput)]
-    found = restep(log)
+    found = replay_filter(log)
 
     assert found.first_difference == ""
     assert found.exact
@@ -273,7 +272,7 @@ def test_a_filter_that_does_not_predict_sends_inputs_of_no_arming_and_decides_on
     inputs = [body for _, _, body in run.sent if isinstance(body, PlantInput)]
     states = {state.x for state in run.trajectory()}
 
-    assert {(each.armed_from_ns, each.basis_ns, each.earlier) for each in inputs} == {(-1, -1, ())}
+    assert {(each.input_sequence_start_ns, each.known_break_ns, each.earlier) for each in inputs} == {(-1, -1, ())}
     assert {tick.x_hat for tick in run.ticks()} <= states
     assert {tick.horizon_ns for tick in run.ticks()} == {0}
     assert PlantPhase.RUNNING in {state.phase for state in run.trajectory()}

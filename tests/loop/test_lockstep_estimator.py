@@ -4,15 +4,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-from protocol.messages import FilterStatus, FilterTick
-from services.assembly import lockstep_loop, steps_of
-from services.recorder.lockstep_log import LockstepLog
-from services.recorder.log_writer import LogWriter, run_metadata
-from services.review.log import RunLog
-from services.review.restep import restep
-from services.scenarios.errors import ScenarioError
-from services.scenarios.load import load_scenario
+from passafe_protocol.messages import FilterStatus, FilterTick
+from passafe_services.log.log_writer import LogWriter, run_metadata
+from passafe_services.recorder.lockstep_log import LockstepLog
+from passafe_services.scenarios.errors import ScenarioError
+from passafe_services.scenarios.load import load_scenario
+from passafe_services.simulation import lockstep_loop, steps_of
+from passafe_services.tools.replay import replay_filter
+from passafe_services.tools.review.run_log import RunLog
 
 ESTIMATOR = {"kind": "white-acceleration", "agility": 30.0, "resolution": 0.1}
 BAD_LINK = {"delay_s": 0.03, "jitter_s": 0.02, "loss": 0.2, "seed": 5}
@@ -35,7 +34,7 @@ def test_over_a_bad_link_it_runs_is_near_the_truth_and_steps_again_exactly(tmp_p
     rate = np.array([tick.u_h_rate[0] for tick in ticks])
     lag = 0.03 + 0.005  # least delay of the link would be 0.01; the play-out time comes on top
 
-    assert restep(log).exact
+    assert replay_filter(log).exact
     assert not {tick.status for tick in ticks} & {FilterStatus.UNCERTIFIED, FilterStatus.STALE}
     assert np.isfinite(rate).all()
     assert np.abs(rate - -15.0 * np.exp(-(t_s - lag) / 0.2)).max() < 2.5
@@ -58,7 +57,7 @@ def test_as_sent_is_the_default_to_the_last_bit(tmp_path: Path) -> None:
     said = logged(tmp_path / "said.mcap", duration_s=0.1, operator__estimator={"kind": "as-sent"})
 
     assert [m.body for m in default.of(FilterTick)] == [m.body for m in said.of(FilterTick)]
-    assert restep(said).exact
+    assert replay_filter(said).exact
 
 
 @pytest.mark.parametrize(

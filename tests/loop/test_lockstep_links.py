@@ -4,19 +4,19 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
-
-from protocol.codec import encode
-from protocol.link_settings import LinkSettings
-from protocol.messages import FilterTick, Header, LinkEvent, LinkState, Message, OperatorCommand, PlantState
-from protocol.topics import LINKS, Topic
-from services.assembly import filter_node, lockstep_loop, steps_of
-from services.recorder.lockstep_log import LockstepLog
-from services.recorder.log_writer import LogWriter, run_metadata
-from services.review.link_accounts import link_accounts
-from services.review.log import RunLog
-from services.runtime.errors import LinkNameError
-from services.runtime.lockstep import Lockstep
-from services.scenarios.load import load_scenario
+from passafe_protocol.codec import encode
+from passafe_protocol.link_settings import LinkSettings
+from passafe_protocol.messages import FilterTick, Header, LinkEvent, LinkState, Message, OperatorCommand, PlantState
+from passafe_protocol.topics import LINKS, Topic
+from passafe_services.filter.build import filter_node
+from passafe_services.log.log_writer import LogWriter, run_metadata
+from passafe_services.loop.errors import LinkNameError
+from passafe_services.loop.lockstep import Lockstep
+from passafe_services.recorder.lockstep_log import LockstepLog
+from passafe_services.scenarios.load import load_scenario
+from passafe_services.simulation import lockstep_loop, steps_of
+from passafe_services.tools.review.link_accounts import link_accounts
+from passafe_services.tools.review.run_log import RunLog
 
 EVERYTHING = {
     "delay_s": 0.02,

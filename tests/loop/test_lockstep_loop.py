@@ -2,13 +2,12 @@
 
 import numpy as np
 import pytest
-
-from protocol.codec import encode
-from protocol.messages import FilterStatus, FilterTick, Header, LinkEvent, Message, PlantPhase, PlantState
-from protocol.topics import STATE, TICK, Topic
-from services.assembly import Derived, lockstep_loop, steps_of
-from services.filter.telemetry import TickRecord
-from services.scenarios.load import load_scenario
+from passafe_protocol.codec import encode
+from passafe_protocol.messages import FilterStatus, FilterTick, Header, LinkEvent, Message, PlantPhase, PlantState
+from passafe_protocol.topics import STATE, TICK, Topic
+from passafe_services.filter.telemetry import TickRecord
+from passafe_services.scenarios.load import load_scenario
+from passafe_services.simulation import CompiledScenario, lockstep_loop, steps_of
 
 LINKS = ("operator-to-filter", "filter-to-plant", "plant-to-filter")
 
@@ -135,15 +134,15 @@ def test_a_tap_gets_what_the_node_hands_over_and_no_message_is_made_for_it() -> 
 def test_loops_one_after_the_other_may_share_what_was_derived() -> None:
     links = bad_links(delay_s=0.01, loss=0.2)
     scenarios = [load_scenario("notomista-cai-2020", {"duration_s": 0.2} | more) for more in ({}, links)]
-    derived = Derived.of(scenarios[0])
+    compiled = CompiledScenario.of(scenarios[0])
     tapes = []
     for scenario in (*scenarios, *scenarios):
         tapes.append(Tape())
-        lockstep_loop(scenario, tapes[-1], derived=derived).run(steps_of(scenario))
+        lockstep_loop(scenario, tapes[-1], compiled=compiled).run(steps_of(scenario))
     alone = Tape()
     lockstep_loop(scenarios[1], alone).run(steps_of(scenarios[1]))
 
-    assert Derived.key_of(scenarios[0]) == Derived.key_of(scenarios[1])
+    assert CompiledScenario.key_of(scenarios[0]) == CompiledScenario.key_of(scenarios[1])
     assert tapes[0].wire() == tapes[2].wire()
     assert tapes[1].wire() == tapes[3].wire() == alone.wire()
 
@@ -162,7 +161,7 @@ def test_loops_one_after_the_other_may_share_what_was_derived() -> None:
 def test_what_is_derived_anew_has_another_key(overrides: dict[str, object]) -> None:
     plain, other = load_scenario("notomista-cai-2020"), load_scenario("notomista-cai-2020", overrides)
 
-    assert Derived.key_of(plain) != Derived.key_of(other)
+    assert CompiledScenario.key_of(plain) != CompiledScenario.key_of(other)
 
 
 def test_without_an_observer_the_loop_runs_and_makes_no_telemetry() -> None:

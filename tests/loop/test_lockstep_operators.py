@@ -4,14 +4,13 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-
-from protocol.messages import Header, Message, PlantPhase, PlantState
-from protocol.topics import Topic
-from services.assembly import lockstep_loop, steps_of
-from services.operator.scenario_source import crossover_loop
-from services.review.core_mathematics import CoreMathematics
-from services.scenarios.load import load_scenario
-from services.scenarios.source_schema import HumanSource
+from passafe_protocol.messages import Header, Message, PlantPhase, PlantState
+from passafe_protocol.topics import Topic
+from passafe_services.operator.sources.scenario_source import crossover_loop
+from passafe_services.scenarios.load import load_scenario
+from passafe_services.scenarios.source_schema import HumanSource
+from passafe_services.simulation import lockstep_loop, steps_of
+from passafe_services.tools.review.core_evaluator import CoreEvaluator
 
 LINK = "operator-to-filter"
 
@@ -35,7 +34,7 @@ def run_of(name: str, **overrides: object) -> Run:
     lockstep_loop(scenario, observer=keep).run(steps_of(scenario))
     t_s = np.array([state.plant_ns / 1e9 for state in states])
     x = np.array([state.x for state in states]).T
-    return Run(t_s, x, float(CoreMathematics(scenario).h(x, t_s).min()))
+    return Run(t_s, x, float(CoreEvaluator(scenario).h(x, t_s).min()))
 
 
 def late(delay_s: float) -> dict[str, object]:

@@ -5,16 +5,15 @@ from dataclasses import replace
 
 import pytest
 from msgspec import structs
-
-from protocol.messages import FilterTick, Message
-from protocol.topics import TICK
-from services.assembly import lockstep_loop, steps_of
-from services.recorder.lockstep_log import LockstepLog
-from services.recorder.log_writer import LogWriter, run_metadata
-from services.review.continuity import Logged
-from services.review.log import RunLog
-from services.review.restep import restep
-from services.scenarios.load import load_scenario
+from passafe_protocol.messages import FilterTick, Message
+from passafe_protocol.topics import TICK
+from passafe_services.log.log_writer import LogWriter, run_metadata
+from passafe_services.recorder.lockstep_log import LockstepLog
+from passafe_services.scenarios.load import load_scenario
+from passafe_services.simulation import lockstep_loop, steps_of
+from passafe_services.tools.replay import replay_filter
+from passafe_services.tools.review.continuity import Logged
+from passafe_services.tools.review.run_log import RunLog
 
 BAD_LINKS = {
     "links.filter-to-plant": {"delay_s": 0.01, "jitter_s": 0.02, "loss": 0.1, "seed": 1},
@@ -43,26 +42,26 @@ def first_of_a_step_with_several(log: RunLog) -> int:
 
 
 def test_the_whole_log_steps_again(log: RunLog) -> None:
-    assert restep(log).exact
+    assert replay_filter(log).exact
 
 
 def test_a_last_step_that_was_cut_short_is_no_difference(log: RunLog) -> None:
     last = first_of_a_step_with_several(log)
-    result = restep(with_ticks(log, lambda index: index <= last))
+    result = replay_filter(with_ticks(log, lambda index: index <= last))
     assert result.exact, result
     assert result.ticks == last + 1
 
 
 def test_a_step_in_the_middle_that_is_cut_short_is_missing_something(log: RunLog) -> None:
     without = first_of_a_step_with_several(log) + 1
-    result = restep(with_ticks(log, lambda index: index != without))
+    result = replay_filter(with_ticks(log, lambda index: index != without))
     assert (result.missing, result.first_difference) == (1, "")
     assert result.identical == result.ticks < without
     assert not result.exact
 
 
 def test_a_missing_tick_is_named_as_missing_and_not_as_a_difference(log: RunLog) -> None:
-    result = restep(with_ticks(log, lambda index: index not in {200, 201}))
+    result = replay_filter(with_ticks(log, lambda index: index not in {200, 201}))
     assert result.missing == 2
     assert result.identical == result.ticks == 200
     assert not result.exact
@@ -72,6 +71,6 @@ def test_a_tick_that_nobody_made_is_a_difference(log: RunLog) -> None:
     ticks: list[Logged[Message]] = list(log.messages[TICK.name])
     head, body = ticks[-1]
     ticks.append(Logged(structs.replace(head, sequence=head.sequence + 1), body))
-    result = restep(replace(log, messages={**log.messages, TICK.name: ticks}))
+    result = replay_filter(replace(log, messages={**log.messages, TICK.name: ticks}))
     assert result.missing == 0
     assert not result.exact

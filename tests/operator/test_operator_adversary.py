@@ -5,17 +5,17 @@ from itertools import pairwise
 import casadi as ca
 import numpy as np
 import pytest
+from passafe_protocol.messages import PlantPhase, PlantState, Vector
+from passafe_services.operator.sources.command import Command
+from passafe_services.operator.sources.disturbances import HIGHEST_HZ, SWEEP_S, bang_bang_period_s
+from passafe_services.operator.sources.scenario_source import source_of
+from passafe_services.operator.sources.source import Seeing, Source, SourceClock
+from passafe_services.operator.sources.worst_direction import against_h
+from passafe_services.scenarios.load import load_scenario
 
-from passafe.barrier import Barrier, derive_chain
+from passafe.barrier_chain import Barrier, derive_chain
 from passafe.class_k import Linear
 from passafe.models.damped_point import damped_point
-from protocol.messages import PlantPhase, PlantState, Vector
-from services.operator.command import Command
-from services.operator.disturbances import HIGHEST_HZ, SWEEP_S, bang_bang_period_s
-from services.operator.scenario_source import source_of
-from services.operator.source import Seeing, Source, SourceClock
-from services.operator.worst_direction import against_h
-from services.scenarios.load import load_scenario
 
 STRATEGIES = ("piecewise-constant", "chirp", "bang-bang", "against-h", "against-the-tank")
 STRENGTH = 20.0

@@ -6,8 +6,7 @@ from math import pi
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from services.operator.crossover import CrossoverLoop
+from passafe_services.operator.human.crossover import CrossoverLoop
 
 
 def loop_of(omega: float = 2.0, reaction_s: float = 0.2, lag_s: float = 0.1, glance_s: float = 0.02) -> CrossoverLoop:

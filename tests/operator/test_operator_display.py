@@ -1,9 +1,8 @@
 """The one line that an operator sees."""
 
 import pytest
-
-from protocol.messages import FilterStatus
-from services.operator.display import OperatorView, line
+from passafe_protocol.messages import FilterStatus
+from passafe_services.operator.keyboard.display import OperatorView, line
 
 FULL = OperatorView(
     u_h=(-14.5, 0.0),

@@ -6,17 +6,16 @@ from math import exp, hypot
 
 import numpy as np
 import pytest
+from passafe_protocol.messages import PlantPhase, PlantState, Vector
+from passafe_services.operator.errors import SourceConfigError
+from passafe_services.operator.human.human import SimulatedHuman
+from passafe_services.operator.human.steered_robot import SteeredRobot
+from passafe_services.operator.sources.command import Command
+from passafe_services.operator.sources.scenario_source import crossover_loop, source_of
+from passafe_services.operator.sources.source import Seeing, SourceClock
+from passafe_services.scenarios.load import load_scenario
+from passafe_services.scenarios.source_schema import HumanSource
 from scipy.linalg import expm
-
-from protocol.messages import PlantPhase, PlantState, Vector
-from services.operator.command import Command
-from services.operator.errors import SourceConfigError
-from services.operator.human import Human
-from services.operator.scenario_source import crossover_loop, source_of
-from services.operator.source import Seeing, SourceClock
-from services.operator.steered_robot import SteeredRobot
-from services.scenarios.load import load_scenario
-from services.scenarios.source_schema import HumanSource
 
 DT_S = 1e-3
 ROBOT = SteeredRobot(axes=2, damping_per_s=3.0, stiffness_per_s2=0.0)
@@ -31,7 +30,9 @@ def state(t_s: float, x: Vector, phase: PlantPhase = PlantPhase.RUNNING) -> Plan
     return PlantState(round(t_s * 1e9), x, (), (), 0, phase, 0.0, 0.0, 0, 0, 0, 0.0, 0)
 
 
-def steer(person: Human, robot: SteeredRobot, delay_s: float, duration_s: float, *, sight_s: float = 0.0) -> np.ndarray:
+def steer(
+    person: SimulatedHuman, robot: SteeredRobot, delay_s: float, duration_s: float, *, sight_s: float = 0.0
+) -> np.ndarray:
     """Positions of an exact robot without a filter, a row a millisecond; u_h comes late, or the picture does."""
     k = robot.axes
     generator = np.array([[0, 1, 0], [-robot.stiffness_per_s2, -robot.damping_per_s, 1], [0, 0, 0]])
@@ -58,7 +59,7 @@ def growth(path: np.ndarray, target: Iterable[float]) -> float:
 
 
 def test_nothing_is_asked_for_before_the_robot_moves() -> None:
-    person = Human(config_of(), ROBOT)
+    person = SimulatedHuman(config_of(), ROBOT)
     assert isinstance(person, Seeing)
     assert person.clock is SourceClock.LOCAL
     assert person.command(0.0) == Command((0.0, 0.0), (0.0, 0.0), True)
@@ -68,7 +69,9 @@ def test_nothing_is_asked_for_before_the_robot_moves() -> None:
 
 def test_the_hand_answers_a_glance_one_reaction_time_later_with_its_lag() -> None:
     """ω_c (a e − v) = 2·(3·(1, 0.5) − (0.1, 0.2)) from 0.2 s on, with the lag of 0.1 s."""
-    person = Human(config_of(glance_s=0.25, crossover_rad_per_s=2.0, reaction_s=0.2, neuromuscular_s=0.1), ROBOT)
+    person = SimulatedHuman(
+        config_of(glance_s=0.25, crossover_rad_per_s=2.0, reaction_s=0.2, neuromuscular_s=0.1), ROBOT
+    )
     person.see(state(0.0, (0.0, 0.0, 0.1, 0.2)))
     decided = np.array([5.8, 2.6])
 
@@ -80,7 +83,7 @@ def test_the_hand_answers_a_glance_one_reaction_time_later_with_its_lag() -> Non
 
 
 def test_what_is_sent_does_not_depend_on_how_often_it_is_asked_for() -> None:
-    asked_often, asked_once = (Human(config_of(remnant=0.01, seed=4), ROBOT) for _ in range(2))
+    asked_often, asked_once = (SimulatedHuman(config_of(remnant=0.01, seed=4), ROBOT) for _ in range(2))
     for person in (asked_often, asked_once):
         person.see(state(0.0, (0.0,) * 4))
         person.command(0.0)
@@ -93,7 +96,7 @@ def test_what_is_sent_does_not_depend_on_how_often_it_is_asked_for() -> None:
 
 
 def test_a_glance_between_two_steps_sees_what_was_on_the_screen_then() -> None:
-    person = Human(config_of(glance_s=0.1, reaction_s=0.02), ROBOT)
+    person = SimulatedHuman(config_of(glance_s=0.1, reaction_s=0.02), ROBOT)
     person.see(state(0.0, (0.0,) * 4))
     person.command(0.0)
     person.see(state(0.15, (1.0, 0.5, 0.0, 0.0)))  # at the target: nothing more to do, from the next glance on
@@ -104,7 +107,7 @@ def test_a_glance_between_two_steps_sees_what_was_on_the_screen_then() -> None:
 
 
 def test_the_rate_is_the_derivative() -> None:
-    person = Human(config_of(remnant=0.01), ROBOT)
+    person = SimulatedHuman(config_of(remnant=0.01), ROBOT)
     person.see(state(0.0, (0.0,) * 4))
     person.command(0.0)
     before, at, after = (person.command(0.3051 + step) for step in (0.0, 1e-6, 2e-6))
@@ -115,12 +118,14 @@ def test_the_rate_is_the_derivative() -> None:
 
 
 def test_the_authority_bounds_every_command_and_keeps_its_direction() -> None:
-    person = Human(config_of(targets=[{"at_s": 0, "position": [300.0, 400.0]}], authority=5.0, remnant=0.1), ROBOT)
+    person = SimulatedHuman(
+        config_of(targets=[{"at_s": 0, "position": [300.0, 400.0]}], authority=5.0, remnant=0.1), ROBOT
+    )
     person.see(state(0.0, (0.0,) * 4))
     lengths = [hypot(*person.command(k * 0.01).u_h) for k in range(400)]
     assert max(lengths) <= 5.0 * (1 + 1e-12)
 
-    steady = Human(config_of(targets=[{"at_s": 0, "position": [300.0, 400.0]}], authority=5.0), ROBOT)
+    steady = SimulatedHuman(config_of(targets=[{"at_s": 0, "position": [300.0, 400.0]}], authority=5.0), ROBOT)
     steady.see(state(0.0, (0.0,) * 4))
     steady.command(0.0)
     assert steady.command(5.0).u_h == pytest.approx((3.0, 4.0))
@@ -130,7 +135,7 @@ def test_targets_follow_the_plant_time_of_what_is_seen() -> None:
     targets = [{"at_s": 1.0, "position": [1.0, 0.0]}, {"at_s": 2.0, "position": [0.0, 1.0]}]
     settled = []
     for plant_s in (0.999, 1.0, 1.999, 2.0):
-        person = Human(config_of(targets=targets), ROBOT)
+        person = SimulatedHuman(config_of(targets=targets), ROBOT)
         person.see(state(plant_s, (0.0,) * 4))
         person.command(0.0)
         settled.append(person.command(9.0).u_h)
@@ -141,7 +146,7 @@ def test_targets_follow_the_plant_time_of_what_is_seen() -> None:
 
 
 def test_a_robot_that_starts_again_finds_a_person_at_rest() -> None:
-    person = Human(config_of(), ROBOT)
+    person = SimulatedHuman(config_of(), ROBOT)
     person.see(state(0.0, (0.0,) * 4))
     person.command(0.0)
     assert person.command(1.0).u_h[0] > 1
@@ -154,7 +159,7 @@ def test_a_robot_that_starts_again_finds_a_person_at_rest() -> None:
 
 
 def test_a_seed_decides_everything() -> None:
-    paths = [steer(Human(config_of(remnant=0.01, seed=seed), ROBOT), ROBOT, 0.0, 1.0) for seed in (1, 1, 2)]
+    paths = [steer(SimulatedHuman(config_of(remnant=0.01, seed=seed), ROBOT), ROBOT, 0.0, 1.0) for seed in (1, 1, 2)]
 
     assert np.array_equal(paths[0], paths[1])
     assert not np.array_equal(paths[0], paths[2])
@@ -170,22 +175,22 @@ def test_the_loop_is_lost_at_the_delay_that_its_margin_predicts(damping: float, 
     robot = SteeredRobot(axes=1, damping_per_s=damping, stiffness_per_s2=stiffness)
     margin_s = crossover_loop(config).delay_margin_s
 
-    assert growth(steer(Human(config, robot), robot, 0.98 * margin_s, 40.0), [1.0]) < 1.0
-    assert growth(steer(Human(config, robot), robot, 1.02 * margin_s, 40.0), [1.0]) > 1.0
+    assert growth(steer(SimulatedHuman(config, robot), robot, 0.98 * margin_s, 40.0), [1.0]) < 1.0
+    assert growth(steer(SimulatedHuman(config, robot), robot, 1.02 * margin_s, 40.0), [1.0]) > 1.0
 
 
 def test_a_late_picture_is_as_bad_as_a_late_command() -> None:
     config = config_of(authority=1e6)
     late_s = 1.05 * crossover_loop(config).delay_margin_s
 
-    assert growth(steer(Human(config, ROBOT), ROBOT, 0.0, 40.0, sight_s=late_s), [1.0, 0.5]) > 1.0
-    assert growth(steer(Human(config, ROBOT), ROBOT, 0.0, 40.0, sight_s=0.9 * late_s), [1.0, 0.5]) < 1.0
+    assert growth(steer(SimulatedHuman(config, ROBOT), ROBOT, 0.0, 40.0, sight_s=late_s), [1.0, 0.5]) > 1.0
+    assert growth(steer(SimulatedHuman(config, ROBOT), ROBOT, 0.0, 40.0, sight_s=0.9 * late_s), [1.0, 0.5]) < 1.0
 
 
 @pytest.mark.parametrize(("damping", "stiffness"), [(2.0, 0.0), (6.0, 10.0)])
 def test_without_network_delay_the_target_is_reached(damping: float, stiffness: float) -> None:
     robot = SteeredRobot(axes=2, damping_per_s=damping, stiffness_per_s2=stiffness)
-    path = steer(Human(config_of(remnant=0.01), robot), robot, 0.0, 8.0)
+    path = steer(SimulatedHuman(config_of(remnant=0.01), robot), robot, 0.0, 8.0)
 
     assert np.abs(path[-1000:] - (1.0, 0.5)).max() < 0.02
 
@@ -194,13 +199,13 @@ def test_a_trim_against_its_stop_lets_go_as_soon_as_the_robot_is_past_the_target
     """A spring that the authority cannot hold at the target: integrated on, the trim would keep it there for long."""
     robot = SteeredRobot(axes=1, damping_per_s=6.0, stiffness_per_s2=10.0)
     targets = [{"at_s": 0, "position": [3.0]}, {"at_s": 20.0, "position": [0.5]}]
-    path = steer(Human(config_of(targets=targets, authority=15.0), robot), robot, 0.0, 26.0)
+    path = steer(SimulatedHuman(config_of(targets=targets, authority=15.0), robot), robot, 0.0, 26.0)
 
     assert path[19_999, 0] == pytest.approx(1.5, abs=1e-3)
     assert path[-1, 0] == pytest.approx(0.5, abs=0.02)
 
 
-def shown(person: Human, x: Vector, from_s: float, until_s: float) -> Vector:
+def shown(person: SimulatedHuman, x: Vector, from_s: float, until_s: float) -> Vector:
     """u_h after the person has looked at one state for a while, glance by glance."""
     u_h: Vector = ()
     for k in range(round(from_s / 0.02), round(until_s / 0.02) + 1):
@@ -215,7 +220,7 @@ SPRING = SteeredRobot(axes=1, damping_per_s=6.0, stiffness_per_s2=10.0)
 def test_the_trim_is_the_integral_of_the_error_at_the_middle_of_the_glance() -> None:
     """ω_c (a e + k ∫e), e = 0.1, at the second of two glances of 0.25 s: ∫e is 1.5 glances."""
     config = config_of(targets=[{"at_s": 0, "position": [0.1]}], glance_s=0.25, neuromuscular_s=0.01)
-    person = Human(config, SPRING)
+    person = SimulatedHuman(config, SPRING)
     person.see(state(0.0, (0.0, 0.0)))
     person.command(0.0)
 
@@ -224,7 +229,7 @@ def test_the_trim_is_the_integral_of_the_error_at_the_middle_of_the_glance() -> 
 
 def test_a_trim_beyond_the_authority_comes_back_when_the_error_turns() -> None:
     """While the robot rushes, the trim grows; then it is wound up by 8 and unwinds by ω_c k e = 1 a second."""
-    person = Human(config_of(targets=[{"at_s": 0, "position": [1.0]}], authority=15.0), SPRING)
+    person = SimulatedHuman(config_of(targets=[{"at_s": 0, "position": [1.0]}], authority=15.0), SPRING)
     assert shown(person, (0.0, 10.0), 0.0, 5.0)[0] == pytest.approx(15.0, abs=0.3)
     assert shown(person, (1.05, 0.0), 5.02, 10.0) == pytest.approx((15.0,))
     assert shown(person, (1.05, 0.0), 10.02, 20.0)[0] < 10.0

@@ -6,10 +6,9 @@ from math import exp, hypot, sqrt
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from services.operator.command import Command
-from services.operator.keyboard import PRESS_HOLD_S, RAMP_S, REPEAT_HOLD_S, REST_SHARE, Keyboard
-from services.operator.keys import DIRECTIONS, Key
+from passafe_services.operator.keyboard.keyboard import PRESS_HOLD_S, RAMP_S, REPEAT_HOLD_S, REST_SHARE, Keyboard
+from passafe_services.operator.keyboard.keys import DIRECTIONS, Key
+from passafe_services.operator.sources.command import Command
 
 AUTHORITY = 15.0
 

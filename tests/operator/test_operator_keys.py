@@ -5,8 +5,7 @@ from itertools import pairwise
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from services.operator.keys import Key, KeyReader
+from passafe_services.operator.keyboard.keys import Key, KeyReader
 
 ARROWS = [Key.UP, Key.DOWN, Key.RIGHT, Key.LEFT]
 

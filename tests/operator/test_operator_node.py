@@ -5,9 +5,8 @@ from itertools import count
 from math import exp
 
 import pytest
-
-from protocol.messages import (
-    BarrierChain,
+from passafe_protocol.messages import (
+    BarrierReport,
     Certificate,
     Event,
     FilterStatus,
@@ -19,14 +18,14 @@ from protocol.messages import (
     PlantState,
     Received,
 )
-from protocol.topics import COMMAND, EVENT, STATE, TICK
-from services.operator.command import Command
-from services.operator.display import OperatorView
-from services.operator.keyboard import RAMP_S, Keyboard
-from services.operator.keys import Key
-from services.operator.lag import Lag
-from services.operator.node import KNOWN_NS, SHOW_PERIOD_NS, OperatorNode
-from services.operator.source import SourceClock
+from passafe_protocol.topics import COMMAND, EVENT, STATE, TICK
+from passafe_services.operator.keyboard.display import OperatorView
+from passafe_services.operator.keyboard.keyboard import RAMP_S, Keyboard
+from passafe_services.operator.keyboard.keys import Key
+from passafe_services.operator.node import KNOWN_NS, SHOW_PERIOD_NS, OperatorNode
+from passafe_services.operator.sources.command import Command
+from passafe_services.operator.sources.lag import Lag
+from passafe_services.operator.sources.source import SourceClock
 
 MS = 1_000_000
 EPOCH = 1_000
@@ -105,7 +104,7 @@ def tick(at_ns: int, levels: dict[str, float]) -> Received:
         phi=(),
         v=(),
         u=(),
-        barriers=tuple(BarrierChain(name, (h, 99.0)) for name, h in levels.items()),
+        barriers=tuple(BarrierReport(name, (h, 99.0)) for name, h in levels.items()),
         power_margin=0.0,
         tank_j=0.0,
         slack=0.0,

@@ -5,10 +5,9 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from services.operator import recording
-from services.operator.errors import RecordingError
-from services.operator.recording import load_recording
+from passafe_services.operator.errors import RecordingError
+from passafe_services.operator.sources import command_recording as recording
+from passafe_services.operator.sources.command_recording import load_recording
 
 HEADER = "time_s,u_h_0,u_h_1\n"
 

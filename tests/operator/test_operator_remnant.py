@@ -4,8 +4,7 @@ from math import exp, pi
 
 import numpy as np
 import pytest
-
-from services.operator.remnant import Remnant
+from passafe_services.operator.human.remnant import Remnant
 
 RATIO = 0.01
 

@@ -5,13 +5,12 @@ from math import cos, exp, pi, sin
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from services.operator.command import Command
-from services.operator.constant import Constant
-from services.operator.lag import Lag
-from services.operator.piecewise import PiecewiseLinear
-from services.operator.sine import Sine
-from services.operator.source import Source, SourceClock
+from passafe_services.operator.sources.command import Command
+from passafe_services.operator.sources.constant import Constant
+from passafe_services.operator.sources.lag import Lag
+from passafe_services.operator.sources.piecewise import PiecewiseLinear
+from passafe_services.operator.sources.sine import Sine
+from passafe_services.operator.sources.source import Source, SourceClock
 
 LEVELS = st.floats(-50, 50)
 PAIRS = st.tuples(LEVELS, LEVELS)

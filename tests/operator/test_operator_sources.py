@@ -3,14 +3,13 @@
 from pathlib import Path
 
 import pytest
+from passafe_services.operator.errors import OperatorError, RecordingError, SourceConfigError
+from passafe_services.operator.keyboard.keys import Key
+from passafe_services.operator.sources.command import Command
+from passafe_services.operator.sources.script_source import build_source
+from passafe_services.operator.sources.source import Source, SourceClock
+from passafe_services.scenarios import source_schema as schema
 from pydantic import TypeAdapter
-
-from services.operator.command import Command
-from services.operator.errors import OperatorError, RecordingError, SourceConfigError
-from services.operator.keys import Key
-from services.operator.source import Source, SourceClock
-from services.operator.sources import build_source
-from services.scenarios import source_schema as schema
 
 SOURCE: TypeAdapter[schema.Source] = TypeAdapter(schema.Source)
 

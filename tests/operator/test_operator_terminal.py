@@ -13,11 +13,10 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
-
-from services.operator.display import OperatorView
-from services.operator.errors import TerminalError
-from services.operator.keys import Key
-from services.operator.terminal import HELP, Terminal
+from passafe_services.operator.errors import TerminalError
+from passafe_services.operator.keyboard.display import OperatorView
+from passafe_services.operator.keyboard.keys import Key
+from passafe_services.operator.keyboard.terminal import HELP, Terminal
 
 VIEW = OperatorView(u_h=(1.0, 2.0), enabled=True, superseded=False, position=None, status=None, nearest=None)
 ROOT = Path(__file__).parents[2]
@@ -158,10 +157,10 @@ def test_a_terminal_that_went_away_ends_the_session(screen: Screen) -> None:
 
 # A process as the driver makes it: SIGTERM and Ctrl-C become an ordinary end of the loop.
 DRIVER = """
-from services.operator.display import OperatorView
-from services.operator.keys import Key
-from services.operator.terminal import Terminal
-from services.runtime.stop import stop_requests
+from passafe_services.operator.keyboard.display import OperatorView
+from passafe_services.operator.keyboard.keys import Key
+from passafe_services.operator.keyboard.terminal import Terminal
+from passafe_services.loop.stop import stop_requests
 
 view = OperatorView((0.0, 0.0), False, False, None, None, None)
 with stop_requests(lifeline=False) as stop, Terminal() as terminal:
@@ -208,8 +207,8 @@ def test_a_process_gives_its_terminal_back_however_it_ends(screen: Screen, endin
 # The same terminal asked for by a process in its background, which the system would stop for reading.
 BACKGROUND = """
 import os, sys
-from services.operator.errors import TerminalError
-from services.operator.terminal import Terminal
+from passafe_services.operator.errors import TerminalError
+from passafe_services.operator.keyboard.terminal import Terminal
 
 child = os.fork()
 if child:

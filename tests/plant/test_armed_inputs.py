@@ -5,9 +5,8 @@ from itertools import count
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from protocol.messages import UNARMED, Header, PlantInput
-from services.plant.armed_inputs import MOST_AHEAD, REFUSED, REPEATED, ArmedInput, ArmedInputs
+from passafe_protocol.messages import UNSEQUENCED, Header, PlantInput
+from passafe_services.plant.sequenced_inputs import MOST_AHEAD, REFUSED, REPEATED, SequencedInput, SequencedInputs
 
 MS = 1_000_000
 
@@ -16,21 +15,21 @@ def is_applicable(u: tuple[float, ...]) -> bool:
     return all(-100.0 <= value <= 100.0 for value in u)
 
 
-def armed_inputs() -> ArmedInputs:
-    return ArmedInputs(MS, is_applicable)
+def armed_inputs() -> SequencedInputs:
+    return SequencedInputs(MS, is_applicable)
 
 
-def value(due: int, first: int = 0, basis: int = UNARMED) -> float:
+def value(due: int, first: int = 0, basis: int = UNSEQUENCED) -> float:
     """Return the input of an arming for a period: tells of which one it is."""
     return due + first * 1e-3 + basis * 1e-6
 
 
 def put(
-    held: ArmedInputs,
+    held: SequencedInputs,
     due: int,
     *,
     first: int = 0,
-    basis: int = UNARMED,
+    basis: int = UNSEQUENCED,
     repeats: int = 0,
     epoch: int = 1,
     earlier: tuple[float, ...] | None = None,
@@ -38,12 +37,12 @@ def put(
     """Put in the message of one period with what it repeats; times in periods."""
     if earlier is None:
         earlier = tuple(value(due - i, first, basis) for i in range(1, min(repeats, due - first) + 1))
-    basis_ns = UNARMED if basis == UNARMED else basis * MS
-    body = PlantInput(due + 1, (value(due, first, basis),), due * MS, 5 * MS, first * MS, basis_ns, earlier)
+    known_break_ns = UNSEQUENCED if basis == UNSEQUENCED else basis * MS
+    body = PlantInput(due + 1, (value(due, first, basis),), due * MS, 5 * MS, first * MS, known_break_ns, earlier)
     return held.put(Header("filter", epoch, 0, 0, 0, 0, 0), body)
 
 
-def take(held: ArmedInputs, *periods: int) -> list[float | None]:
+def take(held: SequencedInputs, *periods: int) -> list[float | None]:
     """Return the inputs that take effect at some plant times."""
     taken = [held.take(period * MS) for period in periods]
     return [None if each is None else each.u[0] for each in taken]
@@ -55,14 +54,14 @@ def test_a_series_takes_effect_period_by_period() -> None:
 
     assert admissions == [0] * 4
     assert take(held, *range(4)) == [value(due) for due in range(4)]
-    assert (held.armed, held.disarmed_ns) == (True, UNARMED)
+    assert (held.armed, held.sequence_break_ns) == (True, UNSEQUENCED)
 
 
 def test_what_takes_effect_says_of_which_tick_it_is_and_how_long_it_may_be_held() -> None:
     held = armed_inputs()
     put(held, 2, repeats=2)
 
-    assert [held.take(k * MS) for k in range(3)] == [ArmedInput((value(k),), k + 1, 5 * MS) for k in range(3)]
+    assert [held.take(k * MS) for k in range(3)] == [SequencedInput((value(k),), k + 1, 5 * MS) for k in range(3)]
 
 
 def test_a_missing_input_disarms_and_voids_everything_that_waits() -> None:
@@ -71,7 +70,7 @@ def test_a_missing_input_disarms_and_voids_everything_that_waits() -> None:
         put(held, due)
 
     assert take(held, *range(5)) == [value(0), value(1), None, None, None]
-    assert (held.armed, held.disarmed_ns, held.first_ns) == (False, 2 * MS, UNARMED)
+    assert (held.armed, held.sequence_break_ns, held.first_ns) == (False, 2 * MS, UNSEQUENCED)
     assert held._waiting == {}
     assert put(held, 5) == REFUSED
 
@@ -81,12 +80,12 @@ def test_only_an_arming_that_rests_on_the_break_arms_again() -> None:
     put(held, 0)
     take(held, 0, 1)
 
-    assert held.disarmed_ns == MS
+    assert held.sequence_break_ns == MS
     assert put(held, 5, first=5) == REFUSED
     assert put(held, 5, first=5, basis=2) == REFUSED
     assert put(held, 5, first=5, basis=1) == 0
     assert take(held, 2, 3, 4, 5, 6) == [None, None, None, value(5, 5, 1), None]
-    assert held.disarmed_ns == 6 * MS
+    assert held.sequence_break_ns == 6 * MS
 
 
 @pytest.mark.parametrize(("due", "expected"), [(4, REFUSED), (5, REFUSED), (6, 0)])
@@ -108,7 +107,7 @@ def test_a_first_input_that_is_one_period_late_takes_no_effect_and_neither_do_th
     assert take(held, 2, 3) == [None, None]
     assert put(held, 3, first=3, basis=1) == REFUSED
     assert take(held, 4, 5) == [None, None]
-    assert held.disarmed_ns == MS
+    assert held.sequence_break_ns == MS
 
 
 @pytest.mark.parametrize("lost", range(1, 6))
@@ -124,7 +123,7 @@ def test_repeats_fill_holes_up_to_their_number(lost: int) -> None:
         assert taken == [value(k) for k in range(due + 1)]
     else:
         assert taken == [value(0)] + [None] * due
-        assert held.disarmed_ns == MS
+        assert held.sequence_break_ns == MS
 
 
 def test_repeats_reach_back_to_the_first_input_and_no_further() -> None:
@@ -238,7 +237,7 @@ def test_times_off_the_grid_or_before_the_first_are_refused(due_ns: int, first_n
     body = PlantInput(1, (1.0,), due_ns, 0, first_ns, MS)
 
     assert held.put(Header("filter", 1, 0, 0, 0, 0, 0), body) == REFUSED
-    assert held.first_ns == UNARMED
+    assert held.first_ns == UNSEQUENCED
 
 
 @pytest.mark.parametrize("bad", [float("nan"), float("inf"), 100.5])
@@ -261,13 +260,13 @@ def test_an_input_of_no_arming_breaks_off_what_waits() -> None:
     assert put(held, 6, first=5, basis=1) == REFUSED
     assert put(held, 8, first=8, basis=1) == REFUSED
     assert put(held, 8, first=8, basis=3) == 0
-    assert (held.armed, held.disarmed_ns) == (False, 3 * MS)
+    assert (held.armed, held.sequence_break_ns) == (False, 3 * MS)
 
 
-def missed(held: ArmedInputs, due: int, *, repeats: int, first: int = 0, basis: int = UNARMED) -> int:
+def missed(held: SequencedInputs, due: int, *, repeats: int, first: int = 0, basis: int = UNSEQUENCED) -> int:
     earlier = (0.0,) * min(repeats, due - first)
-    basis_ns = UNARMED if basis == UNARMED else basis * MS
-    body = PlantInput(due + 1, (0.0,), due * MS, 0, first * MS, basis_ns, earlier)
+    known_break_ns = UNSEQUENCED if basis == UNSEQUENCED else basis * MS
+    body = PlantInput(due + 1, (0.0,), due * MS, 0, first * MS, known_break_ns, earlier)
     header = Header("filter", 1, 0, 0, 0, 0, 0)
     assert held.put(header, body) == REFUSED
     return held.missed(header, body)
@@ -306,11 +305,11 @@ def test_nothing_takes_effect_out_of_its_arming(data: st.DataObject) -> None:
             break
         for _ in range(data.draw(st.integers(0, 4))):
             due, first = data.draw(due_of), data.draw(due_of)
-            basis = data.draw(st.sampled_from([UNARMED, max(held.disarmed_ns, -MS) // MS, 3]))
+            basis = data.draw(st.sampled_from([UNSEQUENCED, max(held.sequence_break_ns, -MS) // MS, 3]))
             repeats = data.draw(st.integers(0, 5))
             if first <= due:
                 put(held, due, first=first, basis=basis, repeats=repeats, epoch=data.draw(st.integers(1, 2)))
-        waiting = held.disarmed_ns // MS if held.disarmed_ns >= 0 else UNARMED
+        waiting = held.sequence_break_ns // MS if held.sequence_break_ns >= 0 else UNSEQUENCED
         [taken] = take(held, now)
         if taken is not None:
             arming = round((taken - now) * 1e6)

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from passafe_protocol.codec import encode
+from passafe_protocol.messages import UNSEQUENCED, Event, Header, PlantInput, PlantPhase, PlantState, Received
+from passafe_services.plant.node import FAR_NS, PlantNode
+from passafe_services.plant_contract.fail_safe import FailSafe
 
 from passafe import SampledPlant, damped_point
 from passafe.limits import Limits
-from protocol.codec import encode
-from protocol.messages import UNARMED, Event, Header, PlantInput, PlantPhase, PlantState, Received
-from services.arming.fail_safe import FailSafe
-from services.plant.node import FAR_NS, PlantNode
 
 MS = 1_000_000
 X0 = (2.0, 2.0, -1.0, -1.0)
@@ -54,8 +54,8 @@ def armed(
     hold_ns: int = 10 * MS,
 ) -> Received:
     """An input of the arming that begins at ``first``; its tick is the one that made the input of that period."""
-    basis_ns = UNARMED if basis is None else basis * MS
-    body = PlantInput(due_ms + 1, u, due_ms * MS, hold_ns, first * MS, basis_ns, earlier)
+    known_break_ns = UNSEQUENCED if basis is None else basis * MS
+    body = PlantInput(due_ms + 1, u, due_ms * MS, hold_ns, first * MS, known_break_ns, earlier)
     return Received(head(epoch, made_ms * MS), body, at_ms * MS)
 
 
@@ -69,7 +69,7 @@ def test_it_rests_at_x0_until_an_input_comes() -> None:
     found = [states(node, k)[0] for k in range(3)]
 
     assert {state.phase for state in found} == {WAITING}
-    assert {(state.plant_ns, state.x, state.disarmed_ns) for state in found} == {(0, X0, UNARMED)}
+    assert {(state.plant_ns, state.x, state.sequence_break_ns) for state in found} == {(0, X0, UNSEQUENCED)}
 
 
 @pytest.mark.parametrize("kind", [armed, lambda due_ms, at_ms: loose(1, due_ms, at_ms)])
@@ -145,9 +145,9 @@ def test_a_missing_input_is_held_then_the_fail_safe_takes_over_until_an_arming_t
     back = node.step(7 * MS, ())
 
     assert [state.phase for state in found] == [RUNNING, HOLDING, HOLDING]
-    assert [state.disarmed_ns for state in found] == [UNARMED, 2 * MS, 2 * MS]
+    assert [state.sequence_break_ns for state in found] == [UNSEQUENCED, 2 * MS, 2 * MS]
     assert {state.since_ns for state in found} == {MS}
-    assert (failed.phase, failed.disarmed_ns) == (FAIL_SAFE, 2 * MS)
+    assert (failed.phase, failed.sequence_break_ns) == (FAIL_SAFE, 2 * MS)
     assert failed.u == pytest.approx([-9.0 * value for value in failed.x[2:]])
     assert "fail-safe" in event.text
     [state] = [body for _, body in back if isinstance(body, PlantState)]
@@ -171,7 +171,7 @@ def test_what_came_late_or_never_leaves_the_arming_broken_whatever_else_of_it_co
 
     found = [states(node, at_ms, armed(at_ms - 2, at_ms), armed(at_ms + 3, at_ms))[-1] for at_ms in range(3, 9)]
 
-    assert {state.disarmed_ns for state in found} == {MS}
+    assert {state.sequence_break_ns for state in found} == {MS}
     assert {state.phase for state in found} == {FAIL_SAFE}
     assert [state.inputs_refused for state in found] == [2, 4, 6, 8, 10, 12]
     assert [state.inputs_late for state in found] == [1, 2, 3, 4, 5, 6]
@@ -235,7 +235,7 @@ def test_repeats_of_the_wrong_shape_are_refused(earlier: tuple[float, ...]) -> N
         (PlantInput(1, U, -1, 0), 0),  # plant time is never negative: −1 stands for none
         (PlantInput(1, U, 0, 0), FAR_NS + 1),
         (PlantInput(1, U, 0, 0), -FAR_NS - 1),
-        (PlantInput(1, U, 2 * MS, 0, 0, UNARMED, (0.0,) * 4), 0),  # repeats inputs of ticks before the first
+        (PlantInput(1, U, 2 * MS, 0, 0, UNSEQUENCED, (0.0,) * 4), 0),  # repeats inputs of ticks before the first
     ],
 )
 def test_numbers_that_no_filter_has_are_refused(body: PlantInput, scheduled_ns: int) -> None:
@@ -281,7 +281,7 @@ def test_so_does_one_whose_loss_broke_the_arming_but_the_first_such_message_alon
     first = states(node, 13, armed(3, 13, made_ms=13, earlier=(3.0, 3.0, 2.0, 2.0)))[-1]
     second = states(node, 14, armed(4, 14, made_ms=14, earlier=(4.0, 4.0, 3.0, 3.0, 2.0, 2.0)))[-1]
 
-    assert (first.disarmed_ns, first.input_transit_ns) == (MS, (3 - 13 + 2) * MS)
+    assert (first.sequence_break_ns, first.input_transit_ns) == (MS, (3 - 13 + 2) * MS)
     assert second.input_transit_ns == first.input_transit_ns
 
 
@@ -328,7 +328,7 @@ class TestLoose:
         states(node, 3, armed(5, 3, first=5), armed(6, 3, first=5))
         resumed = states(node, 4, loose(2, 3, 4))[-1]
 
-        assert (resumed.phase, resumed.disarmed_ns) == (RUNNING, 3 * MS)
+        assert (resumed.phase, resumed.sequence_break_ns) == (RUNNING, 3 * MS)
         assert [states(node, k)[-1].phase for k in (5, 6, 7)] == [FAIL_SAFE] * 3
         states(node, 8, armed(8, 8, first=8, basis=3))
         assert states(node, 9)[-1].phase is RUNNING
@@ -337,15 +337,17 @@ class TestLoose:
 number = st.one_of(st.floats(-120, 120), st.sampled_from([float("nan"), float("inf"), BOUND, -BOUND]))
 vector = st.lists(number, max_size=5).map(tuple)
 pair = st.tuples(st.floats(-BOUND, BOUND), st.floats(-BOUND, BOUND))
-time_ns = st.one_of(st.integers(-3, 25).map(lambda k: k * MS), st.sampled_from([UNARMED, MS + 1, -(2**63), 2**63 - 1]))
+time_ns = st.one_of(
+    st.integers(-3, 25).map(lambda k: k * MS), st.sampled_from([UNSEQUENCED, MS + 1, -(2**63), 2**63 - 1])
+)
 plant_input = st.builds(
     PlantInput,
     tick=st.one_of(st.integers(0, 40), st.just(2**64 - 1)),
     u=st.one_of(pair, vector),
     effective_plant_ns=time_ns,
     hold_ns=st.sampled_from([0, MS, 2**64 - 1]),
-    armed_from_ns=time_ns.filter(lambda ns: ns >= UNARMED),
-    basis_ns=time_ns.filter(lambda ns: ns >= UNARMED),
+    input_sequence_start_ns=time_ns.filter(lambda ns: ns >= UNSEQUENCED),
+    known_break_ns=time_ns.filter(lambda ns: ns >= UNSEQUENCED),
     earlier=st.one_of(vector, st.lists(pair, max_size=6).map(lambda pairs: sum(pairs, ()))),
 )
 
@@ -376,7 +378,7 @@ def test_no_messages_make_it_apply_anything_unbounded_or_say_what_does_not_fit_a
 @given(st.data())
 def test_while_armed_every_input_is_the_next_of_the_same_arming(data: st.DataObject) -> None:
     """Armings of two filters, lost, late, overtaken and repeated: u tells of which arming and period an input is."""
-    node, armings, disarmed = fuzzed(), [(0, None)], UNARMED
+    node, armings, disarmed = fuzzed(), [(0, None)], UNSEQUENCED
     before: PlantState | None = None
     for at_ms in range(1, 40):
         inbox = []
@@ -397,9 +399,9 @@ def test_while_armed_every_input_is_the_next_of_the_same_arming(data: st.DataObj
                 elif state.plant_ns > before.plant_ns:
                     assert state.u == (before.u[0], before.u[1] + 1.0)
                 if armings[which][1] is not None:
-                    assert armings[which][1] * MS == state.disarmed_ns
-            if state.disarmed_ns != disarmed:
-                disarmed = state.disarmed_ns
+                    assert armings[which][1] * MS == state.sequence_break_ns
+            if state.sequence_break_ns != disarmed:
+                disarmed = state.sequence_break_ns
                 now = state.plant_ns // MS
                 armings += [(now + ahead, disarmed // MS) for ahead in (2, 3)]
             before = state if state.phase is not WAITING else None

@@ -1,8 +1,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
-
-from protocol.messages import PlantInput
-from services.plant.playout import MOST_WAITING, PlayoutBuffer
+from passafe_protocol.messages import PlantInput
+from passafe_services.plant.playout_buffer import MOST_WAITING, PlayoutBuffer
 
 
 def plant_input(tick: int, due_ns: int) -> PlantInput:

@@ -2,14 +2,13 @@
 
 from hypothesis import given
 from hypothesis import strategies as st
-
-from services.plant.transit import SPAN_NS, Transit
+from passafe_services.plant.transit_time import SPAN_NS, TransitTime
 
 MS = 1_000_000
 
 
 def test_it_is_plant_time_of_arrival_minus_senders_clock() -> None:
-    transit = Transit()
+    transit = TransitTime()
     assert (transit.epoch, transit.largest_ns) == (0, 0)
 
     transit.note(7, 100 * MS, 5_000 * MS)
@@ -18,7 +17,7 @@ def test_it_is_plant_time_of_arrival_minus_senders_clock() -> None:
 
 
 def test_the_largest_counts_and_is_forgotten_after_one_span_at_the_earliest_and_two_at_the_latest() -> None:
-    transit, found = Transit(), {}
+    transit, found = TransitTime(), {}
     for arrival_ms in range(0, 4_000, 10):
         late_ms = 50 if arrival_ms == 990 else 3
         transit.note(1, arrival_ms * MS, (arrival_ms - late_ms) * MS)
@@ -30,7 +29,7 @@ def test_the_largest_counts_and_is_forgotten_after_one_span_at_the_earliest_and_
 
 
 def test_a_largest_one_early_in_a_span_is_kept_until_the_end_of_the_next() -> None:
-    transit, found = Transit(), {}
+    transit, found = TransitTime(), {}
     for arrival_ms in range(0, 4_000, 10):
         late_ms = 50 if arrival_ms == 1_000 else 3
         transit.note(1, arrival_ms * MS, (arrival_ms - late_ms) * MS)
@@ -40,7 +39,7 @@ def test_a_largest_one_early_in_a_span_is_kept_until_the_end_of_the_next() -> No
 
 
 def test_another_session_has_a_clock_of_its_own_and_an_old_one_counts_for_nothing() -> None:
-    transit = Transit()
+    transit = TransitTime()
     transit.note(2, 100 * MS, 90 * MS)
 
     transit.note(1, 110 * MS, 0)
@@ -50,7 +49,7 @@ def test_another_session_has_a_clock_of_its_own_and_an_old_one_counts_for_nothin
 
 
 def test_after_silence_the_last_span_counts_once_more() -> None:
-    transit = Transit()
+    transit = TransitTime()
     transit.note(1, 0, -50 * MS)
 
     transit.note(1, 60_000 * MS, 59_997 * MS)
@@ -61,7 +60,7 @@ def test_after_silence_the_last_span_counts_once_more() -> None:
 
 @given(st.lists(st.tuples(st.integers(0, 400 * MS), st.integers(-50 * MS, 300 * MS)), min_size=1, max_size=60))
 def test_it_covers_at_least_the_last_second(arrivals: list[tuple[int, int]]) -> None:
-    transit, now_ns, seen = Transit(), 0, []
+    transit, now_ns, seen = TransitTime(), 0, []
     for gap_ns, transit_ns in arrivals:
         now_ns += gap_ns
         seen.append((now_ns, transit_ns))

@@ -3,11 +3,10 @@
 from typing import Any
 
 from hypothesis import strategies as st
-
-from protocol.link_effect import CAUSES, EFFECTS
-from protocol.link_settings import DISTRIBUTIONS, MAX_DELAY_S
-from protocol.messages import (
-    BarrierChain,
+from passafe_protocol.link_effect import CAUSES, EFFECTS
+from passafe_protocol.link_settings import DISTRIBUTIONS, MAX_DELAY_S
+from passafe_protocol.messages import (
+    BarrierReport,
     Certificate,
     Consumed,
     Event,
@@ -22,15 +21,15 @@ from protocol.messages import (
     LinkSource,
     LinkState,
     OperatorCommand,
-    Override,
+    OverrideReport,
     PlantInput,
     PlantPhase,
     PlantState,
-    Row,
+    RowReport,
     ScenarioInfo,
     TopicHealth,
 )
-from protocol.topics import LINKS
+from passafe_protocol.topics import LINKS
 
 number = st.floats(allow_nan=False, allow_infinity=False)
 positive = st.floats(min_value=0, allow_nan=False, allow_infinity=False)
@@ -65,16 +64,16 @@ def ticks(m: int) -> st.SearchStrategy[FilterTick]:
         phi=absent_or_m,
         v=absent_or_m,
         u=vector(m),
-        barriers=tuple_of(st.builds(BarrierChain, name, st.integers(1, 4).flatmap(vector), number)),
+        barriers=tuple_of(st.builds(BarrierReport, name, st.integers(1, 4).flatmap(vector), number)),
         power_margin=number,
         tank_j=number,
         slack=number,
-        rows=tuple_of(st.builds(Row, name, number, number, st.booleans(), number, positive)),
+        rows=tuple_of(st.builds(RowReport, name, number, number, st.booleans(), number, positive)),
         certificate=st.builds(Certificate, text, st.booleans(), number, positive, positive),
         consumed=tuple_of(st.builds(Consumed, name, count, time_ns, count)),
         state_age_ns=age_ns,
         command_age_ns=age_ns,
-        override=st.builds(Override, absent_or_m, st.floats(0, 1), st.booleans(), number),
+        override=st.builds(OverrideReport, absent_or_m, st.floats(0, 1), st.booleans(), number),
     )
 
 

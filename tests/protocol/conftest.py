@@ -2,9 +2,8 @@
 
 import pytest
 from link_parameters import PARAMETERS
-
-from protocol.messages import (
-    BarrierChain,
+from passafe_protocol.messages import (
+    BarrierReport,
     Certificate,
     Consumed,
     Event,
@@ -18,11 +17,11 @@ from protocol.messages import (
     LinkState,
     Message,
     OperatorCommand,
-    Override,
+    OverrideReport,
     PlantInput,
     PlantPhase,
     PlantState,
-    Row,
+    RowReport,
     ScenarioInfo,
     TopicHealth,
 )
@@ -44,8 +43,8 @@ BODIES: tuple[Message, ...] = (
         u=(0.5, -0.5),
         effective_plant_ns=1_000_000,
         hold_ns=100_000_000,
-        armed_from_ns=500_000,
-        basis_ns=-1,
+        input_sequence_start_ns=500_000,
+        known_break_ns=-1,
         earlier=(0.25, -0.25, 0.125, -0.125),
     ),
     PlantState(
@@ -62,7 +61,7 @@ BODIES: tuple[Message, ...] = (
         inputs_refused=2,
         integration_error=1e-12,
         received_tick=300,
-        disarmed_ns=400_000,
+        sequence_break_ns=400_000,
         since_ns=900_000,
         input_transit_ns=-4_999_000_000,
         input_epoch=1_763_800_000_000_000_001,
@@ -80,16 +79,19 @@ BODIES: tuple[Message, ...] = (
         phi=(0.1, 0.2),
         v=(0.3, 0.4),
         u=(0.5, 0.6),
-        barriers=(BarrierChain("disk", (1.0, 2.0, 3.0), eps=0.125), BarrierChain("wall", (4.0,))),
+        barriers=(BarrierReport("disk", (1.0, 2.0, 3.0), eps=0.125), BarrierReport("wall", (4.0,))),
         power_margin=0.25,
         tank_j=1.5,
         slack=0.0,
-        rows=(Row("disk", 0.5, 0.0, active=False), Row("passivity", 0.0, 2.0, active=True, share=1.0, relaxed=0.5)),
+        rows=(
+            RowReport("disk", 0.5, 0.0, active=False),
+            RowReport("passivity", 0.0, 2.0, active=True, share=1.0, relaxed=0.5),
+        ),
         certificate=Certificate("piqp", accepted=True, primal_residual=1e-9, dual_residual=2e-9, gap=3e-9),
         consumed=(Consumed("state", 41, 7, 1), Consumed("command", 42, 8, 2)),
         state_age_ns=1_000_000,
         command_age_ns=2_000_000,
-        override=Override((0.75, -0.5), allowed_fraction=0.25, unavoidable=False, distance_to_infeasibility=-3.5),
+        override=OverrideReport((0.75, -0.5), allowed_fraction=0.25, unavoidable=False, distance_to_infeasibility=-3.5),
         horizon_ns=410_000_000,
     ),
     LinkConfig(link="filter-to-plant", parameters=PARAMETERS),

@@ -1,6 +1,6 @@
 """Valid settings of a link with every field filled."""
 
-from protocol.messages import LinkOutage, LinkParameters
+from passafe_protocol.messages import LinkOutage, LinkParameters
 
 PARAMETERS = LinkParameters(
     delay_s=0.2,

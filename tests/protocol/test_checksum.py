@@ -5,13 +5,12 @@ from binascii import crc32
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from protocol import passafe_pb2
-from protocol.checksum import SEAL_BYTES, is_intact, sealed
-from protocol.codec import decode, encode
-from protocol.errors import ChecksumError
-from protocol.messages import Header, Message
-from protocol.topics import TOPIC_OF_BODY
+from passafe_protocol import passafe_pb2
+from passafe_protocol.checksum import SEAL_BYTES, is_intact, sealed
+from passafe_protocol.codec import decode, encode
+from passafe_protocol.errors import ChecksumError
+from passafe_protocol.messages import Header, Message
+from passafe_protocol.topics import TOPIC_OF_BODY
 
 
 def test_the_check_value_of_the_standard() -> None:

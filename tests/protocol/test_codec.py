@@ -10,13 +10,13 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from link_parameters import PARAMETERS
 from msgspec.structs import replace
-
-from protocol import codec, passafe_pb2
-from protocol.checksum import SEAL_BYTES, sealed
-from protocol.codec import MAX_MESSAGE_BYTES, decode, encode, file_descriptor_set, schema_name
-from protocol.errors import DecodeError, InvalidMessageError, ProtocolError, SchemaVersionError
-from protocol.messages import (
-    BarrierChain,
+from passafe_protocol import codec, passafe_pb2
+from passafe_protocol.checksum import SEAL_BYTES, sealed
+from passafe_protocol.codec import MAX_MESSAGE_BYTES, decode, encode, file_descriptor_set, schema_name
+from passafe_protocol.errors import DecodeError, InvalidMessageError, ProtocolError, SchemaVersionError
+from passafe_protocol.messages import (
+    SCHEMA_VERSION,
+    BarrierReport,
     Certificate,
     Consumed,
     Event,
@@ -28,12 +28,12 @@ from protocol.messages import (
     LinkState,
     Message,
     OperatorCommand,
-    Override,
+    OverrideReport,
     PlantInput,
     PlantState,
-    Row,
+    RowReport,
 )
-from protocol.topics import COMMAND, EVENT, HEALTH, STATE, TICK, TOPIC_OF_BODY, TOPICS, Topic
+from passafe_protocol.topics import COMMAND, EVENT, HEALTH, STATE, TICK, TOPIC_OF_BODY, TOPICS, Topic
 
 # Time limits of hypothesis would judge the machine and what else it is doing.
 examples = settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -43,7 +43,7 @@ each_topic = pytest.mark.parametrize("topic", TOPICS, ids=lambda topic: topic.na
 def unchecked(header: Header, body: Message) -> ProtobufMessage:
     """The protobuf message without any validation, as a careless sender would make it."""
     message = getattr(passafe_pb2, type(body).__name__)()
-    message.header.schema_version = 1
+    message.header.schema_version = SCHEMA_VERSION
     codec._fill("test", codec.shape_of(Header), message.header, header, "")
     codec._fill("test", codec.shape_of(type(body)), message, body, "")
     return message
@@ -78,7 +78,7 @@ def test_round_trip_is_exact(topic: Topic, data: st.DataObject) -> None:
 def test_bytes_are_ordinary_protobuf(header: Header, body_of: dict[type, Message]) -> None:
     message = passafe_pb2.PlantState.FromString(encode(header, body_of[PlantState]))
 
-    assert message.header.schema_version == 1
+    assert message.header.schema_version == SCHEMA_VERSION
     assert message.header.source == "plant"
     assert message.header.wall_ns == 1_763_800_005_000_060_000
     assert list(message.x) == [1.0, 2.0, 3.0, 4.0]
@@ -112,7 +112,7 @@ def test_mutated_message(topic: Topic, data: st.DataObject) -> None:
 @given(data=st.data())
 def test_header_followed_by_random_fields(topic: Topic, data: st.DataObject) -> None:
     message = getattr(passafe_pb2, topic.body.__name__)()
-    message.header.schema_version = 1
+    message.header.schema_version = SCHEMA_VERSION
     message.header.source = "plant"
 
     decodes_or_refuses(topic, sealed(message.SerializeToString() + data.draw(st.binary(max_size=100))))
@@ -158,7 +158,7 @@ def test_message_of_another_topic_is_refused(header: Header, body: Message) -> N
                 decode(topic, data)
 
 
-@pytest.mark.parametrize("version", [0, 2, 2**32 - 1])
+@pytest.mark.parametrize("version", [0, SCHEMA_VERSION + 1, 2**32 - 1])
 def test_another_schema_version_is_refused(header: Header, body: Message, version: int) -> None:
     message = unchecked(header, body)
     message.header.schema_version = version
@@ -167,7 +167,7 @@ def test_another_schema_version_is_refused(header: Header, body: Message, versio
     with pytest.raises(SchemaVersionError) as caught:
         decode(topic, wire(message))
 
-    assert (caught.value.topic, caught.value.got, caught.value.allowed) == (topic.name, version, 1)
+    assert (caught.value.topic, caught.value.got, caught.value.allowed) == (topic.name, version, SCHEMA_VERSION)
 
 
 @pytest.mark.parametrize("phase", [0, 5, -1, 2**31 - 1])
@@ -186,8 +186,8 @@ BAD: list[tuple[type, dict[str, Any], str]] = [
     (PlantState, {"x": (1.0, float("nan"))}, "x"),
     (PlantState, {"energy_in_j": float("inf")}, "energy_in_j"),
     (PlantState, {"u": (1.0,)}, "u"),
-    (FilterTick, {"rows": (Row("", 0.0, 0.0, active=True),)}, "rows[0].name"),
-    (FilterTick, {"barriers": (BarrierChain("disk", (float("nan"),)),)}, "barriers[0].psi"),
+    (FilterTick, {"rows": (RowReport("", 0.0, 0.0, active=True),)}, "rows[0].name"),
+    (FilterTick, {"barriers": (BarrierReport("disk", (float("nan"),)),)}, "barriers[0].psi"),
     (LinkConfig, {"link": "filter-to-moon"}, "link"),
     (LinkConfig, {"parameters": replace(PARAMETERS, loss=1.5)}, "parameters.loss"),
     (LinkConfig, {"parameters": replace(PARAMETERS, delay_s=-0.1)}, "parameters.delay_s"),
@@ -267,7 +267,7 @@ def test_header_that_protobuf_cannot_carry_is_refused_by_name(
     assert (caught.value.field, caught.value.got) == (f"header.{field}", got)
 
 
-@pytest.mark.parametrize("body", [None, (1, 2), Row("disk", 0.0, 0.0, active=True)])
+@pytest.mark.parametrize("body", [None, (1, 2), RowReport("disk", 0.0, 0.0, active=True)])
 def test_only_messages_of_the_table_are_encoded(header: Header, body: object) -> None:
     with pytest.raises(InvalidMessageError, match=type(body).__name__):
         encode(header, body)
@@ -305,7 +305,7 @@ def test_field_that_a_part_does_not_have_is_refused(header: Header, body_of: dic
     with pytest.raises(InvalidMessageError) as caught:
         decode(TICK, wire(message))
 
-    assert (caught.value.field, caught.value.got) == ("Row", "field number 10")
+    assert (caught.value.field, caught.value.got) == ("RowReport", "field number 10")
 
 
 @each_topic
@@ -350,8 +350,8 @@ def test_a_tick_of_before_overrides_were_told_is_read_and_knows_nothing_of_them(
     _, tick = decode(TICK, wire(message))
 
     assert isinstance(tick, FilterTick)
-    assert tick.override == Override((), allowed_fraction=0.0, unavoidable=False, distance_to_infeasibility=0.0)
-    assert tick.rows == (Row("disk", 0.5, 0.0, active=False), Row("passivity", 0.0, 2.0, active=True))
+    assert tick.override == OverrideReport((), allowed_fraction=0.0, unavoidable=False, distance_to_infeasibility=0.0)
+    assert tick.rows == (RowReport("disk", 0.5, 0.0, active=False), RowReport("passivity", 0.0, 2.0, active=True))
     assert [barrier.eps for barrier in tick.barriers] == [0.0, 0.0]
 
 

@@ -1,8 +1,7 @@
 """Errors carry their evidence and say what, got and allowed."""
 
 import pytest
-
-from protocol.errors import (
+from passafe_protocol.errors import (
     DecodeError,
     InvalidMessageError,
     LinkSettingsError,

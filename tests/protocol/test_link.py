@@ -6,10 +6,9 @@ from itertools import pairwise
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from protocol.link import Link
-from protocol.link_effect import CORRUPTED, CUT, DUPLICATED, LOST, OVERFLOWED, UNHARMED
-from protocol.link_settings import DISTRIBUTIONS, MAX_DELAY_S, LinkSettings
+from passafe_protocol.link import Link
+from passafe_protocol.link_effect import CORRUPTED, CUT, DUPLICATED, LOST, OVERFLOWED, UNHARMED
+from passafe_protocol.link_settings import DISTRIBUTIONS, MAX_DELAY_S, LinkSettings
 
 S = 1_000_000_000
 MS = 1_000_000

@@ -3,9 +3,8 @@
 from math import inf, nan
 
 import pytest
-
-from protocol.errors import LinkSettingsError
-from protocol.link_settings import MAX_DELAY_S, RANGES, LinkSettings
+from passafe_protocol.errors import LinkSettingsError
+from passafe_protocol.link_settings import MAX_DELAY_S, RANGES, LinkSettings
 
 
 @pytest.mark.parametrize(

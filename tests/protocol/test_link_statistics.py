@@ -10,13 +10,12 @@ from random import Random
 
 import numpy as np
 import pytest
+from passafe_protocol.correlated_uniform import CorrelatedUniform
+from passafe_protocol.delay_distribution import LONGEST_NS, PARETO_NORMAL_SIGMA, pareto_normal
+from passafe_protocol.link import Link
+from passafe_protocol.link_effect import CORRUPTED, LOST
+from passafe_protocol.link_settings import LinkSettings
 from scipy import integrate, stats
-
-from protocol.correlated_uniform import CorrelatedUniform
-from protocol.delay_distribution import LONGEST_NS, PARETO_NORMAL_SIGMA, pareto_normal
-from protocol.link import Link
-from protocol.link_effect import CORRUPTED, LOST
-from protocol.link_settings import LinkSettings
 
 S = 1_000_000_000
 MS = 1_000_000

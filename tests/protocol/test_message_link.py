@@ -2,14 +2,13 @@
 
 from dataclasses import replace
 
+import passafe_protocol.message_link
 import pytest
-
-import protocol.message_link
-from protocol.codec import decode, encode
-from protocol.link_settings import LinkSettings
-from protocol.link_wire import parameters_of, settings_of
-from protocol.message_link import MessageLink
-from protocol.messages import (
+from passafe_protocol.codec import decode, encode
+from passafe_protocol.link_settings import LinkSettings
+from passafe_protocol.link_wire import parameters_of, settings_of
+from passafe_protocol.message_link import MessageLink
+from passafe_protocol.messages import (
     Header,
     LinkConfig,
     LinkEvent,
@@ -19,7 +18,7 @@ from protocol.messages import (
     PlantState,
     Received,
 )
-from protocol.topics import COMMAND, INPUT, TOPIC_OF_BODY
+from passafe_protocol.topics import COMMAND, INPUT, TOPIC_OF_BODY
 
 MS = 1_000_000
 FULL = LinkSettings(
@@ -65,7 +64,9 @@ def test_messages_come_out_with_their_time() -> None:
 
 def test_a_corrupted_message_has_one_bit_flipped_and_the_decoder_refuses_it(monkeypatch: pytest.MonkeyPatch) -> None:
     seen: list[bytes] = []
-    monkeypatch.setattr(protocol.message_link, "decode", lambda topic, data: seen.append(data) or decode(topic, data))
+    monkeypatch.setattr(
+        passafe_protocol.message_link, "decode", lambda topic, data: seen.append(data) or decode(topic, data)
+    )
     link = MessageLink("filter-to-plant", LinkSettings(corrupt=0.5, seed=3))
     told = [link.put(0, (head(i), an_input(i))) for i in range(400)]
     came = link.arrived(0)
@@ -83,7 +84,7 @@ def test_a_corrupted_message_has_one_bit_flipped_and_the_decoder_refuses_it(monk
 
 
 def test_what_the_decoder_lets_pass_is_what_comes_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(protocol.message_link, "decode", lambda _topic, _data: (head(7), an_input(99)))
+    monkeypatch.setattr(passafe_protocol.message_link, "decode", lambda _topic, _data: (head(7), an_input(99)))
     link = MessageLink("filter-to-plant", LinkSettings(corrupt=1.0))
     link.put(0, (head(7), an_input(1)))
 
@@ -94,7 +95,7 @@ def test_what_the_decoder_lets_pass_is_what_comes_out(monkeypatch: pytest.Monkey
 def test_nothing_is_encoded_unless_it_is_corrupted(monkeypatch: pytest.MonkeyPatch) -> None:
     encoded: list[Header] = []
     monkeypatch.setattr(
-        protocol.message_link, "encode", lambda header, body: encoded.append(header) or encode(header, body)
+        passafe_protocol.message_link, "encode", lambda header, body: encoded.append(header) or encode(header, body)
     )
     link = MessageLink("filter-to-plant", LinkSettings(corrupt=0.1, duplicate=0.3))
     for i in range(200):

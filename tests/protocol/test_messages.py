@@ -4,10 +4,9 @@ import inspect
 from enum import IntEnum
 
 import pytest
-
-from protocol import messages, passafe_pb2
-from protocol.messages import FilterStatus, Header, PlantPhase
-from protocol.shapes import shape_of
+from passafe_protocol import messages, passafe_pb2
+from passafe_protocol.messages import FilterStatus, Header, PlantPhase
+from passafe_protocol.shapes import shape_of
 
 TUPLE_TYPES = [
     value

@@ -10,10 +10,9 @@ import pytest
 from any_message import MESSAGES
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from protocol import messages
-from protocol.messages import Message
-from protocol.shapes import shape_of
+from passafe_protocol import messages
+from passafe_protocol.messages import Message
+from passafe_protocol.shapes import shape_of
 
 ROOT = Path(__file__).parents[2]
 
@@ -92,9 +91,9 @@ def test_annotations_are_told_as_before(body_type: type[Message]) -> None:
     hints = get_type_hints(getattr(MADE_NATIVE, body_type.__name__))
 
     # Records within are those of the other module.
-    assert {name: str(hint).replace("native_messages", "protocol.messages") for name, hint in hints.items()} == {
-        name: str(hint) for name, hint in get_type_hints(body_type).items()
-    }
+    assert {
+        name: str(hint).replace("native_messages", "passafe_protocol.messages") for name, hint in hints.items()
+    } == {name: str(hint) for name, hint in get_type_hints(body_type).items()}
 
 
 def test_what_is_no_record_stays_as_it_is() -> None:

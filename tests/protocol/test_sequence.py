@@ -6,9 +6,8 @@ from dataclasses import dataclass, field
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from protocol.messages import Header
-from protocol.sequence import SESSIONS, WINDOW, Arrival, SequenceGuard, Session
+from passafe_protocol.messages import Header
+from passafe_protocol.sequence import SESSIONS, WINDOW, Arrival, SequenceGuard, Session
 
 
 def header(sequence: int, epoch: int = 1) -> Header:

@@ -1,19 +1,19 @@
 """Shapes say of what kind each field is and where it stands."""
 
-from protocol.link_settings import LinkSettings
-from protocol.link_wire import parameters_of
-from protocol.messages import (
-    BarrierChain,
+from passafe_protocol.link_settings import LinkSettings
+from passafe_protocol.link_wire import parameters_of
+from passafe_protocol.messages import (
+    BarrierReport,
     Certificate,
     FilterStatus,
     FilterTick,
     LinkConfig,
-    Override,
+    OverrideReport,
     PlantPhase,
     PlantState,
-    Row,
+    RowReport,
 )
-from protocol.shapes import as_dict, shape_of
+from passafe_protocol.shapes import as_dict, shape_of
 
 
 def test_plant_state_is_read_from_its_annotations() -> None:
@@ -34,11 +34,11 @@ def test_parts_and_lists_carry_the_shapes_within() -> None:
 
     assert [(name, part.record_type) for _, name, part in shape.parts] == [
         ("certificate", Certificate),
-        ("override", Override),
+        ("override", OverrideReport),
     ]
     assert [(name, part.record_type) for _, name, part in shape.lists[:2]] == [
-        ("barriers", BarrierChain),
-        ("rows", Row),
+        ("barriers", BarrierReport),
+        ("rows", RowReport),
     ]
     assert shape.enums[0][2][FilterStatus.STALE.value] is FilterStatus.STALE
 
@@ -51,13 +51,13 @@ def test_every_entry_knows_its_place() -> None:
 
 
 def test_make_undoes_read() -> None:
-    row = Row("disk", 0.5, 0.25, active=True)
-    shape = shape_of(Row)
+    row = RowReport("disk", 0.5, 0.25, active=True)
+    shape = shape_of(RowReport)
 
     made = shape.make(*shape.read(row))
 
     assert made == row
-    assert type(made) is Row
+    assert type(made) is RowReport
 
 
 def test_records_within_a_record_become_dictionaries_too() -> None:

@@ -3,9 +3,8 @@
 from typing import get_args
 
 import pytest
-
-from protocol.messages import Message
-from protocol.topics import (
+from passafe_protocol.messages import Message
+from passafe_protocol.topics import (
     EVENT,
     HEALTH,
     INPUT,

@@ -7,12 +7,11 @@ from typing import Any, TypeAlias
 import pytest
 from link_parameters import PARAMETERS
 from msgspec.structs import replace
-
-from protocol.errors import InvalidMessageError
-from protocol.link_effect import CAUSES, EFFECTS
-from protocol.link_settings import DISTRIBUTIONS, RANGES
-from protocol.messages import (
-    BarrierChain,
+from passafe_protocol.errors import InvalidMessageError
+from passafe_protocol.link_effect import CAUSES, EFFECTS
+from passafe_protocol.link_settings import DISTRIBUTIONS, RANGES
+from passafe_protocol.messages import (
+    BarrierReport,
     Certificate,
     Consumed,
     Event,
@@ -26,16 +25,16 @@ from protocol.messages import (
     LinkState,
     Message,
     OperatorCommand,
-    Override,
+    OverrideReport,
     PlantInput,
     PlantState,
-    Row,
+    RowReport,
     ScenarioInfo,
     TopicHealth,
 )
-from protocol.shapes import Shape, shape_of
-from protocol.topics import TOPICS
-from protocol.validation import MAX_VECTOR, RULES, check
+from passafe_protocol.shapes import Shape, shape_of
+from passafe_protocol.topics import TOPICS
+from passafe_protocol.validation import MAX_VECTOR, RULES, check
 
 CERTIFICATE = Certificate("piqp", accepted=True, primal_residual=0.0, dual_residual=0.0, gap=0.0)
 LONG = (0.0,) * (MAX_VECTOR + 1)
@@ -62,12 +61,12 @@ REFUSED: list[tuple[type, dict[str, Any], str]] = [
     (OperatorCommand, {"device": ""}, "device"),
     (PlantInput, {"u": ()}, "u"),
     (PlantInput, {"u": LONG}, "u"),
-    (PlantInput, {"armed_from_ns": -2}, "armed_from_ns"),
-    (PlantInput, {"basis_ns": -2}, "basis_ns"),
+    (PlantInput, {"input_sequence_start_ns": -2}, "input_sequence_start_ns"),
+    (PlantInput, {"known_break_ns": -2}, "known_break_ns"),
     (PlantInput, {"earlier": (0.0,)}, "earlier"),
     (PlantInput, {"earlier": (0.0,) * 3}, "earlier"),
     (PlantInput, {"earlier": (*LONG[1:], 0.0, 0.0)}, "earlier"),
-    (PlantState, {"disarmed_ns": -2}, "disarmed_ns"),
+    (PlantState, {"sequence_break_ns": -2}, "sequence_break_ns"),
     (PlantState, {"x": ()}, "x"),
     (PlantState, {"x": LONG}, "x"),
     (PlantState, {"y": (), "u": ()}, "y"),
@@ -82,18 +81,18 @@ REFUSED: list[tuple[type, dict[str, Any], str]] = [
     (FilterTick, {"x_hat": LONG}, "x_hat"),
     (FilterTick, {"u": ()}, "u"),
     (FilterTick, {"u_h": (0.0,)}, "u_h"),
-    (FilterTick, {"override": Override(held_back=(0.0,))}, "override"),
-    (FilterTick, {"override": Override(allowed_fraction=-1e-9)}, "override.allowed_fraction"),
-    (FilterTick, {"override": Override(allowed_fraction=1.0000001)}, "override.allowed_fraction"),
-    (FilterTick, {"rows": (Row("r", 0.0, 0.0, active=False, relaxed=-1e-300),)}, "rows[0].relaxed"),
+    (FilterTick, {"override": OverrideReport(held_back=(0.0,))}, "override"),
+    (FilterTick, {"override": OverrideReport(allowed_fraction=-1e-9)}, "override.allowed_fraction"),
+    (FilterTick, {"override": OverrideReport(allowed_fraction=1.0000001)}, "override.allowed_fraction"),
+    (FilterTick, {"rows": (RowReport("r", 0.0, 0.0, active=False, relaxed=-1e-300),)}, "rows[0].relaxed"),
     (FilterTick, {"u_h_rate": (0.0,)}, "u_h_rate"),
     (FilterTick, {"u_nominal": (0.0,)}, "u_nominal"),
     (FilterTick, {"phi": (0.0,)}, "phi"),
     (FilterTick, {"v": (0.0,) * 3}, "v"),
-    (FilterTick, {"barriers": (BarrierChain("a", (1.0,)), BarrierChain("", (1.0,)))}, "barriers[1].name"),
-    (FilterTick, {"barriers": (BarrierChain("disk", ()),)}, "barriers[0].psi"),
-    (FilterTick, {"barriers": (BarrierChain("disk", LONG),)}, "barriers[0].psi"),
-    (FilterTick, {"rows": (Row("", 0.0, 0.0, active=True),)}, "rows[0].name"),
+    (FilterTick, {"barriers": (BarrierReport("a", (1.0,)), BarrierReport("", (1.0,)))}, "barriers[1].name"),
+    (FilterTick, {"barriers": (BarrierReport("disk", ()),)}, "barriers[0].psi"),
+    (FilterTick, {"barriers": (BarrierReport("disk", LONG),)}, "barriers[0].psi"),
+    (FilterTick, {"rows": (RowReport("", 0.0, 0.0, active=True),)}, "rows[0].name"),
     (FilterTick, {"certificate": replace(CERTIFICATE, dual_residual=-1e-9)}, "certificate.dual_residual"),
     (FilterTick, {"certificate": replace(CERTIFICATE, gap=-1e-9)}, "certificate.gap"),
     (FilterTick, {"consumed": (Consumed("", 0, 0, 0),)}, "consumed[0].topic"),
@@ -124,18 +123,18 @@ ALLOWED: list[tuple[type, dict[str, Any]]] = [
     (OperatorCommand, {"u_h": LONG[1:], "u_h_rate": LONG[1:]}),
     (OperatorCommand, {"u_h_rate": ()}),
     (PlantInput, {"u": (0.0,), "hold_ns": 0}),
-    (PlantInput, {"armed_from_ns": -1, "basis_ns": -1, "earlier": ()}),
-    (PlantInput, {"armed_from_ns": 0, "basis_ns": 0, "earlier": LONG[1:]}),
-    (PlantState, {"disarmed_ns": -1, "since_ns": -5, "input_transit_ns": -5, "input_epoch": 0}),
+    (PlantInput, {"input_sequence_start_ns": -1, "known_break_ns": -1, "earlier": ()}),
+    (PlantInput, {"input_sequence_start_ns": 0, "known_break_ns": 0, "earlier": LONG[1:]}),
+    (PlantState, {"sequence_break_ns": -1, "since_ns": -5, "input_transit_ns": -5, "input_epoch": 0}),
     (PlantState, {"x": LONG[1:], "integration_error": 0.0}),
     (PlantState, {"x": (1.7e308, 1.7e308), "energy_in_j": 1.7e308}),  # finite, though their sum is not
     (PlantState, {"x": (-0.0, 5e-324)}),
     (FilterTick, {"x_hat": (), "u_h": (), "u_h_rate": (), "u_nominal": (), "phi": (), "v": ()}),
     (FilterTick, {"barriers": (), "rows": (), "consumed": (), "state_age_ns": -1, "command_age_ns": -1}),
     (FilterTick, {"certificate": replace(CERTIFICATE, solver="", primal_residual=-1e-9)}),
-    (FilterTick, {"rows": tuple(Row("r", 0.0, -1e-12, active=False) for _ in range(250))}),
-    (FilterTick, {"override": Override()}),
-    (FilterTick, {"override": Override((0.0, 0.0), allowed_fraction=1.0)}),
+    (FilterTick, {"rows": tuple(RowReport("r", 0.0, -1e-12, active=False) for _ in range(250))}),
+    (FilterTick, {"override": OverrideReport()}),
+    (FilterTick, {"override": OverrideReport((0.0, 0.0), allowed_fraction=1.0)}),
     *(
         (LinkConfig, {"parameters": replace(PARAMETERS, **{field: limit})})
         for field, limits in RANGES.items()

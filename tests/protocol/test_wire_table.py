@@ -6,12 +6,11 @@ from pathlib import Path
 
 import pytest
 from google.protobuf.descriptor_pb2 import FileDescriptorProto
+from passafe_protocol import passafe_pb2, wire_table
+from passafe_protocol.topics import TOPICS
+from passafe_protocol.wire_table import BEGIN, END, compiled, main, render, with_generated_part
 
-from protocol import passafe_pb2, wire_table
-from protocol.topics import TOPICS
-from protocol.wire_table import BEGIN, END, compiled, main, render, with_generated_part
-
-PAGE = Path(wire_table.__file__).parents[1] / "docs" / "wire-protocol.md"
+PAGE = Path(wire_table.__file__).parents[2] / "docs" / "wire-protocol.md"
 
 
 def row_of(markdown: str, heading: str, first: str) -> list[str]:
@@ -36,7 +35,7 @@ def test_committed_page_is_current() -> None:
     page = PAGE.read_text(encoding="utf-8")
 
     assert page == with_generated_part(page, render()), (
-        "run python -m protocol.wire_table --write docs/wire-protocol.md"
+        "run python -m passafe_protocol.wire_table --write docs/wire-protocol.md"
     )
 
 
@@ -60,7 +59,7 @@ def test_row_of_a_field_holds_number_type_meaning_and_what_is_allowed() -> None:
         "state at plant_ns",
         "1 to 64 numbers",
     ]
-    assert row_of(markdown, "### FilterTick", "`rows`")[2] == "list of [Row](#row)"
+    assert row_of(markdown, "### FilterTick", "`rows`")[2] == "list of [RowReport](#rowreport)"
     assert row_of(markdown, "### PlantState", "`phase`")[2] == "[PlantPhase](#plantphase)"
     assert row_of(markdown, "### PlantPhase", "`RUNNING`")[0] == "2"
     assert row_of(markdown, "### PlantPhase", "`PLANT_PHASE_UNSPECIFIED`")[2].startswith("never sent")
@@ -136,7 +135,7 @@ def test_main_says_in_one_line_why_it_cannot(
 
 
 def test_source_that_does_not_compile_is_said_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(wire_table, "_PROTO", "protocol/absent.proto")
+    monkeypatch.setattr(wire_table, "_PROTO", "passafe_protocol/absent.proto")
 
     with pytest.raises(SystemExit, match=r"absent\.proto"):
         compiled()

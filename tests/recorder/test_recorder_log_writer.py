@@ -8,12 +8,11 @@ from pathlib import Path
 import pytest
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
-
-from protocol.codec import encode
-from protocol.messages import Event, Header, Health, TopicHealth
-from protocol.topics import EVENT, HEALTH
-from services.recorder.errors import LogWriteError
-from services.recorder.log_writer import LogWriter, run_metadata, topic_of_key
+from passafe_protocol.codec import encode
+from passafe_protocol.messages import Event, Header, Health, TopicHealth
+from passafe_protocol.topics import EVENT, HEALTH
+from passafe_services.log.errors import LogWriteError
+from passafe_services.log.log_writer import LogWriter, run_metadata, topic_of_key
 
 WALL_NS = 1_763_800_000_000_000_000
 
@@ -134,8 +133,8 @@ def test_a_place_that_cannot_be_written_is_told_in_one_line(tmp_path: Path, plac
 NO_PERMISSION = """
 import os, sys
 from pathlib import Path
-from services.recorder.errors import LogWriteError
-from services.recorder.log_writer import LogWriter
+from passafe_services.log.errors import LogWriteError
+from passafe_services.log.log_writer import LogWriter
 folder = Path(sys.argv[1])
 folder.chmod(0o500)
 if os.geteuid() == 0:

@@ -8,17 +8,16 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-
-from protocol.codec import decode
-from protocol.messages import Event, Health, TopicHealth
-from protocol.topics import EVENT, HEALTH
-from services.review.continuity import TopicCount
-from services.review.log import RunLog
-from services.runtime.bus import Reader, open_bus
-from services.runtime.endpoint import Endpoint
-from services.runtime.outlet import Outlet
-from services.runtime.readiness import ready_line
-from services.scenarios.load import load_scenario
+from passafe_protocol.codec import decode
+from passafe_protocol.messages import Event, Health, TopicHealth
+from passafe_protocol.topics import EVENT, HEALTH
+from passafe_services.loop.bus import Reader, open_bus
+from passafe_services.loop.outlet import Outlet
+from passafe_services.loop.readiness import ready_line
+from passafe_services.loop.router_endpoint import RouterEndpoint
+from passafe_services.scenarios.load import load_scenario
+from passafe_services.tools.review.continuity import TopicCount
+from passafe_services.tools.review.run_log import RunLog
 
 ROOT = Path(__file__).parents[2]
 PATIENCE_S = 30.0
@@ -26,19 +25,19 @@ MESSAGES = 3000
 
 ROUTER = """
 import sys
-from services.router.process import run_router
+from passafe_services.router.process import run_router
 run_router(int(sys.argv[1]), lifeline=True)
 """
 RECORDER = """
 import sys
 from pathlib import Path
-from services.recorder.errors import LogFileError
-from services.recorder.log_writer import run_metadata
-from services.recorder.main import run_recorder
-from services.runtime.endpoint import Endpoint
+from passafe_services.log.errors import LogFileError
+from passafe_services.log.log_writer import run_metadata
+from passafe_services.recorder.process import run_recorder
+from passafe_services.loop.router_endpoint import RouterEndpoint
 metadata = run_metadata(scenario_json=sys.argv[3], versions={}, driver="live")
 try:
-    run_recorder(Endpoint(port=int(sys.argv[1])), Path(sys.argv[2]), metadata, lifeline=True)
+    run_recorder(RouterEndpoint(port=int(sys.argv[1])), Path(sys.argv[2]), metadata, lifeline=True)
 except LogFileError as error:
     sys.exit(str(error))
 """
@@ -74,16 +73,16 @@ def start() -> Iterator[Start]:
 
 
 @pytest.fixture
-def endpoint(start: Start) -> Endpoint:
+def endpoint(start: Start) -> RouterEndpoint:
     """A router's."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
     start("router", ROUTER, str(port))
-    return Endpoint(port=port)
+    return RouterEndpoint(port=port)
 
 
-def start_recorder(start: Start, endpoint: Endpoint, path: Path) -> "subprocess.Popen[str]":
+def start_recorder(start: Start, endpoint: RouterEndpoint, path: Path) -> "subprocess.Popen[str]":
     """Start a recorder of the paper's scenario that writes to ``path``."""
     scenario_json = load_scenario("notomista-cai-2020").model_dump_json()
     return start("recorder", RECORDER, str(endpoint.port), str(path), scenario_json)
@@ -104,7 +103,7 @@ def health_with(reader: Reader, received: int) -> TopicHealth:
     raise TimeoutError
 
 
-def test_every_message_of_the_bus_is_in_the_log(tmp_path: Path, start: Start, endpoint: Endpoint) -> None:
+def test_every_message_of_the_bus_is_in_the_log(tmp_path: Path, start: Start, endpoint: RouterEndpoint) -> None:
     path = tmp_path / "run.mcap"
     recorder = start_recorder(start, endpoint, path)
     with open_bus(endpoint) as bus:

@@ -9,15 +9,14 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-
-from protocol.codec import decode, encode
-from protocol.messages import Event, Header, Health, Message
-from protocol.topics import EVENT, HEALTH, Topic
-from services.recorder.errors import LogWriteError
-from services.recorder.log_reader import LogReader
-from services.recorder.log_writer import LogWriter
-from services.recorder.process import record
-from services.recorder.recover import recover
+from passafe_protocol.codec import decode, encode
+from passafe_protocol.messages import Event, Header, Health, Message
+from passafe_protocol.topics import EVENT, HEALTH, Topic
+from passafe_services.log.errors import LogWriteError
+from passafe_services.log.log_reader import LogReader
+from passafe_services.log.log_writer import LogWriter
+from passafe_services.recorder.record_loop import record
+from passafe_services.tools.recover import recover
 
 S = 1_000_000_000
 MS = 1_000_000

@@ -4,13 +4,12 @@ from pathlib import Path
 
 import pytest
 from mcap.reader import make_reader
-
-from protocol.codec import encode
-from protocol.messages import Event, Header, PlantPhase, PlantState, TopicHealth
-from protocol.topics import EVENT, STATE
-from services.recorder.log_writer import LogWriter
-from services.recorder.recording import Recording
-from services.recorder.wire_header import read_header
+from passafe_protocol.codec import encode
+from passafe_protocol.messages import Event, Header, PlantPhase, PlantState, TopicHealth
+from passafe_protocol.topics import EVENT, STATE
+from passafe_services.log.log_writer import LogWriter
+from passafe_services.log.wire_header import read_header
+from passafe_services.recorder.message_recorder import MessageRecorder
 
 NOW_NS = 5_000_000
 
@@ -20,10 +19,12 @@ def event(sequence: int, *, source: str = "plant", epoch: int = 1, wall_ns: int 
     return encode(header, Event("info", f"number {sequence}"))
 
 
-def recorded(tmp_path: Path, samples: list[tuple[str, bytes]]) -> tuple[Recording, list[tuple[str, int, int, bytes]]]:
+def recorded(
+    tmp_path: Path, samples: list[tuple[str, bytes]]
+) -> tuple[MessageRecorder, list[tuple[str, int, int, bytes]]]:
     path = tmp_path / "run.mcap"
     with LogWriter(path, {}) as log:
-        recording = Recording(log)
+        recording = MessageRecorder(log)
         recording.take(samples, NOW_NS)
     with path.open("rb") as stream:
         found = make_reader(stream).iter_messages(log_time_order=False)
@@ -43,7 +44,7 @@ def test_gaps_are_counted_per_key(tmp_path: Path) -> None:
 def test_what_is_not_valid_is_logged_at_the_time_of_its_arrival(tmp_path: Path) -> None:
     key = EVENT.key("plant")
     good = event(0)
-    other_version = good.replace(b"\x08\x01", b"\x08\x02", 1)
+    other_version = good.replace(b"\x08\x02", b"\x08\x03", 1)
     forged = event(1, source="filter")
     before_1970 = event(2, wall_ns=-1)
     bad = [good[:-1], b"", other_version, forged, before_1970]

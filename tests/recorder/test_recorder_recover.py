@@ -8,13 +8,12 @@ from hypothesis import strategies as st
 from mcap.reader import make_reader
 from mcap.records import Message
 from mcap.writer import CompressionType, Writer
-
-from protocol.codec import encode
-from protocol.messages import Event, Header
-from services.recorder.errors import LogReadError, LogWriteError
-from services.recorder.log_reader import LogReader
-from services.recorder.log_writer import LogWriter
-from services.recorder.recover import recover
+from passafe_protocol.codec import encode
+from passafe_protocol.messages import Event, Header
+from passafe_services.log.errors import LogReadError, LogWriteError
+from passafe_services.log.log_reader import LogReader
+from passafe_services.log.log_writer import LogWriter
+from passafe_services.tools.recover import recover
 
 WALL_NS = 1_763_800_000_000_000_000
 MS = 1_000_000

@@ -9,13 +9,13 @@ import sys
 import time
 from pathlib import Path
 
-from protocol.codec import encode
-from protocol.messages import Event, Header
-from protocol.topics import EVENT
-from services.recorder.errors import LogFileError
-from services.recorder.log_writer import LogWriter
-from services.recorder.process import record
-from services.runtime.stop import stop_requests
+from passafe_protocol.codec import encode
+from passafe_protocol.messages import Event, Header
+from passafe_protocol.topics import EVENT
+from passafe_services.log.errors import LogFileError
+from passafe_services.log.log_writer import LogWriter
+from passafe_services.loop.stop import stop_requests
+from passafe_services.recorder.record_loop import record
 
 PERIOD_NS = 250_000
 

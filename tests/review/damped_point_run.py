@@ -13,9 +13,8 @@ from typing import Any
 import numpy as np
 from msgspec.structs import replace
 from numpy.typing import NDArray
-
-from protocol.codec import encode
-from protocol.messages import (
+from passafe_protocol.codec import encode
+from passafe_protocol.messages import (
     Certificate,
     Consumed,
     FilterStatus,
@@ -27,14 +26,14 @@ from protocol.messages import (
     PlantPhase,
     PlantState,
 )
-from protocol.topics import TOPIC_OF_BODY
-from services.recorder.log_writer import LogWriter, run_metadata
-from services.scenarios.schema import Scenario
+from passafe_protocol.topics import TOPIC_OF_BODY
+from passafe_services.log.log_writer import LogWriter, run_metadata
+from passafe_services.scenarios.schema import Scenario
 
 SIGMA = 1.0
 PERIOD_NS = 1_000_000
 WALL_NS = 1_763_800_000_000_000_000
-PAPER = Path(__file__).parents[2] / "services" / "scenarios" / "notomista-cai-2020.toml"
+PAPER = Path(__file__).parents[2] / "services" / "passafe_services" / "scenarios" / "notomista-cai-2020.toml"
 
 CERTIFIED = Certificate("piqp", accepted=True, primal_residual=1e-12, dual_residual=1e-12, gap=1e-12)
 

@@ -5,10 +5,9 @@ from typing import Any
 import numpy as np
 import pytest
 from damped_point_run import DampedPoint, scenario
+from passafe_services.scenarios.schema import Scenario
+from passafe_services.tools.review.core_evaluator import CoreEvaluator
 from scipy.integrate import solve_ivp
-
-from services.review.core_mathematics import CoreMathematics
-from services.scenarios.schema import Scenario
 
 SAMPLES = 50
 T_S = np.linspace(0.0, 5.0, SAMPLES)
@@ -21,7 +20,7 @@ def samples() -> tuple[np.ndarray, np.ndarray]:
 
 
 def test_the_papers_robot_is_the_damped_point(samples: tuple[np.ndarray, np.ndarray]) -> None:
-    core, closed = CoreMathematics(scenario()), DampedPoint()
+    core, closed = CoreEvaluator(scenario()), DampedPoint()
     x, u = samples
     assert core.h(x, T_S) == pytest.approx(closed.h(x, T_S), abs=1e-12)
     assert core.power_margin(x, u) == pytest.approx(closed.power_margin(x, u), abs=1e-10)
@@ -34,7 +33,7 @@ def test_barriers_come_in_the_scenarios_order(samples: tuple[np.ndarray, np.ndar
     wall = {"kind": "half-plane", "name": "wall", "normal": (0, 1), "offset": -3}
     content["filter"]["barriers"] += (wall | {"class_k": content["filter"]["barriers"][0]["class_k"]},)
     x, _ = samples
-    h = CoreMathematics(Scenario.model_validate(content)).h(x, T_S)
+    h = CoreEvaluator(Scenario.model_validate(content)).h(x, T_S)
     assert h.shape == (2, SAMPLES)
     assert h[0] == pytest.approx(DampedPoint().h(x, T_S)[0])
     assert h[1] == pytest.approx(x[1] + 3)
@@ -42,7 +41,7 @@ def test_barriers_come_in_the_scenarios_order(samples: tuple[np.ndarray, np.ndar
 
 def test_without_barriers_there_is_nothing_to_keep(samples: tuple[np.ndarray, np.ndarray]) -> None:
     x, u = samples
-    core = CoreMathematics(scenario(barriers=[]))
+    core = CoreEvaluator(scenario(barriers=[]))
     assert core.h(x, T_S).shape == (0, SAMPLES)
     assert core.power_margin(x, u).shape == (SAMPLES,)
 
@@ -50,7 +49,7 @@ def test_without_barriers_there_is_nothing_to_keep(samples: tuple[np.ndarray, np
 def test_a_nonlinear_plant_flows_within_its_stated_accuracy(samples: tuple[np.ndarray, np.ndarray]) -> None:
     content: dict[str, Any] = scenario().model_dump()
     content["plant"] |= {"model": "drag-point", "parameters": {"sigma": 0.5, "drag": 0.5}}
-    core = CoreMathematics(Scenario.model_validate(content))
+    core = CoreEvaluator(Scenario.model_validate(content))
     x, u = samples
     reached = core.flow(x, u, 1e-3)
     for k in range(0, SAMPLES, 10):

@@ -4,11 +4,10 @@ from pathlib import Path
 
 import pytest
 from damped_point_run import PERIOD_NS, WALL_NS, DampedPoint, Run, header, rollout
-
-from protocol.messages import PlantPhase, PlantState
-from services.review.disarmings import disarmings
-from services.review.log import RunLog
-from services.review.verdict import Verdict
+from passafe_protocol.messages import PlantPhase, PlantState
+from passafe_services.tools.review.run_log import RunLog
+from passafe_services.tools.review.sequence_breaks import sequence_breaks
+from passafe_services.tools.review.verdict import Verdict
 
 WAITING, RUNNING, HOLDING, FAIL_SAFE = PlantPhase
 
@@ -32,7 +31,7 @@ def wall_ns(step: int) -> int:
 
 def test_a_disarming_lasts_from_the_first_missing_input_to_the_next_one(tmp_path: Path) -> None:
     run = run_of(WAITING, WAITING, RUNNING, HOLDING, HOLDING, FAIL_SAFE, FAIL_SAFE, RUNNING, RUNNING, HOLDING, RUNNING)
-    first, second = disarmings(read(run, tmp_path).of(PlantState))
+    first, second = sequence_breaks(read(run, tmp_path).of(PlantState))
     assert first == (0.003, wall_ns(3), wall_ns(5), wall_ns(7), 0.007)
     assert second == (0.009, wall_ns(9), None, wall_ns(10), 0.010)
     assert first.length_s(99.0) == pytest.approx(0.004)
@@ -40,7 +39,7 @@ def test_a_disarming_lasts_from_the_first_missing_input_to_the_next_one(tmp_path
 
 def test_one_that_does_not_end_lasts_until_the_end_of_the_log(tmp_path: Path) -> None:
     log = read(run_of(RUNNING, RUNNING, FAIL_SAFE, FAIL_SAFE, FAIL_SAFE), tmp_path)
-    [only] = disarmings(log.of(PlantState))
+    [only] = sequence_breaks(log.of(PlantState))
     assert only == (0.002, wall_ns(2), wall_ns(2), None, None)
     verdict = Verdict.of(log, DampedPoint())
     assert verdict.disarmings == 1
@@ -54,7 +53,7 @@ def test_a_plant_that_waits_is_not_disarmed_and_another_plant_is_another_story(t
         run.add(header("plant", step, epoch=2), body)
         run.replace(-1, phase=phase)
     log = read(run, tmp_path)
-    [only] = disarmings(log.of(PlantState))
+    [only] = sequence_breaks(log.of(PlantState))
     assert only.armed_s is None
     verdict = Verdict.of(log, DampedPoint())
     assert verdict.sessions == {"operator": 1, "filter": 1, "plant": 2}
@@ -62,4 +61,4 @@ def test_a_plant_that_waits_is_not_disarmed_and_another_plant_is_another_story(t
 
 
 def test_no_state_is_no_disarming() -> None:
-    assert disarmings([]) == []
+    assert sequence_breaks([]) == []

@@ -3,8 +3,7 @@
 import casadi as ca
 import numpy as np
 import pytest
-
-from services.review.elementwise import Elementwise
+from passafe_services.tools.review.elementwise import Elementwise
 
 COLUMNS = 64
 a, b = ca.SX.sym("a"), ca.SX.sym("b")

@@ -5,18 +5,17 @@ from pathlib import Path
 
 import pytest
 from msgspec.structs import replace
-
-from protocol.codec import encode
-from protocol.messages import Header, LinkEvent, LinkSource, LinkState, Message, OperatorCommand
-from protocol.topics import LINKS, Topic
-from services.assembly import lockstep_loop, steps_of
-from services.recorder.log_writer import LogWriter, run_metadata
-from services.review.core_mathematics import CoreMathematics
-from services.review.link_accounts import LinkAccount, link_accounts
-from services.review.log import RunLog
-from services.review.verdict import Verdict
-from services.scenarios.load import load_scenario
-from services.scenarios.schema import Scenario
+from passafe_protocol.codec import encode
+from passafe_protocol.messages import Header, LinkEvent, LinkSource, LinkState, Message, OperatorCommand
+from passafe_protocol.topics import LINKS, Topic
+from passafe_services.log.log_writer import LogWriter, run_metadata
+from passafe_services.scenarios.load import load_scenario
+from passafe_services.scenarios.schema import Scenario
+from passafe_services.simulation import lockstep_loop, steps_of
+from passafe_services.tools.review.core_evaluator import CoreEvaluator
+from passafe_services.tools.review.link_accounts import LinkAccount, link_accounts
+from passafe_services.tools.review.run_log import RunLog
+from passafe_services.tools.review.verdict import Verdict
 
 EVERYTHING = {
     "delay_s": 0.02,
@@ -112,8 +111,8 @@ def test_every_link_of_a_bad_run_is_accounted_for_exactly(run: Simulated, driver
 
 
 def test_the_verdict_tells_it_and_needs_it(run: Simulated) -> None:
-    good = Verdict.of(run.log(), CoreMathematics(run.scenario))
-    bad = Verdict.of(run.log(changed(LinkState, -1, dropped_loss=0)), CoreMathematics(run.scenario))
+    good = Verdict.of(run.log(), CoreEvaluator(run.scenario))
+    bad = Verdict.of(run.log(changed(LinkState, -1, dropped_loss=0)), CoreEvaluator(run.scenario))
 
     assert good.properties["links-reconciled"].holds is True
     assert good.properties["links-reconciled"].required
@@ -125,7 +124,7 @@ def test_the_verdict_tells_it_and_needs_it(run: Simulated) -> None:
 
 def test_a_log_without_states_is_not_judged(run: Simulated) -> None:
     log = run.log(lambda sent: [each for each in sent if not isinstance(each[2], LinkState)])
-    verdict = Verdict.of(log, CoreMathematics(run.scenario))
+    verdict = Verdict.of(log, CoreEvaluator(run.scenario))
 
     assert verdict.links == []
     assert (verdict.properties["links-reconciled"].holds, verdict.properties["links-reconciled"].required) == (

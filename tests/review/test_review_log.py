@@ -6,9 +6,8 @@ from pathlib import Path
 import pytest
 from damped_point_run import PERIOD_NS, Run, header, rollout, scenario, state, tick
 from mcap.writer import Writer
-
-from protocol.codec import encode
-from protocol.messages import (
+from passafe_protocol.codec import encode
+from passafe_protocol.messages import (
     Event,
     FilterTick,
     Health,
@@ -16,11 +15,11 @@ from protocol.messages import (
     PlantState,
     ScenarioInfo,
 )
-from protocol.topics import STATE
-from services.recorder.log_writer import LogWriter, run_metadata
-from services.recorder.recover import recover
-from services.review.errors import ForeignLogError, ReviewError, ScenarioRecordError, UnreadableLogError
-from services.review.log import RunLog
+from passafe_protocol.topics import STATE
+from passafe_services.log.log_writer import LogWriter, run_metadata
+from passafe_services.tools.recover import recover
+from passafe_services.tools.review.errors import ForeignLogError, ReviewError, ScenarioRecordError, UnreadableLogError
+from passafe_services.tools.review.run_log import RunLog
 
 
 def small_run() -> Run:
@@ -80,7 +79,7 @@ def test_what_is_missing_at_the_start_of_a_second_session_is_a_gap_of_the_run(tm
 
 def test_messages_that_are_not_valid_are_counted(tmp_path: Path) -> None:
     good = encode(header("plant", 0), state(0, (1, 2, 3, 4), (5, 6)))
-    other_version = good.replace(b"\x08\x01", b"\x08\x02", 1)
+    other_version = good.replace(b"\x08\x02", b"\x08\x03", 1)
     path = tmp_path / "run.mcap"
     metadata = run_metadata(scenario_json=scenario().model_dump_json(), versions={}, driver="live")
     with LogWriter(path, metadata) as log:

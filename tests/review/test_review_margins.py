@@ -7,10 +7,9 @@ import pytest
 from damped_point_run import DampedPoint, header, scenario, state
 from hypothesis import given
 from hypothesis import strategies as st
-
-from services.review.continuity import Logged
-from services.review.margins import Extremum, Margins, tank_ledger
-from services.review.trajectory import Trajectory
+from passafe_services.tools.review.between_samples import Extremum, RecomputedMargins, tank_ledger
+from passafe_services.tools.review.continuity import Logged
+from passafe_services.tools.review.trajectory import Trajectory
 
 T = np.array([0.0, 1.0, 2.0])
 
@@ -61,7 +60,7 @@ def test_the_ledger_never_passes_its_maximum_and_never_gains_more_than_was_given
 
 def test_a_single_sample_has_margins_and_nothing_between() -> None:
     trajectory = Trajectory.of([Logged(header("plant", 0), state(3, (2, 0, 1, 0), (0, 0)))])
-    margins = Margins.of(trajectory, DampedPoint(), scenario().filter.passivity, 10)
+    margins = RecomputedMargins.of(trajectory, DampedPoint(), scenario().filter.passivity, 10)
     assert margins.h_min == margins.h_min_at_samples == Extremum(3.0, 0.003)
     assert margins.power_margin_min == Extremum(-2.0, 0.003)
     assert margins.mismatch_max is None
@@ -78,7 +77,7 @@ class TwoDisks(DampedPoint):
 @pytest.mark.parametrize(("to", "nearest"), [(1.2, 0), (1.8, 1)])
 def test_the_barrier_that_came_nearest_is_told_by_its_number(to: float, nearest: int) -> None:
     way = [Logged(header("plant", k), state(k, (1.5 + (to - 1.5) * k / 9, 0, 0, 0), (0, 0))) for k in range(10)]
-    margins = Margins.of(Trajectory.of(way), TwoDisks(), scenario().filter.passivity, 4)
+    margins = RecomputedMargins.of(Trajectory.of(way), TwoDisks(), scenario().filter.passivity, 4)
 
     assert margins.h_min_barrier == nearest
     assert margins.h_min is not None

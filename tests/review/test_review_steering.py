@@ -5,16 +5,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-from services.assembly import lockstep_loop, steps_of
-from services.recorder.lockstep_log import LockstepLog
-from services.recorder.log_writer import LogWriter, run_metadata
-from services.review.core_mathematics import CoreMathematics
-from services.review.log import RunLog
-from services.review.steering import Leg, Steering
-from services.review.verdict import Verdict
-from services.scenarios.load import load_scenario
-from services.scenarios.source_schema import Target
+from passafe_services.log.log_writer import LogWriter, run_metadata
+from passafe_services.recorder.lockstep_log import LockstepLog
+from passafe_services.scenarios.load import load_scenario
+from passafe_services.scenarios.source_schema import Target
+from passafe_services.simulation import lockstep_loop, steps_of
+from passafe_services.tools.review.core_evaluator import CoreEvaluator
+from passafe_services.tools.review.run_log import RunLog
+from passafe_services.tools.review.steering import Leg, Steering
+from passafe_services.tools.review.verdict import Verdict
 
 T_S = np.linspace(0.0, 8.0, 8001)
 HERE = Target(at_s=0.0, position=(0.0, 0.0))
@@ -118,7 +117,7 @@ def test_a_review_scores_a_person_and_nobody_else(tmp_path: Path) -> None:
         with LogWriter(tmp_path / f"{name}.mcap", metadata) as log:
             lockstep_loop(scenario, observer=LockstepLog(log)).run(steps_of(scenario))
         read = RunLog.read(tmp_path / f"{name}.mcap")
-        verdicts.append(Verdict.of(read, CoreMathematics(scenario)))
+        verdicts.append(Verdict.of(read, CoreEvaluator(scenario)))
 
     assert verdicts[1].steering is None
     scores = verdicts[0].steering

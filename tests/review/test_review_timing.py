@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from damped_point_run import PERIOD_NS, Run, header, rollout, tick
 from msgspec.structs import replace
-
-from protocol.messages import FilterTick, OperatorCommand, PlantInput, PlantState
-from services.review.continuity import Logged
-from services.review.log import RunLog
-from services.review.timing import Spread, Timing, ticks_missed
+from passafe_protocol.messages import FilterTick, OperatorCommand, PlantInput, PlantState
+from passafe_services.tools.review.continuity import Logged
+from passafe_services.tools.review.run_log import RunLog
+from passafe_services.tools.review.timing import Percentiles, Timing, ticks_missed
 
 US = 1_000
 STEPS = 101
@@ -55,7 +54,7 @@ def test_solve_time_is_the_filter_step_up_to_its_input(tmp_path: Path) -> None:
         head, body = run.sent[index]
         run.sent[index] = (replace(head, sent_ns=head.sent_ns + 500 * US), body)
     solve = Timing.of(read(run, tmp_path)).solve_us
-    assert solve == Spread(p50=20, p99=20, p99_9=20, max=20)
+    assert solve == Percentiles(p50=20, p99=20, p99_9=20, max=20)
 
 
 def test_command_age_leaves_out_ticks_before_the_first_command(tmp_path: Path) -> None:
@@ -80,7 +79,7 @@ def test_from_operator_to_plant_counts_until_the_input_is_applied(tmp_path: Path
         assert isinstance(body, PlantState)
         late.replace(index, applied_tick=max(body.applied_tick - 2, 0))  # two periods later
     assert Timing.of(read(late, tmp_path)).operator_to_plant_ms == pytest.approx(
-        Spread(p50=4.975, p99=4.975, p99_9=4.975, max=4.975), abs=1e-9
+        Percentiles(p50=4.975, p99=4.975, p99_9=4.975, max=4.975), abs=1e-9
     )
 
 
@@ -119,4 +118,4 @@ def test_inputs_alone_are_enough_for_the_solve_time(tmp_path: Path) -> None:
     run = Run()
     head = replace(header("filter", 0), sent_ns=42 * US)
     run.add(head, PlantInput(1, (0.0, 0.0), 0, PERIOD_NS))
-    assert Timing.of(read(run, tmp_path)).solve_us == Spread(p50=42, p99=42, p99_9=42, max=42)
+    assert Timing.of(read(run, tmp_path)).solve_us == Percentiles(p50=42, p99=42, p99_9=42, max=42)

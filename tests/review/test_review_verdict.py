@@ -7,12 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from damped_point_run import PERIOD_NS, DampedPoint, Run, header, rollout, scenario, state
-
-from protocol.messages import Certificate, FilterStatus, FilterTick, PlantInput, PlantPhase, PlantState
-from services.review.errors import MismatchedLogError
-from services.review.log import RunLog
-from services.review.properties import Property, Tolerances
-from services.review.verdict import Verdict, decide
+from passafe_protocol.messages import Certificate, FilterStatus, FilterTick, PlantInput, PlantPhase, PlantState
+from passafe_services.tools.review.errors import MismatchedLogError
+from passafe_services.tools.review.properties import Property, Tolerances
+from passafe_services.tools.review.run_log import RunLog
+from passafe_services.tools.review.verdict import Verdict, decide
 
 REST = (0.0, 0.0)
 

@@ -11,8 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-
-from services.runtime.readiness import ready_line
+from passafe_services.loop.readiness import ready_line
 
 TOY = Path(__file__).with_name("toy_process.py")
 PATIENCE_S = 20.0

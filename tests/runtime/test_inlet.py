@@ -5,16 +5,15 @@ from collections.abc import Sequence
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from protocol.codec import encode
-from protocol.errors import ProtocolError
-from protocol.link_settings import LinkSettings
-from protocol.message_link import MessageLink
-from protocol.messages import Header, LinkEvent, OperatorCommand, Received, TopicHealth
-from protocol.topics import COMMAND, INPUT, Topic
-from services.runtime.errors import LinkNameError
-from services.runtime.inlet import Inlet, inlets_of, take_all
-from services.runtime.node import Outgoing
+from passafe_protocol.codec import encode
+from passafe_protocol.errors import ProtocolError
+from passafe_protocol.link_settings import LinkSettings
+from passafe_protocol.message_link import MessageLink
+from passafe_protocol.messages import Header, LinkEvent, OperatorCommand, Received, TopicHealth
+from passafe_protocol.topics import COMMAND, INPUT, Topic
+from passafe_services.loop.errors import LinkNameError
+from passafe_services.loop.inlet import Inlet, inlets_of, take_all
+from passafe_services.node import Outgoing
 
 BODY = OperatorCommand((1.0, 2.0), (), enabled=True, device="constant")
 MS = 1_000_000

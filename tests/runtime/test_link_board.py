@@ -1,11 +1,10 @@
 """Newest states of links, and answers to requests."""
 
 from msgspec.structs import replace
-
-from protocol.link_settings import LinkSettings
-from protocol.message_link import MessageLink
-from protocol.messages import Header, LinkState
-from services.runtime.link_board import LinkBoard
+from passafe_protocol.link_settings import LinkSettings
+from passafe_protocol.message_link import MessageLink
+from passafe_protocol.messages import Header, LinkState
+from passafe_services.loop.link_board import LinkBoard
 
 STATE = MessageLink("plant-to-filter", LinkSettings()).state("period", ())
 

@@ -1,10 +1,11 @@
 """Planned changes of links, and when their states are told."""
 
-from protocol.link_settings import LinkSettings
-from protocol.link_wire import parameters_of
-from protocol.message_link import MessageLink
-from protocol.messages import Header, LinkConfig, LinkSource
-from services.runtime.link_control import LinkChange, LinkControl
+from passafe_protocol.link_change import LinkChange
+from passafe_protocol.link_settings import LinkSettings
+from passafe_protocol.link_wire import parameters_of
+from passafe_protocol.message_link import MessageLink
+from passafe_protocol.messages import Header, LinkConfig, LinkSource
+from passafe_services.loop.link_control import LinkControl
 
 S = 1_000_000_000
 START = 7 * S

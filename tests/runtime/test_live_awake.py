@@ -6,10 +6,9 @@ import time
 from pathlib import Path
 
 import pytest
-
-from services.runtime.awake import awake_specs
-from services.runtime.outcome import Cause
-from services.runtime.supervisor import supervise
+from passafe_services.loop.keep_awake import awake_specs
+from passafe_services.loop.process_exit import ExitCause
+from passafe_services.loop.supervisor import supervise
 
 pytestmark = [pytest.mark.live, pytest.mark.skipif(sys.platform != "linux", reason="SCHED_IDLE is Linux's")]
 
@@ -39,5 +38,5 @@ def test_it_stays_on_its_processor_at_the_lowest_priority_and_ends_when_asked() 
             time.sleep(0.01)
 
     outcome = supervise(awake_specs()[:1], duration_s=0.0, on_ready=look)
-    assert outcome.cause is Cause.DURATION
+    assert outcome.cause is ExitCause.DURATION
     assert outcome.clean, outcome

@@ -8,13 +8,12 @@ from contextlib import suppress
 
 import pytest
 import zenoh
-
-from protocol.codec import decode, encode
-from protocol.messages import Header, OperatorCommand
-from protocol.topics import COMMAND, INPUT, LINK_CONFIG
-from services.runtime.bus import Bus, LogReader, Reader, open_bus
-from services.runtime.endpoint import Endpoint
-from services.runtime.errors import BusError, PublisherError
+from passafe_protocol.codec import decode, encode
+from passafe_protocol.messages import Header, OperatorCommand
+from passafe_protocol.topics import COMMAND, INPUT, LINK_CONFIG
+from passafe_services.loop.bus import Bus, Reader, RecordingReader, open_bus
+from passafe_services.loop.errors import BusError, PublisherError
+from passafe_services.loop.router_endpoint import RouterEndpoint
 
 pytestmark = pytest.mark.live
 
@@ -22,19 +21,19 @@ PATIENCE_S = 20.0
 
 
 @pytest.fixture
-def endpoint(router: object, port: int) -> Endpoint:
+def endpoint(router: object, port: int) -> RouterEndpoint:
     del router
-    return Endpoint(port=port)
+    return RouterEndpoint(port=port)
 
 
 @pytest.fixture
-def sender(endpoint: Endpoint) -> Iterator[Bus]:
+def sender(endpoint: RouterEndpoint) -> Iterator[Bus]:
     with open_bus(endpoint) as bus:
         yield bus
 
 
 @pytest.fixture
-def receiver(endpoint: Endpoint) -> Iterator[Bus]:
+def receiver(endpoint: RouterEndpoint) -> Iterator[Bus]:
     with open_bus(endpoint) as bus:
         yield bus
 
@@ -55,7 +54,7 @@ def message(sequence: int) -> bytes:
     return encode(header, OperatorCommand((float(sequence),), (), enabled=True, device="test"))
 
 
-def wait_for_reader(put: Callable[[bytes], None], reader: Reader | LogReader) -> None:
+def wait_for_reader(put: Callable[[bytes], None], reader: Reader | RecordingReader) -> None:
     """Until what is put arrives: a declaration takes a moment to reach the other side."""
     end = time.monotonic() + PATIENCE_S
     while not reader.drain():
@@ -139,7 +138,7 @@ def test_a_log_reader_is_given_what_it_lost(start: Callable, router: object, por
 def test_a_publisher_goes_on_without_router_and_is_heard_when_it_is_back(start: Callable, port: int) -> None:
     first = start("router", "--port", port)
     first.wait_ready("router")
-    with open_bus(Endpoint(port=port)) as sender, open_bus(Endpoint(port=port)) as receiver:
+    with open_bus(RouterEndpoint(port=port)) as sender, open_bus(RouterEndpoint(port=port)) as receiver:
         reader = receiver.reader(COMMAND)
         put = sender.publisher(COMMAND, "operator")
         wait_for_reader(put, reader)
@@ -162,9 +161,9 @@ def put_for(put: Callable[[bytes], None], sequences: range) -> None:
 
 
 def test_a_log_reader_that_nobody_reads_any_more_does_not_keep_its_session_from_ending(
-    sender: Bus, endpoint: Endpoint, monkeypatch: pytest.MonkeyPatch
+    sender: Bus, endpoint: RouterEndpoint, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("services.runtime.bus.LOG_QUEUE", 16)
+    monkeypatch.setattr("passafe_services.loop.bus.LOG_QUEUE", 16)
     put = sender.publisher(COMMAND, "operator")
     with open_bus(endpoint) as receiver:
         wait_for_reader(put, receiver.log_reader())
@@ -179,7 +178,7 @@ def test_a_log_reader_is_given_what_was_put_while_there_was_no_router(start: Cal
     first.wait_ready("router")
     recorder = start("recorder", "--port", port)
     recorder.wait_ready("recorder")
-    with open_bus(Endpoint(port=port)) as sender:
+    with open_bus(RouterEndpoint(port=port)) as sender:
         put = sender.publisher(COMMAND, "operator")
         put_for(put, range(200))
         os.kill(first.pid, signal.SIGKILL)
@@ -205,7 +204,7 @@ def test_a_long_message_is_not_dropped_for_its_length(sender: Bus, receiver: Bus
 def test_no_router_is_an_error_in_bounded_time(port: int) -> None:
     began = time.monotonic()
     text = rf"tcp/127.0.0.1:{port}: no router answered within 0.3 s"
-    with pytest.raises(BusError, match=text), open_bus(Endpoint(port=port), timeout_s=0.3):
+    with pytest.raises(BusError, match=text), open_bus(RouterEndpoint(port=port), timeout_s=0.3):
         pass
     assert time.monotonic() - began < 5.0
 
@@ -215,7 +214,7 @@ def test_a_process_publishes_its_own_topics_only(sender: Bus) -> None:
         sender.publisher(INPUT, "operator")
 
 
-def test_the_session_is_closed_after_an_exception(endpoint: Endpoint) -> None:
+def test_the_session_is_closed_after_an_exception(endpoint: RouterEndpoint) -> None:
     with suppress(ZeroDivisionError), open_bus(endpoint) as bus:
         raise ZeroDivisionError
     with pytest.raises(zenoh.ZError):

@@ -8,13 +8,12 @@ from collections.abc import Callable, Iterator
 from contextlib import suppress
 
 import pytest
-
-from protocol.codec import decode
-from protocol.errors import ProtocolError
-from protocol.messages import Event, Header, Health, LinkEvent, Message
-from protocol.topics import COMMAND, TOPIC_OF_NAME
-from services.runtime.bus import Bus, open_bus
-from services.runtime.endpoint import Endpoint
+from passafe_protocol.codec import decode
+from passafe_protocol.errors import ProtocolError
+from passafe_protocol.messages import Event, Header, Health, LinkEvent, Message
+from passafe_protocol.topics import COMMAND, TOPIC_OF_NAME
+from passafe_services.loop.bus import Bus, open_bus
+from passafe_services.loop.router_endpoint import RouterEndpoint
 
 pytestmark = pytest.mark.live
 
@@ -45,7 +44,7 @@ class Log:
 @pytest.fixture
 def bus(router: object, port: int) -> Iterator[Bus]:
     del router
-    with open_bus(Endpoint(port=port)) as bus:
+    with open_bus(RouterEndpoint(port=port)) as bus:
         yield bus
 
 
@@ -202,7 +201,7 @@ def test_no_router_is_one_clear_error(start: Callable, port: int) -> None:
 def test_it_says_when_it_started_and_that_the_router_was_started_again(start: Callable, port: int) -> None:
     first = start("router", "--port", port)
     first.wait_ready("router")
-    with open_bus(Endpoint(port=port)) as bus:
+    with open_bus(RouterEndpoint(port=port)) as bus:
         log = Log(bus)
         operator = start("operator", "--port", port, "--lifeline")
         operator.wait_ready("operator")

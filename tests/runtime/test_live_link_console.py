@@ -8,17 +8,16 @@ from contextlib import suppress
 
 import pytest
 from msgspec.structs import replace
-
-from protocol.codec import decode
-from protocol.errors import ProtocolError
-from protocol.link_settings import LinkSettings
-from protocol.link_wire import parameters_of, settings_of
-from protocol.messages import Header, LinkConfig, LinkState, Message
-from protocol.topics import INPUT, LINK_CONFIG, LINK_EVENT, LINK_STATE
-from services.runtime.bus import open_bus
-from services.runtime.endpoint import Endpoint
-from services.runtime.errors import LinkNameError, LinkRefusedError, LinkSilentError
-from services.runtime.link_console import LinkConsole, open_link_console
+from passafe_protocol.codec import decode
+from passafe_protocol.errors import ProtocolError
+from passafe_protocol.link_settings import LinkSettings
+from passafe_protocol.link_wire import parameters_of, settings_of
+from passafe_protocol.messages import Header, LinkConfig, LinkState, Message
+from passafe_protocol.topics import INPUT, LINK_CONFIG, LINK_EVENT, LINK_STATE
+from passafe_services.loop.bus import open_bus
+from passafe_services.loop.errors import LinkNameError, LinkRefusedError, LinkSilentError
+from passafe_services.loop.link_console import LinkConsole, open_link_console
+from passafe_services.loop.router_endpoint import RouterEndpoint
 
 pytestmark = pytest.mark.live
 
@@ -30,7 +29,7 @@ class Ear:
     """Hears every message of every topic."""
 
     def __init__(self, port: int) -> None:
-        self._opened = open_bus(Endpoint(port=port))
+        self._opened = open_bus(RouterEndpoint(port=port))
         self._reader = self._opened.__enter__().log_reader()
         self.heard: list[tuple[Header, Message]] = []
 
@@ -64,7 +63,7 @@ def ear(router: object, port: int) -> Iterator[Ear]:
 @pytest.fixture
 def console(router: object, port: int) -> Iterator[LinkConsole]:
     del router
-    with open_link_console(Endpoint(port=port), answer_s=PATIENCE_S) as opened:
+    with open_link_console(RouterEndpoint(port=port), answer_s=PATIENCE_S) as opened:
         yield opened
 
 
@@ -128,7 +127,7 @@ def test_contradictions_are_refused_with_the_reason(
 
 def test_silence_is_told_in_time(port: int, router: object) -> None:
     del router
-    with open_link_console(Endpoint(port=port), answer_s=0.7) as console:
+    with open_link_console(RouterEndpoint(port=port), answer_s=0.7) as console:
         began = time.monotonic()
         with pytest.raises(LinkSilentError, match=r"no answer from plant within 0\.7 s: is it running"):
             console.configure("filter-to-plant", parameters_of(LinkSettings()))

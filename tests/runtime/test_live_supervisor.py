@@ -11,9 +11,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-
-from services.runtime.outcome import Cause, ProcessSpec, Restarts
-from services.runtime.supervisor import supervise
+from passafe_services.loop.process_exit import ExitCause, ProcessSpec, Restarts
+from passafe_services.loop.supervisor import supervise
 
 pytestmark = pytest.mark.live
 
@@ -95,7 +94,7 @@ def test_processes_start_in_order_and_stop_in_the_opposite_order(terminal: Termi
 
     specs = [toy("first"), toy("second"), toy("third")]
     outcome = supervise(specs, duration_s=0.0, emit=terminal, on_ready=look)
-    assert outcome.cause is Cause.DURATION
+    assert outcome.cause is ExitCause.DURATION
     assert outcome.clean
     assert [end.name for end in outcome.exits] == ["third", "second", "first"]
     assert list(terminal.pids) == ["first", "second", "third"]
@@ -115,7 +114,7 @@ def test_a_killed_process_is_noticed_named_and_nothing_stays_behind(terminal: Te
         os.kill(terminal.pids["plant"]["pid"], signal.SIGKILL)
 
     outcome = supervise([toy("router"), toy("plant"), toy("filter")], emit=terminal, on_ready=kill)
-    assert outcome.cause is Cause.DIED
+    assert outcome.cause is ExitCause.DIED
     assert outcome.culprit == "plant"
     assert outcome.detail == "plant died: killed by SIGKILL"
     assert [end.name for end in outcome.died] == ["plant"]
@@ -131,14 +130,14 @@ def test_a_killed_process_is_noticed_named_and_nothing_stays_behind(terminal: Te
 
 def test_a_process_that_fails_is_named_with_its_exit_code(terminal: Terminal) -> None:
     outcome = supervise([toy("plant"), toy("filter", "brief", "--code", 3)], emit=terminal)
-    assert (outcome.cause, outcome.culprit) == (Cause.DIED, "filter")
+    assert (outcome.cause, outcome.culprit) == (ExitCause.DIED, "filter")
     assert outcome.detail == "filter died: exit code 3"
     assert gone(terminal.all_pids)
 
 
 def test_a_process_that_leaves_ends_the_run_cleanly(terminal: Terminal) -> None:
     outcome = supervise([toy("plant"), toy("operator", "brief")], emit=terminal)
-    assert (outcome.cause, outcome.culprit) == (Cause.LEFT, "operator")
+    assert (outcome.cause, outcome.culprit) == (ExitCause.LEFT, "operator")
     assert outcome.clean
     assert outcome.died == ()
 
@@ -146,7 +145,7 @@ def test_a_process_that_leaves_ends_the_run_cleanly(terminal: Terminal) -> None:
 @pytest.mark.parametrize("signum", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_one_signal_stops_all_cleanly(terminal: Terminal, signum: int) -> None:
     outcome = supervise([toy("plant"), toy("filter")], emit=terminal, on_ready=lambda: os.kill(os.getpid(), signum))
-    assert outcome.cause is Cause.SIGNAL
+    assert outcome.cause is ExitCause.SIGNAL
     assert outcome.detail == f"stopped by {signal.Signals(signum).name}"
     assert outcome.clean
     assert gone(terminal.all_pids)
@@ -162,14 +161,14 @@ def test_a_second_signal_kills_at_once(terminal: Terminal) -> None:
         [toy("plant"), toy("filter", "stubborn", grace_s=60.0)], emit=terminal, on_ready=interrupt_twice
     )
     assert time.monotonic() - began < PATIENCE_S
-    assert outcome.cause is Cause.SIGNAL
+    assert outcome.cause is ExitCause.SIGNAL
     assert all(end.forced and end.returncode == -signal.SIGKILL for end in outcome.exits)
     assert gone(terminal.all_pids)
 
 
 def test_a_process_that_ignores_sigterm_is_killed_with_what_it_started(terminal: Terminal) -> None:
     outcome = supervise([toy("plant"), toy("filter", "stubborn", grace_s=0.2)], duration_s=0.0, emit=terminal)
-    assert outcome.cause is Cause.DURATION
+    assert outcome.cause is ExitCause.DURATION
     assert not outcome.clean
     assert [(end.name, end.forced) for end in outcome.exits] == [("filter", True), ("plant", False)]
     assert "filter was killed: it did not end in 0.2 s" in terminal.texts
@@ -198,7 +197,7 @@ def test_a_process_that_dies_is_started_again_and_the_others_are_left_alone(term
         emit=terminal,
         on_ready=lambda: os.kill(terminal.pids["filter"]["pid"], signal.SIGKILL),
     )
-    assert outcome.cause is Cause.SIGNAL
+    assert outcome.cause is ExitCause.SIGNAL
     assert outcome.restarts == {"filter": 1}
     assert terminal.texts.count("filter died: killed by SIGKILL; started again") == 1
     assert [name for name, _ in terminal.said_pid] == ["router", "filter", "plant", "filter"]
@@ -245,7 +244,7 @@ def test_one_that_dies_too_often_ends_the_run(terminal: Terminal) -> None:
     terminal.on_pid = kill
     filter_spec = toy("filter", restarts=Restarts(most=2, within_s=600.0))
     outcome = supervise([toy("plant"), filter_spec], emit=terminal, on_ready=begin)
-    assert (outcome.cause, outcome.culprit) == (Cause.DIED, "filter")
+    assert (outcome.cause, outcome.culprit) == (ExitCause.DIED, "filter")
     assert outcome.detail == "filter died: killed by SIGKILL"
     assert outcome.restarts == {"filter": 2}
     assert not outcome.clean
@@ -266,13 +265,13 @@ def test_deaths_long_ago_do_not_count(terminal: Terminal) -> None:
         terminal.on_pid = kill
 
     outcome = supervise([toy("filter", restarts=Restarts(most=1, within_s=0.0))], emit=terminal, on_ready=begin)
-    assert outcome.cause is Cause.SIGNAL
+    assert outcome.cause is ExitCause.SIGNAL
     assert outcome.restarts == {"filter": 4}
 
 
 def test_a_process_that_leaves_is_not_started_again(terminal: Terminal) -> None:
     outcome = supervise([toy("plant"), toy("operator", "brief", restarts=Restarts())], emit=terminal)
-    assert (outcome.cause, outcome.culprit) == (Cause.LEFT, "operator")
+    assert (outcome.cause, outcome.culprit) == (ExitCause.LEFT, "operator")
     assert outcome.restarts == {}
 
 
@@ -283,7 +282,7 @@ def test_a_death_that_ends_the_run_is_not_covered_up_by_one_that_does_not(termin
         time.sleep(0.2)  # holds up the supervisor itself, so that it finds both ends at once
 
     outcome = supervise([toy("filter", restarts=Restarts()), toy("plant")], emit=terminal, on_ready=kill)
-    assert (outcome.cause, outcome.culprit) == (Cause.DIED, "plant")
+    assert (outcome.cause, outcome.culprit) == (ExitCause.DIED, "plant")
     assert gone(terminal.all_pids)
 
 
@@ -294,7 +293,7 @@ def test_time_goes_on_while_a_process_is_started_again(terminal: Terminal) -> No
         emit=terminal,
         on_ready=lambda: os.kill(terminal.pids["filter"]["pid"], signal.SIGKILL),
     )
-    assert outcome.cause is Cause.DURATION
+    assert outcome.cause is ExitCause.DURATION
     assert outcome.restarts == {"filter": 1}
     assert outcome.clean
     assert gone([pid for _, pid in terminal.said_pid])
@@ -303,7 +302,7 @@ def test_time_goes_on_while_a_process_is_started_again(terminal: Terminal) -> No
 def test_one_that_does_not_become_ready_again_is_killed_and_named(terminal: Terminal, tmp_path: Path) -> None:
     """It is ready the first time only: then it finds its mark."""
     code = (
-        "import json, os, pathlib, sys, time; from services.runtime.readiness import announce_ready; "
+        "import json, os, pathlib, sys, time; from passafe_services.loop.readiness import announce_ready; "
         "mark = pathlib.Path(sys.argv[1]); again = mark.exists(); mark.touch(); "
         "again or print(json.dumps({'pid': os.getpid()}), flush=True); again or announce_ready('filter'); "
         "time.sleep(60)"
@@ -319,7 +318,7 @@ def test_one_that_does_not_become_ready_again_is_killed_and_named(terminal: Term
         ready_timeout_s=5.0,
         on_ready=lambda: os.kill(terminal.pids["filter"]["pid"], signal.SIGKILL),
     )
-    assert outcome.cause is Cause.DIED
+    assert outcome.cause is ExitCause.DIED
     assert outcome.restarts == {"filter": 2}
     assert terminal.texts[1:] == [
         "filter died: killed by SIGKILL; started again",
@@ -333,7 +332,7 @@ def test_one_that_does_not_become_ready_again_is_killed_and_named(terminal: Term
 def test_a_process_that_is_not_ready_in_time_ends_the_run(terminal: Terminal) -> None:
     specs = [toy("plant"), toy("filter", "slow"), toy("operator")]
     outcome = supervise(specs, emit=terminal, ready_timeout_s=2.0)
-    assert (outcome.cause, outcome.culprit) == (Cause.NOT_READY, "filter")
+    assert (outcome.cause, outcome.culprit) == (ExitCause.NOT_READY, "filter")
     assert outcome.detail == "filter was not ready within 2 s"
     assert {end.name for end in outcome.exits} == {"plant", "filter"}
     assert gone(terminal.all_pids)
@@ -342,7 +341,7 @@ def test_a_process_that_is_not_ready_in_time_ends_the_run(terminal: Terminal) ->
 def test_a_program_that_does_not_exist_ends_the_run(terminal: Terminal) -> None:
     missing = ProcessSpec(name="filter", argv=("/nonexistent/program",))
     outcome = supervise([toy("plant"), missing], emit=terminal)
-    assert (outcome.cause, outcome.culprit) == (Cause.NOT_STARTED, "filter")
+    assert (outcome.cause, outcome.culprit) == (ExitCause.NOT_STARTED, "filter")
     assert "filter cannot be started: " in terminal.texts[-2] + terminal.texts[-1]
     assert [end.name for end in outcome.exits] == ["plant"]
     assert gone(terminal.all_pids)
@@ -360,7 +359,7 @@ def test_an_exception_of_the_caller_leaves_nothing_behind(terminal: Terminal) ->
 def test_lines_of_any_kind_and_length_are_relayed(terminal: Terminal) -> None:
     code = "import sys; sys.stdout.buffer.write(b'x' * 200_000 + b'\\n' + b'\\xff\\n' + b'no end')"
     outcome = supervise([ProcessSpec(name="talker", argv=(sys.executable, "-c", code))], emit=terminal)
-    assert outcome.cause is Cause.LEFT
+    assert outcome.cause is ExitCause.LEFT
     relayed = [line.removeprefix("talker | ") for line in terminal.texts if line.startswith("talker | ")]
     assert sum(line.count("x") for line in relayed) == 200_000
     assert relayed[-2:] == ["\N{REPLACEMENT CHARACTER}", "no end"]
@@ -368,8 +367,8 @@ def test_lines_of_any_kind_and_length_are_relayed(terminal: Terminal) -> None:
 
 SUPERVISOR = """
 import json, sys
-from services.runtime.outcome import ProcessSpec
-from services.runtime.supervisor import supervise
+from passafe_services.loop.process_exit import ProcessSpec
+from passafe_services.loop.supervisor import supervise
 specs = [ProcessSpec(name=name, argv=tuple(argv)) for name, argv in json.loads(sys.argv[1])]
 supervise(specs, on_ready=lambda: print("all are ready", flush=True))
 """

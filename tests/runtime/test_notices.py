@@ -1,13 +1,12 @@
-"""Notices in words."""
+"""RateLimitedLog in words."""
 
 import pytest
-
-from protocol.messages import Event
-from services.runtime.notices import PERIOD_NS, Notices
+from passafe_protocol.messages import Event
+from passafe_services.loop.rate_limited_log import PERIOD_NS, RateLimitedLog
 
 
 def test_a_kind_of_notice_is_told_once_and_then_counted(capsys: pytest.CaptureFixture[str]) -> None:
-    notices = Notices()
+    notices = RateLimitedLog()
     assert notices.notice("garbage", "warning", "got garbage", 0) == Event("warning", "got garbage")
     for now_ns in (1, 2, PERIOD_NS - 1):
         assert notices.notice("garbage", "warning", "got garbage", now_ns) is None
@@ -22,6 +21,6 @@ def test_a_kind_of_notice_is_told_once_and_then_counted(capsys: pytest.CaptureFi
 
 
 def test_kinds_have_limits_of_their_own() -> None:
-    notices = Notices()
+    notices = RateLimitedLog()
     assert notices.notice("a", "info", "first", 0) is not None
     assert notices.notice("b", "error", "second", 0) == Event("error", "second")

@@ -1,8 +1,7 @@
 """How a supervised run is told to have ended."""
 
 import pytest
-
-from services.runtime.outcome import Cause, Exit, Outcome
+from passafe_services.loop.process_exit import Exit, ExitCause, RunOutcome
 
 
 def ended(returncode: int, *, asked: bool = True, forced: bool = False) -> Exit:
@@ -26,28 +25,28 @@ def test_an_end_in_words(returncode: int, how: str) -> None:
 @pytest.mark.parametrize(
     ("cause", "end", "clean"),
     [
-        (Cause.DURATION, ended(0), True),
-        (Cause.SIGNAL, ended(0), True),
-        (Cause.LEFT, ended(0, asked=False), True),
-        (Cause.DIED, ended(0), False),
-        (Cause.NOT_READY, ended(0), False),
-        (Cause.NOT_STARTED, ended(0), False),
-        (Cause.DURATION, ended(1), False),
-        (Cause.DURATION, ended(-9, forced=True), False),
+        (ExitCause.DURATION, ended(0), True),
+        (ExitCause.SIGNAL, ended(0), True),
+        (ExitCause.LEFT, ended(0, asked=False), True),
+        (ExitCause.DIED, ended(0), False),
+        (ExitCause.NOT_READY, ended(0), False),
+        (ExitCause.NOT_STARTED, ended(0), False),
+        (ExitCause.DURATION, ended(1), False),
+        (ExitCause.DURATION, ended(-9, forced=True), False),
     ],
 )
-def test_what_is_a_clean_end(cause: Cause, end: Exit, clean: bool) -> None:
-    assert Outcome(cause=cause, culprit=None, detail="", exits=(end,)).clean is clean
+def test_what_is_a_clean_end(cause: ExitCause, end: Exit, clean: bool) -> None:
+    assert RunOutcome(cause=cause, culprit=None, detail="", exits=(end,)).clean is clean
 
 
 def test_who_died_is_told_from_who_was_stopped() -> None:
     ends = (ended(-9, asked=False), ended(0, asked=False), ended(-9, forced=True), ended(1))
-    assert Outcome(cause=Cause.DIED, culprit="plant", detail="", exits=ends).died == ends[:1]
+    assert RunOutcome(cause=ExitCause.DIED, culprit="plant", detail="", exits=ends).died == ends[:1]
 
 
 def test_a_process_that_was_started_again_is_counted_and_spoils_nothing() -> None:
     again = Exit(name="filter", returncode=-9, asked=False, forced=False, restarted=True)
-    outcome = Outcome(cause=Cause.SIGNAL, culprit=None, detail="", exits=(again, again, ended(0)))
+    outcome = RunOutcome(cause=ExitCause.SIGNAL, culprit=None, detail="", exits=(again, again, ended(0)))
     assert outcome.clean
     assert outcome.restarts == {"filter": 2}
     assert outcome.died == (again, again)

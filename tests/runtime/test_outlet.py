@@ -3,14 +3,13 @@
 from time import monotonic_ns, time_ns
 
 import pytest
-
-from protocol.codec import decode
-from protocol.errors import InvalidMessageError
-from protocol.messages import Event, Header, OperatorCommand
-from protocol.topics import COMMAND, EVENT, INPUT, Topic
-from services.runtime.bus import Put
-from services.runtime.errors import PublisherError
-from services.runtime.outlet import Outlet
+from passafe_protocol.codec import decode
+from passafe_protocol.errors import InvalidMessageError
+from passafe_protocol.messages import Event, Header, OperatorCommand
+from passafe_protocol.topics import COMMAND, EVENT, INPUT, Topic
+from passafe_services.loop.bus import Put
+from passafe_services.loop.errors import PublisherError
+from passafe_services.loop.outlet import Outlet
 
 
 class Wire:

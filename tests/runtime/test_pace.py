@@ -4,8 +4,7 @@ from itertools import pairwise
 
 from hypothesis import given
 from hypothesis import strategies as st
-
-from services.runtime.pace import Pace
+from passafe_services.loop.pace import Pace
 
 START_NS = 5_000_000_000
 PERIOD_NS = 1_000_000

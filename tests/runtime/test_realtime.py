@@ -4,11 +4,11 @@ import gc
 import subprocess
 import sys
 
-from services.runtime.realtime import LOOPS, quiet_collector
+from passafe_services.loop.realtime import LOOPS, quiet_collector
 
 ASK = """
 import os
-from services.runtime.realtime import request_realtime
+from passafe_services.loop.realtime import request_realtime
 reason = request_realtime({priority})
 granted = os.sched_getscheduler(0) == os.SCHED_FIFO
 print(granted, os.sched_getparam(0).sched_priority, reason)
@@ -36,7 +36,8 @@ def test_a_priority_that_the_system_does_not_know_is_a_refusal_and_no_error() ->
 
 def test_a_process_steps_aside_behind_every_loop_if_it_has_priority_at_all() -> None:
     aside = (
-        "\nfrom services.runtime.realtime import step_aside\nstep_aside()\nprint(os.sched_getparam(0).sched_priority)"
+        "\nfrom passafe_services.loop.realtime import step_aside\nstep_aside()"
+        "\nprint(os.sched_getparam(0).sched_priority)"
     )
     granted, priority, *_, after = asked_and(aside, 7).split()
     assert (granted, priority, after) in {("True", "7", "1"), ("False", "0", "0")}
@@ -45,7 +46,7 @@ def test_a_process_steps_aside_behind_every_loop_if_it_has_priority_at_all() -> 
 HAVE = "import os; print(*sorted(os.sched_getaffinity(0)))"
 OWN = """
 import os
-from services.runtime.realtime import own_processor
+from passafe_services.loop.realtime import own_processor
 os.sched_setaffinity(0, {processors})
 own_processor({name!r})
 print(*sorted(os.sched_getaffinity(0)))

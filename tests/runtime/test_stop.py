@@ -7,8 +7,7 @@ import sys
 import threading
 
 import pytest
-
-from services.runtime.stop import StopReason, stop_requests
+from passafe_services.loop.stop import StopReason, stop_requests
 
 
 @pytest.mark.parametrize("signum", [signal.SIGINT, signal.SIGTERM])
@@ -35,7 +34,7 @@ def test_the_first_reason_stays_and_waiting_again_returns_at_once() -> None:
 
 LIFELINE = """
 import sys
-import services.runtime.stop as stop_module
+import passafe_services.loop.stop as stop_module
 stop_module.LIFELINE_GRACE_S = 0.2
 with stop_module.stop_requests(lifeline=True) as stop:
     print("ready", flush=True)

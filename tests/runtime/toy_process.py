@@ -9,18 +9,18 @@ import sys
 import time
 from collections.abc import Sequence
 
-from protocol.codec import decode
-from protocol.link_settings import LinkSettings
-from protocol.messages import OperatorCommand, PlantInput, Received
-from protocol.topics import COMMAND, INPUT, TOPIC_OF_NAME
-from services.router.process import run_router
-from services.runtime.bus import Reader, open_bus
-from services.runtime.endpoint import Endpoint
-from services.runtime.errors import RuntimeFault
-from services.runtime.live import run_live
-from services.runtime.node import Outgoing
-from services.runtime.readiness import announce_ready
-from services.runtime.stop import stop_requests
+from passafe_protocol.codec import decode
+from passafe_protocol.link_settings import LinkSettings
+from passafe_protocol.messages import OperatorCommand, PlantInput, Received
+from passafe_protocol.topics import COMMAND, INPUT, TOPIC_OF_NAME
+from passafe_services.loop.bus import Reader, open_bus
+from passafe_services.loop.errors import RuntimeFault
+from passafe_services.loop.live import run_live
+from passafe_services.loop.readiness import announce_ready
+from passafe_services.loop.router_endpoint import RouterEndpoint
+from passafe_services.loop.stop import stop_requests
+from passafe_services.node import Outgoing
+from passafe_services.router.process import run_router
 
 FOREVER_S = 60.0
 
@@ -84,7 +84,7 @@ def live(options: argparse.Namespace) -> None:
     report = run_live(
         node,
         rate_hz=options.rate,
-        endpoint=Endpoint(port=options.port),
+        endpoint=RouterEndpoint(port=options.port),
         links={"operator-to-filter": LinkSettings(delay_s=options.delay, loss=options.loss)},
         duration_s=options.duration,
         epoch=options.epoch,
@@ -97,7 +97,7 @@ def live(options: argparse.Namespace) -> None:
 def record(options: argparse.Namespace) -> None:
     """Read everything; when the lifeline ends, say which numbers came by key."""
     numbers: dict[str, list[int]] = {}
-    with stop_requests(lifeline=True) as stop, open_bus(Endpoint(port=options.port)) as bus:
+    with stop_requests(lifeline=True) as stop, open_bus(RouterEndpoint(port=options.port)) as bus:
         lossless = bus.log_reader()
         ring = bus.reader(COMMAND)
         announce_ready("recorder")

@@ -3,10 +3,9 @@
 from typing import Any
 
 import pytest
-
-from services.scenarios.errors import ScenarioError
-from services.scenarios.load import load_scenario
-from services.scenarios.schema import Scenario
+from passafe_services.scenarios.errors import ScenarioError
+from passafe_services.scenarios.load import load_scenario
+from passafe_services.scenarios.schema import Scenario
 
 NAME = "notomista-cai-2020"
 CHAIN = [{"kind": "linear", "gain": 5.0}] * 3

@@ -1,10 +1,9 @@
 from pathlib import Path
 
 import pytest
-
-from services.scenarios.errors import ScenarioError, UnknownScenarioError, UnreadableScenarioError
-from services.scenarios.load import load_scenario, shipped_scenarios
-from services.scenarios.schema import Scenario
+from passafe_services.scenarios.errors import ScenarioError, UnknownScenarioError, UnreadableScenarioError
+from passafe_services.scenarios.load import load_scenario, shipped_scenarios
+from passafe_services.scenarios.schema import Scenario
 
 NAME = "notomista-cai-2020"
 

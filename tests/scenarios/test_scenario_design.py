@@ -1,12 +1,12 @@
 import casadi as ca
 import pytest
+from passafe_services.scenarios.design import barriers_of, design_of, robot_of, sampled_plant_of, storage_of, tank_of
+from passafe_services.scenarios.errors import ScenarioError
+from passafe_services.scenarios.load import load_scenario
+from passafe_services.scenarios.schema import Scenario
+from passafe_services.scenarios.single_barriers import POINTS
 
 from passafe import Cubic, DesignError, Law, Linear, Mode, Piecewise, SafetyPassivityFilter
-from services.scenarios.design import barriers_of, design_of, robot_of, sampled_plant_of, storage_of, tank_of
-from services.scenarios.errors import ScenarioError
-from services.scenarios.load import load_scenario
-from services.scenarios.schema import Scenario
-from services.scenarios.single_barriers import POINTS
 
 NAME = "notomista-cai-2020"
 

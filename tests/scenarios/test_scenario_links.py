@@ -6,16 +6,15 @@ from pathlib import Path
 from typing import Any, get_args
 
 import pytest
-
-from protocol.link_settings import DISTRIBUTIONS, RANGES, LinkSettings
-from protocol.topics import LINKS
-from services.runtime.link_control import LinkChange
-from services.scenarios.errors import LinkTraceError, ScenarioError
-from services.scenarios.link_schema import LinkConfig, LinkName
-from services.scenarios.link_trace import read_trace
-from services.scenarios.links import link_changes, link_settings
-from services.scenarios.load import load_scenario
-from services.scenarios.schema import Scenario
+from passafe_protocol.link_change import LinkChange
+from passafe_protocol.link_settings import DISTRIBUTIONS, RANGES, LinkSettings
+from passafe_protocol.topics import LINKS
+from passafe_services.scenarios.errors import LinkTraceError, ScenarioError
+from passafe_services.scenarios.link_schema import LinkName, ScenarioLink
+from passafe_services.scenarios.link_trace import read_trace
+from passafe_services.scenarios.links import link_changes, link_settings
+from passafe_services.scenarios.load import load_scenario
+from passafe_services.scenarios.schema import Scenario
 
 LINK = "plant-to-filter"
 
@@ -26,8 +25,8 @@ def load(**values: object) -> Scenario:
 
 def test_the_schema_knows_every_link_and_every_setting() -> None:
     assert set(get_args(LinkName)) == set(LINKS)
-    assert set(LinkConfig.model_fields) - {"trace"} == {f.name for f in fields(LinkSettings)} - {"trace_s"}
-    assert LinkConfig().settings() == LinkSettings()
+    assert set(ScenarioLink.model_fields) - {"trace"} == {f.name for f in fields(LinkSettings)} - {"trace_s"}
+    assert ScenarioLink().settings() == LinkSettings()
 
 
 @pytest.mark.parametrize("field", RANGES)

@@ -4,15 +4,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-from protocol.messages import FilterStatus, FilterTick, PlantInput
-from services.assembly import lockstep_loop
-from services.recorder.lockstep_log import LockstepLog
-from services.recorder.log_writer import LogWriter, run_metadata
-from services.review.core_mathematics import CoreMathematics
-from services.review.log import RunLog
-from services.review.verdict import Verdict
-from services.scenarios.load import load_scenario, shipped_scenarios
+from passafe_protocol.messages import FilterStatus, FilterTick, PlantInput
+from passafe_services.log.log_writer import LogWriter, run_metadata
+from passafe_services.recorder.lockstep_log import LockstepLog
+from passafe_services.scenarios.load import load_scenario, shipped_scenarios
+from passafe_services.simulation import lockstep_loop
+from passafe_services.tools.review.core_evaluator import CoreEvaluator
+from passafe_services.tools.review.run_log import RunLog
+from passafe_services.tools.review.verdict import Verdict
 
 SHORT_S = 3.0
 """Long enough for every robot to come to its first obstacle."""
@@ -25,7 +24,7 @@ def short_run(name: str, folder: Path) -> tuple[RunLog, Verdict]:
     with LogWriter(path, metadata) as log:
         lockstep_loop(scenario, observer=LockstepLog(log)).run(round(SHORT_S * scenario.rate_hz))
     read = RunLog.read(path)
-    return read, Verdict.of(read, CoreMathematics(scenario))
+    return read, Verdict.of(read, CoreEvaluator(scenario))
 
 
 @pytest.mark.parametrize("name", shipped_scenarios())

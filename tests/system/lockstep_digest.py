@@ -5,11 +5,11 @@ import json
 import sys
 from importlib import import_module
 
-from protocol.codec import encode
-from protocol.messages import Header, Message
-from protocol.topics import Topic
-from services.assembly import lockstep_loop
-from services.scenarios.load import load_scenario
+from passafe_protocol.codec import encode
+from passafe_protocol.messages import Header, Message
+from passafe_protocol.topics import Topic
+from passafe_services.scenarios.load import load_scenario
+from passafe_services.simulation import lockstep_loop
 
 LINKS = {  # each by another of a link's ways through
     "links.operator-to-filter": {"delay_s": 0.05},

@@ -31,7 +31,7 @@ class RunningDemo:
         self.router = f"127.0.0.1:{self.router_port}"
         ports = ("--router-port", str(self.router_port), "--port", str(free_port()))
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "services.cli", "demo", "--out", str(out), *ports, *arguments],
+            [sys.executable, "-P", "-m", "passafe_services.cli", "demo", "--out", str(out), *ports, *arguments],
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
@@ -63,7 +63,7 @@ class RunningDemo:
         found = {}
         for pid in Path(f"/proc/{self.process.pid}/task/{self.process.pid}/children").read_text().split():
             words = Path(f"/proc/{pid}/cmdline").read_bytes().decode().split("\0")
-            found[words[words.index("services.cli.run") + 1]] = int(pid)
+            found[words[words.index("passafe_services.cli.run") + 1]] = int(pid)
         return found
 
     def end(self, timeout_s: float = 60.0) -> int:

@@ -71,14 +71,15 @@ def test_loops_send_the_same_bytes_compiled_and_not(installed: Path) -> None:
 
 
 UNKNOWN_PHASE = """
-from protocol.checksum import sealed
-from protocol.codec import decode
-from protocol.errors import InvalidMessageError
-from protocol.passafe_pb2 import PlantState
-from protocol.topics import STATE
+from passafe_protocol.checksum import sealed
+from passafe_protocol.codec import decode
+from passafe_protocol.errors import InvalidMessageError
+from passafe_protocol.messages import SCHEMA_VERSION
+from passafe_protocol.passafe_pb2 import PlantState
+from passafe_protocol.topics import STATE
 
 message = PlantState(x=[1.0], phase=9)
-message.header.schema_version = 1
+message.header.schema_version = SCHEMA_VERSION
 message.header.source = "plant"
 try:
     decode(STATE, sealed(message.SerializeToString()))

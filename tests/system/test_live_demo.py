@@ -6,13 +6,12 @@ import time
 from pathlib import Path
 
 import pytest
+from passafe_protocol.messages import FilterTick, OperatorCommand, PlantState
+from passafe_services.tools.replay import replay_filter
+from passafe_services.tools.review.core_evaluator import CoreEvaluator
+from passafe_services.tools.review.run_log import RunLog
+from passafe_services.tools.review.verdict import Verdict
 from running_demo import all_gone, running_demo
-
-from protocol.messages import FilterTick, OperatorCommand, PlantState
-from services.review.core_mathematics import CoreMathematics
-from services.review.log import RunLog
-from services.review.restep import restep
-from services.review.verdict import Verdict
 
 pytestmark = pytest.mark.live
 
@@ -45,7 +44,7 @@ def test_a_live_run_ends_by_itself_with_a_verdict_and_the_logs_path(
 
 def test_a_live_log_shows_a_safe_and_passive_run(finished: tuple[RunLog, list[str], int]) -> None:
     log, _, _ = finished
-    verdict = Verdict.of(log, CoreMathematics(log.identity.scenario))
+    verdict = Verdict.of(log, CoreEvaluator(log.identity.scenario))
 
     assert verdict.duration_s == pytest.approx(3.0, abs=0.1)
     assert verdict.h_min is not None
@@ -70,7 +69,7 @@ def test_a_live_log_is_complete(finished: tuple[RunLog, list[str], int]) -> None
 
 
 def test_the_filter_of_a_live_run_steps_again_to_the_last_bit(finished: tuple[RunLog, list[str], int]) -> None:
-    result = restep(finished[0])
+    result = replay_filter(finished[0])
 
     assert result.exact, result
 

@@ -8,12 +8,11 @@ from typing import NamedTuple
 
 import httpx
 import pytest
+from passafe_protocol.messages import FilterTick, LinkConfig, LinkState, PlantState
+from passafe_protocol.topics import LINKS
+from passafe_services.tools.review.link_accounts import link_accounts
+from passafe_services.tools.review.run_log import RunLog
 from running_demo import RunningDemo, running_demo
-
-from protocol.messages import FilterTick, LinkConfig, LinkState, PlantState
-from protocol.topics import LINKS
-from services.review.link_accounts import link_accounts
-from services.review.log import RunLog
 
 pytestmark = pytest.mark.live
 
@@ -31,7 +30,18 @@ class Changed(NamedTuple):
 
 def link(demo: RunningDemo, *arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [sys.executable, "-m", "services.cli", "link", *arguments, "--router", demo.router, "--wait", "20"],
+        [
+            sys.executable,
+            "-P",
+            "-m",
+            "passafe_services.cli",
+            "link",
+            *arguments,
+            "--router",
+            demo.router,
+            "--wait",
+            "20",
+        ],
         capture_output=True,
         text=True,
         timeout=120,

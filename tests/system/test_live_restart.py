@@ -7,18 +7,17 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from passafe_protocol.codec import decode
+from passafe_protocol.messages import FilterStatus, FilterTick, Header, Message, PlantPhase, PlantState
+from passafe_protocol.topics import STATE, TICK, Topic
+from passafe_services.loop.bus import Bus, open_bus
+from passafe_services.loop.router_endpoint import RouterEndpoint
+from passafe_services.tools.replay import replay_filter
+from passafe_services.tools.review.core_evaluator import CoreEvaluator
+from passafe_services.tools.review.run_log import RunLog
+from passafe_services.tools.review.sequence_breaks import sequence_breaks
+from passafe_services.tools.review.verdict import Verdict
 from running_demo import all_gone, running_demo
-
-from protocol.codec import decode
-from protocol.messages import FilterStatus, FilterTick, Header, Message, PlantPhase, PlantState
-from protocol.topics import STATE, TICK, Topic
-from services.review.core_mathematics import CoreMathematics
-from services.review.disarmings import disarmings
-from services.review.log import RunLog
-from services.review.restep import restep
-from services.review.verdict import Verdict
-from services.runtime.bus import Bus, open_bus
-from services.runtime.endpoint import Endpoint
 
 pytestmark = pytest.mark.live
 
@@ -55,7 +54,7 @@ def test_filter_router_and_operator_are_killed_and_the_robot_stays_safe_and_goes
     with running_demo(tmp_path, "--restart", "--headless", "--rate", "250") as demo:
         demo.wait_for("running; end with Ctrl-C")
         first = demo.children()
-        with open_bus(Endpoint(port=demo.router_port)) as bus:
+        with open_bus(RouterEndpoint(port=demo.router_port)) as bus:
             wait_for(bus, STATE, is_running)
 
             os.kill(first["filter"], signal.SIGKILL)
@@ -87,14 +86,14 @@ def test_filter_router_and_operator_are_killed_and_the_robot_stays_safe_and_goes
     log = RunLog.read(path)
     assert log.finished
     assert log.counts["state"].gaps == 0  # no moment of the robot is unseen, whatever was down
-    verdict = Verdict.of(log, CoreMathematics(log.identity.scenario))
+    verdict = Verdict.of(log, CoreEvaluator(log.identity.scenario))
     assert verdict.sessions == {"operator": 2, "filter": 2, "plant": 1}
     assert verdict.h_min is not None
     assert verdict.h_min >= 0
     assert verdict.properties["safe"].holds
     assert verdict.properties["bounded"].holds
     assert verdict.properties["certified"].holds
-    without_input = disarmings(log.of(PlantState))
+    without_input = sequence_breaks(log.of(PlantState))
     assert sum(one.fail_safe_wall_ns is not None for one in without_input) >= 2
     assert all(one.armed_s is not None for one in without_input)
-    assert restep(log).first_difference == ""
+    assert replay_filter(log).first_difference == ""

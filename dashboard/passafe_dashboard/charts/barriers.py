@@ -1,0 +1,88 @@
+"""Charts of the barriers: h, which says whether the robot is safe, and ψ₁ … ψ_r, which lead to the input."""
+
+from collections.abc import Sequence
+from typing import Final
+
+from bokeh.models import ColumnDataSource, Range
+from bokeh.plotting import figure
+
+from passafe_dashboard.charts.over_time import Trace, time_figure
+from passafe_dashboard.columns import ColumnLayout, measured_h, psi, signed_log, signed_log_column
+
+SUBSCRIPTS = "₀₁₂₃₄₅₆₇₈₉"
+
+MOST_SHOWN: Final = 8
+"""Barriers beyond which a chart leaves lines out: the filter's h on the page, those that stayed high in a report."""
+
+
+def h_figure(
+    layout: ColumnLayout,
+    *,
+    ticks: ColumnDataSource | None,
+    states: ColumnDataSource,
+    x_range: Range,
+    shown: Sequence[int] | None = None,
+) -> figure:
+    """Chart of h: at the plant's state and, where there are ticks and few barriers, as the filter predicts it.
+
+    Args:
+        layout: Columns of the scenario.
+        ticks: Table of the filter, if there is one.
+        states: Table of the plant.
+        x_range: Time range.
+        shown: Numbers of the barriers to show; all of them unless told otherwise.
+    """
+    traces = []
+    step = 2 if ticks is not None and len(layout.names) <= MOST_SHOWN else 1
+    for index, name in enumerate(layout.names):
+        if shown is not None and index not in shown:
+            continue
+        style = step * index if ticks is not None else 2 * index
+        traces.append(Trace(source=states, column=measured_h(index), label=f"h of {name}, measured", style=style))
+        if ticks is not None and step > 1:
+            traces.append(Trace(source=ticks, column=psi(index, 0), label=f"h of {name}, filter", style=style + 1))
+    return time_figure(
+        traces,
+        name="h",
+        y_label=f"barrier h ({layout.h_unit})",
+        x_range=x_range,
+        least_span=0.02,
+        height=240,
+        zero_label="limit: h = 0",
+    )
+
+
+def chain_figure(layout: ColumnLayout, *, ticks: ColumnDataSource, x_range: Range) -> figure | None:
+    """Chart of ψ₁ … ψ_r of every barrier over time on a signed-log axis; ``None`` if there is none."""
+    traces = [
+        Trace(
+            source=ticks,
+            column=signed_log_column(psi(index, level)),
+            shown=psi(index, level),
+            label=f"ψ{SUBSCRIPTS[level]} of {layout.names[index]}",
+            style=style,
+        )
+        for style, (index, level) in enumerate((i, k) for i, k in layout.chain if k > 0)
+    ]
+    if not traces:
+        return None
+    return time_figure(
+        traces,
+        name="chain",
+        y_label="ψᵢ (unit of h·s⁻ⁱ), signed log",
+        x_range=x_range,
+        least_span=2 * signed_log(1.0),
+        zero_label="limit: ψ = 0",
+        y_ticks=signed_log_ticks(),
+        height=240,
+    )
+
+
+def signed_log_ticks() -> dict[float, str]:
+    """Places and texts of the ticks 0, ±0.1, ±1, …, ±10⁸ on a signed-log axis."""
+    ticks = {0.0: "0"}
+    for exponent in range(-1, 9):
+        text = f"{10.0**exponent:g}" if exponent < 4 else f"1e{exponent}"  # noqa: PLR2004 - five digits are long
+        ticks[signed_log(10.0**exponent)] = text
+        ticks[-signed_log(10.0**exponent)] = f"−{text}"
+    return ticks

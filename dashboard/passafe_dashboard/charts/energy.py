@@ -1,0 +1,34 @@
+"""Charts of energy: the power margin, which is negative where the robot gives out energy, and the tank."""
+
+from bokeh.models import ColumnDataSource, Range
+from bokeh.plotting import figure
+
+from passafe_dashboard.charts.over_time import Trace, time_figure
+from passafe_dashboard.columns import POWER_MARGIN, SLACK, TANK
+
+
+def power_margin_figure(*, source: ColumnDataSource, x_range: Range, with_slack: bool) -> figure:
+    """h_u = yᵀu − V̇ over time; on the live page with the slack δ that the passivity row was given."""
+    traces = [Trace(source=source, column=POWER_MARGIN, label="power margin h_u", style=0)]
+    if with_slack:
+        traces.append(Trace(source=source, column=SLACK, label="slack δ", style=1))
+    return time_figure(
+        traces,
+        name="power_margin",
+        y_label="power margin (W)",
+        x_range=x_range,
+        least_span=0.2,
+        zero_label="limit: h_u = 0",
+    )
+
+
+def tank_figure(*, ticks: ColumnDataSource, x_range: Range) -> figure:
+    """Energy E left in the tank over time."""
+    return time_figure(
+        [Trace(source=ticks, column=TANK, label="tank E", style=0)],
+        name="tank",
+        y_label="tank energy (J)",
+        x_range=x_range,
+        least_span=0.2,
+        zero_label="empty: E = 0",
+    )

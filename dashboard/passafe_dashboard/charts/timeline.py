@@ -1,0 +1,50 @@
+"""Charts of the filter's outcome: its status over time, and how old what it acts on is."""
+
+from bokeh.models import ColumnDataSource, FixedTicker, LinearColorMapper, Range, Range1d
+from bokeh.plotting import figure
+from bokeh.transform import transform
+from passafe_protocol.messages import FilterStatus
+
+from passafe_dashboard.charts.over_time import TIME_LABEL, Trace, time_figure
+from passafe_dashboard.charts.style import plain_figure
+from passafe_dashboard.columns import COMMAND_AGE, START, STATE_AGE, STATUS, TIME
+from passafe_dashboard.palette import STATUS_STYLES
+
+
+def status_figure(*, source: ColumnDataSource, x_range: Range) -> figure:
+    """Lane for each filter status, the worst on top; each row of ``source`` is a bar in one."""
+    chart = plain_figure(name="status", x_label=TIME_LABEL, y_label="filter status", x_range=x_range, height=190)
+    statuses = list(FilterStatus)
+    chart.y_range = Range1d(start=0.5, end=len(statuses) + 0.5)
+    chart.yaxis.ticker = FixedTicker(ticks=[status.value for status in statuses])
+    chart.yaxis.major_label_overrides = {status.value: status.name for status in statuses}
+    chart.ygrid.grid_line_alpha = 0.4
+    colours = LinearColorMapper(
+        palette=[STATUS_STYLES[status].background for status in statuses],
+        low=0.5,
+        high=len(statuses) + 0.5,
+    )
+    chart.hbar(
+        y=STATUS,
+        left=START,
+        right=TIME,
+        height=0.8,
+        source=source,
+        fill_color=transform(STATUS, colours),
+        line_color=transform(STATUS, colours),
+    )
+    return chart
+
+
+def age_figure(*, ticks: ColumnDataSource, x_range: Range) -> figure:
+    """Age of the newest state and command at each decision; the highest of each bin."""
+    return time_figure(
+        [
+            Trace(source=ticks, column=STATE_AGE, label="state", style=0),
+            Trace(source=ticks, column=COMMAND_AGE, label="command", style=1),
+        ],
+        name="ages",
+        y_label="age at decision (ms)",
+        x_range=x_range,
+        least_span=5.0,
+    )

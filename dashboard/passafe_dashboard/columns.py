@@ -1,0 +1,187 @@
+"""Names of the columns that charts draw: one vocabulary for the feed, the figures, the page and the report.
+
+Two tables share a time axis in seconds of plant time. ``ticks`` holds what the filter computed, ``states``
+what the plant measured. Each row covers ``start_s`` to ``time_s``.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import asinh, sinh
+from typing import Final
+
+from passafe_protocol.messages import FilterTick, PlantState
+from passafe_services.scenarios.schema import Scenario
+from passafe_services.scenarios.single_barriers import POINTS
+
+from passafe_dashboard.decimation import Keep
+from passafe_dashboard.motion import displacement
+from passafe_dashboard.obstacles import Obstacle, Region, obstacles_of, unit_of_h
+
+TIME: Final = "time_s"
+START: Final = "start_s"
+ZERO: Final = "zero"
+"""Always 0: the zero line, and what keeps zero inside an automatic range."""
+
+POWER_MARGIN: Final = "power_margin_w"
+TANK: Final = "tank_j"
+SLACK: Final = "slack_w"
+STATE_AGE: Final = "state_age_ms"
+COMMAND_AGE: Final = "command_age_ms"
+STATUS: Final = "status"
+P1: Final = "p1_m"
+P2: Final = "p2_m"
+PLACES: Final = ((P1, P2), ("p3_m", "p4_m"))
+"""Columns of the position of each point that the robot moves in the plane."""
+
+SIGNED_LOG_LINEAR: Final = 0.1
+"""Half-width of the part of a signed-log axis that is nearly linear."""
+
+
+def measured_h(barrier: int) -> str:
+    """Column of h of barrier number ``barrier``, evaluated at the plant's state."""
+    return f"h_{barrier}"
+
+
+def psi(barrier: int, level: int) -> str:
+    """Column of ψ of barrier number ``barrier`` at ``level``; level 0 is the filter's h."""
+    return f"psi_{barrier}_{level}"
+
+
+def moving_table(barrier: int) -> str:
+    """Name of the table with the places of an obstacle that moves."""
+    return f"moving_{barrier}"
+
+
+def signed_log_column(column: str) -> str:
+    """Column that holds another one on a signed-log axis."""
+    return f"{column}_log"
+
+
+def signed_log(value: float) -> float:
+    """Symmetric logarithm asinh(value / c), c = ``SIGNED_LOG_LINEAR``: odd, increasing, 0 at 0."""
+    return asinh(value / SIGNED_LOG_LINEAR)
+
+
+def signed_log_inverse(place: float) -> float:
+    """Value at a place on a signed-log axis."""
+    return SIGNED_LOG_LINEAR * sinh(place)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ColumnLayout:
+    """Columns of one scenario, and how messages fill them.
+
+    Attributes:
+        obstacles: Shape of each barrier, in the scenario's order.
+        levels: Number of ψ of each barrier, h included.
+        points: How many points in the plane the state begins with; 0 for joints.
+        states: Length of the state.
+    """
+
+    obstacles: tuple[Obstacle, ...]
+    levels: tuple[int, ...]
+    points: int = 1
+    states: int = 2
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> "ColumnLayout":
+        """ColumnLayout of a scenario: a barrier with r + 1 class-K functions has ψ₀ … ψ_r."""
+        return cls(
+            obstacles=obstacles_of(scenario),
+            levels=tuple(len(barrier.class_k) for barrier in scenario.barriers),
+            points=POINTS[scenario.plant.model],
+            states=len(scenario.plant.x0),
+        )
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Name of each barrier."""
+        return tuple(obstacle.name for obstacle in self.obstacles)
+
+    @property
+    def h_unit(self) -> str:
+        """Unit of h as an axis label says it, also when barriers differ."""
+        units = sorted({unit_of_h(obstacle) for obstacle in self.obstacles})
+        return " or ".join(units) or "m"
+
+    @property
+    def chain(self) -> tuple[tuple[int, int], ...]:
+        """(barrier, level) of every ψ, in the order in which a tick lists them."""
+        return tuple((i, level) for i, count in enumerate(self.levels) for level in range(count))
+
+    @property
+    def tick_columns(self) -> dict[str, Keep]:
+        """What is kept of a FilterTick's columns; ``status`` grows with severity."""
+        return {
+            STATUS: Keep.HIGHEST,
+            POWER_MARGIN: Keep.LOWEST,
+            TANK: Keep.LOWEST,
+            SLACK: Keep.HIGHEST,
+            STATE_AGE: Keep.HIGHEST,
+            COMMAND_AGE: Keep.HIGHEST,
+            **{psi(i, level): Keep.LOWEST for i, level in self.chain},
+        }
+
+    @property
+    def place_columns(self) -> tuple[str, ...]:
+        """Columns of the position of every point."""
+        return tuple(column for place in PLACES[: self.points] for column in place)
+
+    @property
+    def state_columns(self) -> dict[str, Keep]:
+        """What is kept of a PlantState's columns."""
+        return {
+            **dict.fromkeys(self.place_columns, Keep.LAST),
+            **{measured_h(i): Keep.LOWEST for i in range(len(self.obstacles))},
+        }
+
+    def tick_values(self, tick: FilterTick) -> list[float] | None:
+        """Values of ``tick_columns``, or ``None`` for a tick whose barriers are not this scenario's."""
+        if len(tick.barriers) != len(self.levels):
+            return None
+        values = [
+            tick.status.value,
+            tick.power_margin,
+            tick.tank_j,
+            tick.slack,
+            tick.state_age_ns * 1e-6,
+            tick.command_age_ns * 1e-6,
+        ]
+        for chain, count in zip(tick.barriers, self.levels, strict=True):
+            if len(chain.psi) != count:
+                return None
+            values.extend(chain.psi)
+        return values
+
+    def state_values(self, state: PlantState) -> list[float] | None:
+        """Values of ``state_columns``, or ``None`` for a state of another scenario."""
+        if not self.fits(state):
+            return None
+        return [*state.x[: 2 * self.points], *self.measured(state)]
+
+    def fits(self, state: PlantState) -> bool:
+        """Whether a state is long enough to be one of this scenario."""
+        return len(state.x) >= self.states
+
+    def measured(self, state: PlantState) -> list[float]:
+        """H of every barrier at a state that fits."""
+        t_s = state.plant_ns * 1e-9
+        return [obstacle.h(state.x, t_s) for obstacle in self.obstacles]
+
+    def moved(self, t_s: float) -> dict[str, tuple[float, float]]:
+        """How far every obstacle that moves is from where it was drawn, m, by the name of its table."""
+        return {
+            moving_table(i): displacement(obstacle.motion, t_s)
+            for i, obstacle in enumerate(self.obstacles)
+            if isinstance(obstacle, Region) and obstacle.motion is not None
+        }
+
+    @property
+    def log_columns(self) -> tuple[str, ...]:
+        """Tick columns that a chart shows on a signed-log axis: every ψ but h."""
+        return tuple(psi(i, level) for i, level in self.chain if level)
+
+
+def drawn_columns(columns: Sequence[str], log_columns: Sequence[str]) -> tuple[str, ...]:
+    """Columns of a chart's data source: time, the zero line, the table's own and their signed logarithms."""
+    return (START, TIME, ZERO, *columns, *(signed_log_column(name) for name in log_columns))

@@ -1,0 +1,43 @@
+"""The links over HTTP: look at all, change one."""
+
+from typing import Any
+
+from fastapi import APIRouter, HTTPException, Request, Response
+from fastapi.exceptions import RequestValidationError
+from passafe_protocol.topics import LINKS
+
+from passafe_dashboard.errors import LinkAnswerError, LinkUpdateError
+from passafe_dashboard.frames import json_text
+from passafe_dashboard.link_requests import LinkRequests, LinkUpdate
+from passafe_dashboard.origin import same_origin
+
+NOT_FOUND, FORBIDDEN, GATEWAY_TIMEOUT = 404, 403, 504
+
+
+def link_routes(links: LinkRequests) -> APIRouter:
+    """Routes ``GET /api/links`` and ``PUT /api/links/{name}``."""
+    router = APIRouter()
+
+    @router.get("/api/links")
+    async def states() -> Response:
+        return _json({"links": links.states()})
+
+    @router.put("/api/links/{name}")
+    async def change(name: str, update: LinkUpdate, request: Request) -> Response:
+        if not same_origin(request):
+            raise HTTPException(FORBIDDEN, "a page of another site may not change a link")
+        if name not in LINKS:
+            raise HTTPException(NOT_FOUND, f"link: got {name!r}, allowed {', '.join(LINKS)}")
+        try:
+            return _json(await links.change(name, update))
+        except LinkUpdateError as error:
+            detail = {"type": "value_error", "loc": ("body", *error.loc), "msg": error.allowed, "input": error.got}
+            raise RequestValidationError([detail]) from error
+        except LinkAnswerError as error:
+            raise HTTPException(GATEWAY_TIMEOUT, str(error)) from error
+
+    return router
+
+
+def _json(value: dict[str, Any]) -> Response:
+    return Response(json_text(value), media_type="application/json")

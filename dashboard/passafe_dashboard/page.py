@@ -1,0 +1,122 @@
+"""The live page's markup and charts, made once a scenario."""
+
+from pathlib import Path
+from typing import Final, NamedTuple
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from passafe_protocol.topics import LINKS
+from passafe_services.scenarios.schema import Scenario
+from passafe_services.tools.review.properties import Tolerances
+
+from passafe_dashboard.charts.live_charts import ROBOT, STATES, TICKS, LiveCharts, live_charts
+from passafe_dashboard.columns import ColumnLayout, drawn_columns
+from passafe_dashboard.feed import Feed, scenario_id
+from passafe_dashboard.frames import json_text
+from passafe_dashboard.palette import STATUS_STYLES
+
+TEMPLATES: Final = Environment(
+    loader=FileSystemLoader(Path(__file__).parent / "templates"),
+    autoescape=True,
+    undefined=StrictUndefined,
+    trim_blocks=True,
+    lstrip_blocks=True,
+)
+
+
+class ChartText(NamedTuple):
+    """What the page says of a chart: its heading, and what it shows for those who cannot see it."""
+
+    name: str
+    heading: str
+    description: str
+
+
+CHART_TEXTS: Final = (
+    ChartText(
+        "plane",
+        "Robot in the plane",
+        "Obstacles, the trail of the robot and its position now. The numbers are in the table “Barriers”.",
+    ),
+    ChartText(
+        "h",
+        "Barriers h",
+        "h of every barrier over time with the line h = 0: below it the robot is where it must not be. "
+        "Each point is the lowest value in a thirtieth of a second.",
+    ),
+    ChartText(
+        "chain",
+        "ψ chain",
+        "ψ₁ to ψ_r of every barrier over time on a symmetric logarithmic axis with the line ψ = 0.",
+    ),
+    ChartText(
+        "power_margin",
+        "Power margin",
+        "Power margin over time with the line 0: below it the robot gives out energy.",
+    ),
+    ChartText("tank", "Energy tank", "Energy left in the tank over time with the line 0."),
+    ChartText(
+        "status",
+        "Filter status over time",
+        "A lane for each of the six statuses; the worst status of each thirtieth of a second is marked.",
+    ),
+    ChartText("ages", "Ages of state and command", "Highest age of plant state and operator command."),
+)
+
+
+class LivePage:
+    """Page and charts for the feed's scenario.
+
+    Making the charts of a new scenario takes about half a second: call from a worker thread.
+
+    Args:
+        feed: What the page shows.
+        window_s: Stretch of time that charts show.
+    """
+
+    def __init__(self, feed: Feed, *, window_s: float) -> None:
+        self._feed = feed
+        self._window_s = window_s
+
+    def charts(self) -> LiveCharts:
+        """Charts of the feed's scenario; none while no scenario is known."""
+        return self._charts_of(self._feed.scenario)
+
+    def html(self) -> str:
+        """Markup of the page."""
+        scenario = self._feed.scenario
+        charts = self._charts_of(scenario)
+        return TEMPLATES.get_template("live.html").render(
+            scenario=scenario,
+            texts=[text for text in CHART_TEXTS if text.name in charts.divs],
+            divs=charts.divs,
+            links=list(LINKS),
+            statuses=[(status.name, style) for status, style in STATUS_STYLES.items()],
+            setup=json_text(self._setup(scenario)).replace("<", "\\u003c"),
+        )
+
+    def _setup(self, scenario: Scenario | None) -> dict[str, object]:
+        """What the page's script needs to read frames."""
+        columns: dict[str, object] = {}
+        moved: dict[str, tuple[float, float]] = {}
+        if scenario is not None:
+            layout = ColumnLayout.of(scenario)
+            columns = {
+                TICKS: drawn_columns(tuple(layout.tick_columns), layout.log_columns),
+                STATES: drawn_columns(tuple(layout.state_columns), ()),
+                ROBOT: layout.place_columns,
+            }
+            moved = layout.moved(0.0)
+        return {
+            "layout": scenario_id(scenario),
+            "columns": columns,
+            "moved_m": moved,
+            "rows": self._feed.capacity,
+            "tolerances": Tolerances().model_dump(),
+        }
+
+    def _charts_of(self, scenario: Scenario | None) -> LiveCharts:
+        if scenario is None:
+            return LiveCharts(script="", divs={})
+        layout, x0 = ColumnLayout.of(scenario), scenario.plant.x0
+        starts = tuple((x0[2 * i], x0[2 * i + 1]) for i in range(layout.points))
+        return live_charts(layout, starts=starts, window_s=self._window_s)

@@ -1,0 +1,118 @@
+"""The dashboard as a process: reads the bus, serves the page, ends when it is told to."""
+
+import asyncio
+import gc
+import socket
+import sys
+import time
+from collections.abc import Callable
+from functools import partial
+from typing import Final
+
+from fastapi import FastAPI
+from passafe_protocol.messages import LinkConfig
+from passafe_protocol.topics import LINK_CONFIG
+from passafe_services.loop.bus import open_bus
+from passafe_services.loop.outlet import Outlet
+from passafe_services.loop.process_options import ProcessOptions
+from passafe_services.loop.readiness import announce_ready
+from passafe_services.loop.router_endpoint import LOOPBACK, RouterEndpoint
+from passafe_services.loop.stop import Stop, StopReason, stop_requests
+from passafe_services.scenarios.schema import Scenario
+
+from passafe_dashboard.address import listening_socket
+from passafe_dashboard.broadcast import FRAME_HZ, Broadcast
+from passafe_dashboard.bus_pump import BusPump
+from passafe_dashboard.feed import Feed
+from passafe_dashboard.link_requests import LinkRequests
+from passafe_dashboard.routes import create_app
+from passafe_dashboard.web_server import page_server
+
+NAME: Final = "dashboard"
+CHECK_PERIOD_S: Final = 0.05
+FAREWELL_S: Final = 0.5
+"""How long pages are given to receive their last frame."""
+
+
+def serve(
+    endpoint: RouterEndpoint,
+    port: int,
+    *,
+    host: str = LOOPBACK,
+    scenario: Scenario | None = None,
+    lifeline: bool = False,
+    frame_hz: float = FRAME_HZ,
+) -> StopReason | None:
+    """Serve the live page of the system behind a router until somebody ends it; main thread only.
+
+    Args:
+        endpoint: Where the router listens.
+        port: TCP port of the page; 0 takes a free one and says which.
+        host: Address of the page: loopback, unless other hosts are to see it. There is no access control.
+        scenario: What to draw until a ScenarioInfo says otherwise.
+        lifeline: Whether standard input is a lifeline (see ``passafe_services.loop.stop``).
+        frame_hz: Frames a second for each page, at most.
+
+    Returns:
+        Why it ended.
+
+    Raises:
+        PagePortInUseError: Another program listens on the port.
+        PageAddressError: The address cannot be listened on for another reason.
+        BusError: There is no router.
+    """
+    with stop_requests(lifeline=lifeline) as stop, listening_socket(host, port) as listener:
+        feed = Feed(scenario)
+        with open_bus(endpoint) as bus:
+            outlet = Outlet(bus, NAME, time.time_ns())
+            pump = BusPump(bus, feed, outlet)
+            broadcast = Broadcast(feed, pump=pump, clock=time.monotonic_ns, frame_hz=frame_hz)
+            links = LinkRequests(broadcast, partial(_ask, outlet))
+            asyncio.run(_run(create_app(broadcast, links), broadcast, listener, stop))
+    return stop.reason
+
+
+def _ask(outlet: Outlet, config: LinkConfig, now_ns: int) -> tuple[str, int, int]:
+    """Publish a request for other settings of a link; return what its answer will name."""
+    number = outlet.sent(LINK_CONFIG)
+    outlet.publish(LINK_CONFIG, config, scheduled_ns=now_ns, started_ns=now_ns)
+    return outlet.source, outlet.epoch, number
+
+
+async def _run(app: FastAPI, broadcast: Broadcast, listener: socket.socket, stop: Stop) -> None:
+    server = page_server(app)
+    serving = asyncio.create_task(server.serve(sockets=[listener]))
+    await _until(lambda: server.started or serving.done())
+    if server.started:
+        gc.collect()
+        gc.freeze()  # what the charts were made from is not searched for garbage again and again
+        _say_address(listener)
+        announce_ready(NAME)
+        pumping: asyncio.Task[None] = app.state.broadcasting
+        await _until(lambda: stop.reason is not None or pumping.done() or serving.done())
+        if not pumping.done():
+            broadcast.finish("The run has ended. What is shown is its last state.")
+            await _until(lambda: not broadcast.clients, timeout_s=FAREWELL_S)
+    server.should_exit = True
+    await serving
+    if server.started and pumping.done() and not pumping.cancelled():
+        pumping.result()
+
+
+async def _until(condition: Callable[[], bool], timeout_s: float | None = None) -> None:
+    end_s = None if timeout_s is None else time.monotonic() + timeout_s
+    # Nothing sets an asyncio.Event here: a request to stop comes from a signal handler, the rest from uvicorn
+    while not condition() and (end_s is None or time.monotonic() < end_s):  # noqa: ASYNC110 - see above
+        await asyncio.sleep(CHECK_PERIOD_S)
+
+
+def _say_address(listener: socket.socket) -> None:
+    host, port = listener.getsockname()[:2]
+    shown = f"[{host}]" if ":" in host else host
+    sys.stdout.write(f"page at http://{shown}:{port}/\n")
+    sys.stdout.flush()
+
+
+def start(options: ProcessOptions) -> None:
+    """Serve the live page until told to stop."""
+    serve(options.endpoint, options.port, host=options.host, scenario=options.scenario, lifeline=options.lifeline)

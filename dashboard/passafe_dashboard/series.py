@@ -1,0 +1,94 @@
+"""A whole run as arrays: what the report and the pictures draw."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+from passafe_protocol.messages import FilterStatus
+
+from passafe_dashboard.errors import SeriesError
+from passafe_dashboard.obstacles import Obstacle
+
+FloatArray: TypeAlias = NDArray[np.float64]
+
+PLANE_DIMENSIONS = 2
+
+
+class StatusSpan(NamedTuple):
+    """A stretch of plant time in which every filter tick had the same status."""
+
+    status: FilterStatus
+    start_s: float
+    end_s: float
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RunSeries:
+    """Signals of one run, one column a sample.
+
+    Attributes:
+        times_s: Plant time, s, shape (N,), N ≥ 1.
+        x: State, shape (n, N), n ≥ 2; it begins with the position of each point in the plane, m.
+        u: Input in force, shape (m, N).
+        h: Barrier values at x, shape (barriers, N).
+        power_margin_w: Power margin h_u(x, u), W, shape (N,).
+        obstacles: Shape of each barrier, in the order of ``h``.
+        statuses: What the filter's status was, in order of time.
+        points: How many points in the plane the state begins with; 0 for joints.
+    """
+
+    times_s: FloatArray
+    x: FloatArray
+    u: FloatArray
+    h: FloatArray
+    power_margin_w: FloatArray
+    obstacles: tuple[Obstacle, ...]
+    statuses: tuple[StatusSpan, ...]
+    points: int = 1
+
+    def __post_init__(self) -> None:
+        """Check that the arrays fit together."""
+        samples = self.times_s.size
+        barriers = len(self.obstacles)
+        states = self.x.shape[0] if self.x.ndim else 0
+        inputs = self.u.shape[0] if self.u.ndim else 0
+        _require("times_s", self.times_s, (samples,), "one dimension")
+        _require("x", self.x, (states, samples), "a row for each state")
+        _require("u", self.u, (inputs, samples), "a row for each input")
+        _require("h", self.h, (barriers, samples), "a row for each obstacle")
+        _require("power_margin_w", self.power_margin_w, (samples,), "one dimension")
+        if not samples:
+            raise SeriesError("times_s", "no samples", "at least one")
+        least = max(1, self.points) * PLANE_DIMENSIONS
+        if states < least:
+            raise SeriesError("x", f"{states} rows", f"{least} or more: positions come first")
+
+    def position(self, point: int) -> FloatArray:
+        """Position in the plane of a point, counted from 0, m, shape (2, N)."""
+        return self.x[PLANE_DIMENSIONS * point : PLANE_DIMENSIONS * (point + 1)]
+
+
+def _require(field: str, array: FloatArray, shape: tuple[int, ...], rows: str) -> None:
+    if array.shape != shape:
+        raise SeriesError(field, f"shape {array.shape}", f"{shape}: {rows}, a column for each sample")
+
+
+def status_spans(ticks: Iterable[tuple[float, FilterStatus]], *, period_s: float) -> tuple[StatusSpan, ...]:
+    """Join ticks of equal status that follow each other.
+
+    Args:
+        ticks: Plant time, s, and status of each tick, in order of time.
+        period_s: How long the last tick of a span lasts; a longer wait until the next tick leaves a hole.
+    """
+    spans: list[StatusSpan] = []
+    for time_s, status in ticks:
+        if spans:
+            last = spans[-1]
+            joined = time_s - last.end_s <= period_s / 2
+            if joined and status is last.status:
+                spans[-1] = last._replace(end_s=time_s + period_s)
+                continue
+        spans.append(StatusSpan(status, time_s, time_s + period_s))
+    return tuple(spans)

@@ -1,0 +1,235 @@
+"""The feed as JSON values: what ``/api/status`` answers and what each frame of the page carries as ``now``.
+
+Numbers carry their unit in their name; what is not known is null.
+"""
+
+from collections.abc import Mapping
+from math import hypot
+from typing import Any, Final, TypeAlias
+
+from passafe_protocol.link_effect import LinkCounts
+from passafe_protocol.messages import FilterTick, PlantState
+from passafe_protocol.shapes import as_dict
+from passafe_protocol.topics import HEALTH, LINKS, PROCESSES, STATE, TICK, TOPIC_OF_NAME
+
+from passafe_dashboard.columns import COMMAND_AGE, POWER_MARGIN, STATE_AGE, TANK, measured_h, psi
+from passafe_dashboard.decimation import NS_PER_S, WorstSample
+from passafe_dashboard.feed import Feed
+from passafe_dashboard.palette import PHASE_MEANINGS, STATUS_STYLES
+from passafe_dashboard.traffic import Traffic
+
+Json: TypeAlias = dict[str, Any]
+
+SILENT_S: Final = 0.5
+"""A filter or plant that said nothing for this long is called silent."""
+
+HEALTH_DEADLINE_S: Final = HEALTH.deadline_s or 3.0
+
+REPORTING: Final = tuple(name for name in PROCESSES if name != "router")
+"""Processes that report how they are doing; the router only forwards."""
+
+
+def status_json(feed: Feed, now_ns: int) -> Json:
+    """Everything that is known at ``now_ns`` (this process's monotonic clock, ns), charts excepted."""
+    return {
+        "liveness": liveness_json(feed, now_ns),
+        "run": feed.run,
+        "scenario": _scenario_json(feed),
+        "filter": None if feed.tick is None else _filter_json(feed, feed.tick),
+        "plant": None if feed.state is None else _plant_json(feed, feed.state),
+        "worst": _worst_json(feed),
+        "status_counts": {status.name: count for status, count in feed.status_counts.items()},
+        "unfit_messages": feed.unfit,
+        "refused_messages": feed.refused,
+        "processes": [_process_json(feed, name, now_ns) for name in REPORTING],
+        "topics": [traffic.view(now_ns)._asdict() for _, traffic in sorted(feed.traffic.items(), key=_table_order)],
+        "links": [
+            {"link": link, "effect": effect, "count": count}
+            for (link, effect), count in sorted(feed.link_effects.items())
+        ],
+        "link_states": [link_json(feed, name, now_ns) for name in LINKS],
+        "events": [
+            {
+                "number": notice.number,
+                "source": notice.source,
+                "severity": notice.severity,
+                "text": notice.text,
+                "age_s": (now_ns - notice.received_ns) / NS_PER_S,
+            }
+            for notice in feed.notices
+        ],
+    }
+
+
+def _table_order(entry: tuple[tuple[str, str], Traffic]) -> tuple[int, str]:
+    """Order of the topic table, then of the publisher's name."""
+    (source, topic), _ = entry
+    return tuple(TOPIC_OF_NAME).index(topic), source
+
+
+def liveness_json(feed: Feed, now_ns: int) -> Json:
+    """Whether what is shown is current: ``ended``, ``waiting``, ``silent`` or ``live``, and a sentence."""
+    if feed.end is not None:
+        return {"state": "ended", "text": feed.end}
+    ages = {
+        source: feed.traffic[key].age_s(now_ns) if (key := (source, topic.name)) in feed.traffic else None
+        for source, topic in (("filter", TICK), ("plant", STATE))
+    }
+    missing = [source for source, age_s in ages.items() if age_s is None]
+    if missing:
+        return {"state": "waiting", "text": f"Nothing has come from {' and '.join(missing)} yet."}
+    silent = [f"{source} for {age_s:.1f} s" for source, age_s in ages.items() if age_s and age_s > SILENT_S]
+    if silent:
+        return {
+            "state": "silent",
+            "text": f"Nothing from {' and '.join(silent)}: what is shown is the last that came.",
+        }
+    return {"state": "live", "text": "Messages are coming in."}
+
+
+def _scenario_json(feed: Feed) -> Json | None:
+    scenario = feed.scenario
+    if scenario is None:
+        return None
+    return {
+        "name": scenario.name,
+        "title": scenario.title,
+        "mode": scenario.filter.mode,
+        "law": scenario.filter.law,
+        "rate_hz": scenario.rate_hz,
+        "duration_s": scenario.duration_s,
+        "driver": None if feed.info is None else feed.info.driver,
+    }
+
+
+def _filter_json(feed: Feed, tick: FilterTick) -> Json:
+    fits = len(tick.barriers) == len(feed.layout.obstacles)
+    return {
+        "tick": tick.tick,
+        "time_s": tick.effective_plant_ns / NS_PER_S,
+        "status": tick.status.name,
+        "meaning": STATUS_STYLES[tick.status].meaning,
+        "mode": tick.mode,
+        "law": tick.law,
+        "barriers": [{"name": chain.name, "psi": chain.psi} for chain in tick.barriers] if fits else [],
+        POWER_MARGIN: tick.power_margin,
+        TANK: tick.tank_j,
+        "slack_w": tick.slack,
+        "u": tick.u,
+        "u_nominal": tick.u_nominal,
+        "u_h": tick.u_h,
+        "override": _override_json(tick),
+        "rows": [
+            {"name": row.name, "active": row.active, "margin": row.margin, "dual": row.dual, "share": row.share}
+            for row in tick.rows
+        ],
+        "certificate": {
+            "solver": tick.certificate.solver,
+            "accepted": tick.certificate.accepted,
+            "primal_residual": tick.certificate.primal_residual,
+            "dual_residual": tick.certificate.dual_residual,
+            "gap": tick.certificate.gap,
+        },
+        STATE_AGE: _age_ms(tick.state_age_ns),
+        COMMAND_AGE: _age_ms(tick.command_age_ns),
+    }
+
+
+def _override_json(tick: FilterTick) -> Json | None:
+    """What was held back of the command and what would have passed; ``None`` if the tick does not tell."""
+    override = tick.override
+    if not override.held_back:
+        return None
+    return {
+        "held_back": override.held_back,
+        "held_back_norm": hypot(*override.held_back),
+        "allowed_fraction": override.allowed_fraction,
+        "unavoidable": override.unavoidable,
+        "distance_to_infeasibility": override.distance_to_infeasibility,
+    }
+
+
+def _age_ms(age_ns: int) -> float | None:
+    return None if age_ns < 0 else age_ns * 1e-6
+
+
+def _plant_json(feed: Feed, state: PlantState) -> Json:
+    t_s, layout = state.plant_ns / NS_PER_S, feed.layout
+    h = zip(layout.names, layout.measured(state), strict=True) if layout.fits(state) else ()
+    return {
+        "time_s": t_s,
+        "phase": state.phase.name,
+        "meaning": PHASE_MEANINGS[state.phase],
+        "x": state.x,
+        "y": state.y,
+        "u": state.u,
+        "h": [{"name": name, "value": value} for name, value in h],
+        "moved_m": layout.moved(t_s),
+        "applied_tick": state.applied_tick,
+        "energy_in_j": state.energy_in_j,
+        "energy_stored_j": state.energy_stored_j,
+        "inputs_late": state.inputs_late,
+        "inputs_refused": state.inputs_refused,
+    }
+
+
+def _worst_json(feed: Feed) -> Json:
+    worst = feed.worst
+    return {
+        "barriers": [
+            {
+                "name": name,
+                "measured": _worst(worst, measured_h(index)),
+                "filter": _worst(worst, psi(index, 0)),
+            }
+            for index, name in enumerate(feed.layout.names)
+        ],
+        POWER_MARGIN: _worst(worst, POWER_MARGIN),
+        TANK: _worst(worst, TANK),
+    }
+
+
+def _worst(worst: Mapping[str, WorstSample], column: str) -> Json | None:
+    found = worst.get(column)
+    return None if found is None else found._asdict()
+
+
+def link_json(feed: Feed, name: str, now_ns: int) -> Json:
+    """One link at ``now_ns``: its settings in force and counts, null as long as nothing was heard of it."""
+    topic, reader = LINKS[name]
+    heard = feed.links.newest(name)
+    about: Json = {"link": name, "topic": topic.name, "reader": reader, "age_s": None, "settings": None, "counts": None}
+    if heard is None:
+        return about
+    state = as_dict(heard.state)
+    return about | {
+        "age_s": (now_ns - heard.received_ns) / NS_PER_S,
+        "settings": state["parameters"]
+        | {
+            "outages": [(outage.start_s, outage.end_s) for outage in heard.state.parameters.outages],
+            "trace_opportunities": heard.state.trace_opportunities,
+        },
+        "counts": {field: state[field] for field in (*LinkCounts._fields, "refused_corrupted", "refused_repeated")},
+    }
+
+
+def _process_json(feed: Feed, name: str, now_ns: int) -> Json:
+    report = feed.processes.get(name)
+    if report is None:
+        return {"process": name, "state": "not heard from"}
+    age_s = (now_ns - report.received_ns) / NS_PER_S
+    health = report.health
+    return {
+        "process": name,
+        "state": "silent" if age_s > HEALTH_DEADLINE_S else "ok",
+        "age_s": age_s,
+        "rate_hz": health.rate_hz,
+        "steps": health.steps,
+        "overruns": health.overruns,
+        "ticks_missed": health.ticks_missed,
+        "late_us_max": health.late_us_max,
+        "topics": [
+            {"topic": topic.topic, "received": topic.received, "gaps": topic.gaps, "refused": topic.refused}
+            for topic in health.topics
+        ],
+    }

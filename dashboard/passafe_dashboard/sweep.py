@@ -1,0 +1,184 @@
+"""What of an experiment is drawn: for each criterion its figure over the axes, or the boundary where it first fails."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from math import isfinite
+from typing import Final
+
+from passafe_services.tools.experiment.axes import BisectAxis, GridAxis, RandomAxis
+from passafe_services.tools.experiment.bisection import Boundary
+from passafe_services.tools.experiment.plan import Plan
+from passafe_services.tools.experiment.runs import Result, shown
+from passafe_services.tools.experiment.schema import Criterion, Experiment
+from passafe_services.tools.experiment.summary import CellBoundaries, CellSummary, ExperimentSummary, in_order
+from pydantic import JsonValue
+
+from passafe_dashboard.charts.sweep import Chart, Curve
+
+MOST_CHARTS: Final = 40
+MOST_POINTS: Final = 2000
+"""Points of a cloud for each variant; of more, evenly spread ones are drawn."""
+
+LEAST_PLACES: Final = 2
+
+
+def charts_of(plan: Plan, summary: ExperimentSummary) -> list[Chart]:
+    """Return the charts of an experiment, no more than ``MOST_CHARTS``."""
+    drawn = [*boundary_charts(plan.experiment, summary), *_spread_charts(plan.experiment, summary), *_clouds(plan)]
+    return drawn[:MOST_CHARTS]
+
+
+def boundary_charts(experiment: Experiment, summary: ExperimentSummary) -> list[Chart]:
+    """Return a chart for each criterion and each combination of the other listed axes: boundary over one axis."""
+    axis, over = experiment.bisected, _longest(experiment)
+    if axis is None or over is None:
+        return []
+    return [
+        Chart(
+            name=f"boundary-{name}-{number}",
+            x_label=f"{over.name}{where}",
+            y_label=f"{name} up to {axis.name}",
+            curves=tuple(_boundary_curve(found, name, over, axis, experiment) for found in _by_variant(cells)),
+            limit=axis.high,
+            limit_label="not tried beyond",
+            least=axis.low,
+        )
+        for name in experiment.criteria
+        for number, (where, cells) in enumerate(_panels(summary.boundaries, over).items())
+    ]
+
+
+def _spread_charts(experiment: Experiment, summary: ExperimentSummary) -> list[Chart]:
+    """Return a chart for each criterion's figure: its median with a band from the lowest to the highest run."""
+    over = _longest(experiment)
+    if experiment.bisected is not None or over is None:
+        return []
+    return [
+        Chart(
+            name=f"{name}-{number}",
+            x_label=f"{over.name}{where}",
+            y_label=criterion.figure,
+            curves=tuple(_spread_curve(found, criterion.figure, over, experiment) for found in _by_variant(cells)),
+            limit=_limit(criterion),
+            limit_label=f"limit of {name}",
+        )
+        for name, criterion in experiment.criteria.items()
+        for number, (where, cells) in enumerate(_panels(summary.cells, over).items())
+    ]
+
+
+def _clouds(plan: Plan) -> Iterator[Chart]:
+    """Yield a chart for each criterion's figure and each axis that is drawn at random: a point a run."""
+    runs = sorted(plan.results.values(), key=in_order)
+    for axis in plan.experiment.random:
+        for name, criterion in plan.experiment.criteria.items():
+            curves = []
+            for style, variant in enumerate(plan.experiment.variants):
+                points = _points([one for one in runs if one.run.variant == variant], axis, criterion)
+                x, y = tuple(x for x, _ in points), tuple(y for _, y in points)
+                curves.append(Curve(label=variant, style=style, x=x, y=y))
+            if any(curve.x for curve in curves):
+                yield _cloud(axis, name, criterion, curves)
+
+
+def _points(runs: Sequence[Result], axis: RandomAxis, criterion: Criterion) -> list[tuple[float, float]]:
+    found = [
+        (one.run.values[axis.name], None if one.figures is None else one.figures.number(criterion.figure))
+        for one in runs
+    ]
+    known = [(_number(x), y) for x, y in found if _is_number(x) and y is not None and isfinite(y)]
+    return known[:: -(-len(known) // MOST_POINTS) or 1]
+
+
+def _cloud(axis: RandomAxis, name: str, criterion: Criterion, curves: Sequence[Curve]) -> Chart:
+    return Chart(
+        name=f"cloud-{axis.name}-{name}",
+        x_label=axis.name,
+        y_label=criterion.figure,
+        curves=tuple(curves),
+        limit=_limit(criterion),
+        limit_label=f"limit of {name}",
+        points=True,
+    )
+
+
+def _longest(experiment: Experiment) -> GridAxis | None:
+    """Return the axis to draw along: of those whose values are all numbers, the one that has most."""
+    numbers = [axis for axis in experiment.grid if all(map(_is_number, axis.values))]
+    return max(numbers, key=lambda axis: len(axis.values), default=None)
+
+
+def _panels(
+    cells: Sequence[CellSummary] | Sequence[CellBoundaries], over: GridAxis
+) -> Mapping[str, list[CellSummary | CellBoundaries]]:
+    """Return the cells by the values of the other axes, in words."""
+    found: dict[str, list[CellSummary | CellBoundaries]] = {}
+    for one in cells:
+        others = [f"{name} = {shown(value)}" for name, value in one.cell.values.items() if name != over.name]
+        found.setdefault(f", where {', '.join(others)}" if others else "", []).append(one)
+    return found
+
+
+def _by_variant(cells: Sequence[CellSummary | CellBoundaries]) -> list[list[CellSummary | CellBoundaries]]:
+    found: dict[str, list[CellSummary | CellBoundaries]] = {}
+    for one in cells:
+        found.setdefault(one.cell.variant, []).append(one)
+    return list(found.values())
+
+
+def _boundary_curve(
+    cells: Sequence[CellSummary | CellBoundaries], name: str, over: GridAxis, axis: BisectAxis, experiment: Experiment
+) -> Curve:
+    found = [
+        (_number(one.cell.values[over.name]), one.boundaries[name])
+        for one in cells
+        if isinstance(one, CellBoundaries) and one.boundaries[name].tried
+    ]
+    found.sort(key=lambda point: point[0])
+    variant = cells[0].cell.variant
+    return Curve(
+        label=variant,
+        style=list(experiment.variants).index(variant),
+        x=tuple(x for x, _ in found),
+        y=tuple(_height(boundary, axis) for _, boundary in found),
+        open_at=tuple(k for k, (_, boundary) in enumerate(found) if boundary.fails_from is None),
+        doubtful_at=tuple(k for k, (_, boundary) in enumerate(found) if not boundary.monotone),
+    )
+
+
+def _height(boundary: Boundary, axis: BisectAxis) -> float:
+    """Return the largest value that holds: what is drawn is never more than was seen."""
+    if boundary.fails_from is None:
+        return axis.high
+    return axis.low if boundary.holds_up_to is None else boundary.holds_up_to
+
+
+def _spread_curve(
+    cells: Sequence[CellSummary | CellBoundaries], figure: str, over: GridAxis, experiment: Experiment
+) -> Curve:
+    points = []
+    for one in cells:
+        spread = one.figures[figure] if isinstance(one, CellSummary) else None
+        if spread is not None and all(map(isfinite, (spread.min, spread.median, spread.max))):
+            points.append((_number(one.cell.values[over.name]), spread))
+    points.sort(key=lambda point: point[0])
+    variant = cells[0].cell.variant
+    return Curve(
+        label=variant,
+        style=list(experiment.variants).index(variant),
+        x=tuple(x for x, _ in points),
+        y=tuple(spread.median for _, spread in points),
+        low=tuple(spread.min for _, spread in points),
+        high=tuple(spread.max for _, spread in points),
+    )
+
+
+def _limit(criterion: Criterion) -> float | None:
+    return criterion.at_least if criterion.at_most is None else criterion.at_most
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)
+
+
+def _number(value: JsonValue) -> float:
+    return float(value) if isinstance(value, int | float) else 0.0

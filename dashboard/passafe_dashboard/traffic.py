@@ -1,0 +1,106 @@
+"""What the dashboard itself saw of each topic: how many, how often, how long ago, what is missing.
+
+Age is judged by arrival at this process, never by the sender's clock.
+"""
+
+from typing import Final, NamedTuple
+
+from passafe_protocol.messages import Header
+from passafe_protocol.sequence import Arrival, SequenceGuard
+from passafe_protocol.topics import Topic
+
+from passafe_dashboard.decimation import NS_PER_S
+
+POLL_S: Final = 0.1
+"""Arrivals are looked for once a frame, so an age may be too large by about two frames."""
+
+
+class TopicView(NamedTuple):
+    """One topic of one publisher as seen from here.
+
+    Attributes:
+        topic: Name of the topic.
+        source: Process that publishes it.
+        received: Messages taken.
+        gaps: Sequence numbers that never came.
+        refused: Messages refused: repeated, or of an earlier session.
+        rate_hz: Messages a second, over about the last second.
+        age_s: Time since the last one.
+        late: Whether that is beyond the topic's deadline.
+    """
+
+    topic: str
+    source: str
+    received: int
+    gaps: int
+    refused: int
+    rate_hz: float
+    age_s: float
+    late: bool
+
+
+class Traffic:
+    """Arrivals of one topic from one publisher.
+
+    Args:
+        topic: Row of the topic table.
+        source: Process that publishes it.
+    """
+
+    def __init__(self, topic: Topic, source: str) -> None:
+        self._topic = topic
+        self._source = source
+        self._guard = SequenceGuard()
+        self._last_ns = 0
+        self._window_start_ns: int | None = None
+        self._window_count = 0
+        self._rate_hz = 0.0
+
+    def take(self, header: Header, received_ns: int) -> bool:
+        """Note an arrival and tell whether the message counts: of this session and never seen before."""
+        if self._guard.judge(header) in (Arrival.REPEATED, Arrival.FOREIGN):
+            return False
+        self._last_ns = received_ns
+        if self._window_start_ns is None:
+            self._window_start_ns = received_ns
+            return True
+        self._window_count += 1
+        elapsed_ns = received_ns - self._window_start_ns
+        if elapsed_ns >= NS_PER_S:
+            self._rate_hz = self._window_count * NS_PER_S / elapsed_ns
+            self._window_start_ns, self._window_count = received_ns, 0
+        return True
+
+    @property
+    def received(self) -> int:
+        """Messages taken."""
+        return self._guard.received
+
+    @property
+    def gaps(self) -> int:
+        """Numbers that never came."""
+        return self._guard.gaps
+
+    @property
+    def refused(self) -> int:
+        """Messages refused."""
+        return self._guard.refused
+
+    def age_s(self, now_ns: int) -> float:
+        """Seconds since the last message taken."""
+        return max(0, now_ns - self._last_ns) / NS_PER_S
+
+    def view(self, now_ns: int) -> TopicView:
+        """What to show at ``now_ns``; the rate of a topic that fell silent goes to zero with its age."""
+        age_s = self.age_s(now_ns)
+        deadline_s = self._topic.deadline_s
+        return TopicView(
+            topic=self._topic.name,
+            source=self._source,
+            received=self.received,
+            gaps=self.gaps,
+            refused=self.refused,
+            rate_hz=min(self._rate_hz, 1.0 / age_s) if age_s > 1.0 else self._rate_hz,
+            age_s=age_s,
+            late=deadline_s is not None and age_s > deadline_s + POLL_S,
+        )

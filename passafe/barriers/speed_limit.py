@@ -1,0 +1,24 @@
+"""A limit on the speed, whatever its direction."""
+
+import casadi as ca
+
+from passafe.barriers.columns import require_column
+from passafe.ranges import require_positive
+
+
+def speed_limit(velocity: ca.SX, *, limit: float) -> ca.SX:
+    """Return h = limit² − ‖v‖², (m/s)²: non-negative up to the limit.
+
+    Concave in v; ∂h/∂v vanishes at rest, where h is largest and its row asks for nothing.
+
+    Args:
+        velocity: v, shape (k, 1), m/s.
+        limit: Positive, m/s.
+
+    Raises:
+        ShapeError: A velocity that is no column.
+        DesignError: A limit that is not positive and finite.
+    """
+    require_column("speed limit velocity", velocity)
+    require_positive("speed limit", limit, "m/s")
+    return limit**2 - ca.sumsqr(velocity)

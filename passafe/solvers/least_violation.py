@@ -1,0 +1,54 @@
+"""What to ask of hard rows that contradict one another or the limits: as little less as possible.
+
+min ½‖s‖² + ½η‖w‖² subject to G w + s ≥ d and w within the limits: s is by how much each row is not kept. With η as
+small as it is, s exceeds the least possible by no more than √η·‖w‖. The s that solves it is also its own multiplier,
+hence Farkas' proof that the rows cannot be kept (see ``Derivation``). Second step of a lexicographic programme: the
+ordinary quadratic program then follows with d − s in the place of d.
+"""
+
+from math import sqrt
+from typing import Final
+
+import numpy as np
+
+from passafe.certificate import is_certified
+from passafe.quadratic_program import Tolerance
+from passafe.solvers.daqp_solver import DaqpSolver
+from passafe.solvers.least_distance_solver import LeastDistanceSolver
+from passafe.solvers.solver import SOLVED
+from passafe.workspace import Array
+
+ETA: Final = 1e-8
+"""η: price of an input against that of a violation."""
+
+TIGHT: Final = Tolerance(residual=1e-9, gap=1e-9)
+"""Residuals up to which an answer is accepted: tighter than elsewhere, because z holds s/√η beside w."""
+
+ROOM: Final = 1e-9
+"""By how much more than needed the rows are relaxed, so that rounding leaves the relaxed program feasible."""
+
+
+def least_violation(G: Array, d: Array, limits_G: Array, limits_d: Array) -> Array | None:
+    """Return s ≥ 0, shape (H,), or ``None`` if no solver's answer passes the certificate.
+
+    Args:
+        G: Hard rows of unit length, shape (H, m).
+        d: Their bounds, shape (H,).
+        limits_G: Rows of the limits, never relaxed, shape (L, m).
+        limits_d: Their bounds, shape (L,).
+    """
+    hard, m = G.shape
+    root = sqrt(ETA)
+    length = sqrt(1 + ETA)
+    rows = np.zeros((hard + len(limits_d), m + hard), order="F")
+    rows[:hard, :m] = G / length
+    rows[:hard, m:] = np.eye(hard) * (root / length)
+    rows[hard:, :m] = limits_G
+    bounds = np.concatenate((d / length, limits_d))
+    z, lam = np.zeros(m + hard), np.zeros(len(bounds))
+    for kind in (DaqpSolver, LeastDistanceSolver):
+        outcome = kind(rows, bounds).solve(z.data, lam.data)
+        if outcome is SOLVED and is_certified(rows, bounds, z, lam, TIGHT):
+            needed = d - G @ z[:m]
+            return np.where(needed > 0, needed + ROOM * (1 + np.abs(d)), 0.0)
+    return None

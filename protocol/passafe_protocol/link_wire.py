@@ -1,0 +1,28 @@
+"""Settings of a link as a record of the wire, and back."""
+
+from passafe_protocol.link_settings import LinkSettings
+from passafe_protocol.messages import LinkOutage, LinkParameters
+from passafe_protocol.shapes import shape_of
+
+_SHARED = tuple(field for field in shape_of(LinkParameters).names if field != "outages")
+
+
+def parameters_of(settings: LinkSettings) -> LinkParameters:
+    """Everything but the trace, which does not travel."""
+    shared = {field: getattr(settings, field) for field in _SHARED}
+    return LinkParameters(**shared, outages=tuple(LinkOutage(*span) for span in settings.outages_s))
+
+
+def settings_of(parameters: LinkParameters, trace_s: tuple[float, ...] = ()) -> LinkSettings:
+    """The settings that a record stands for.
+
+    Args:
+        parameters: The record.
+        trace_s: The trace to go with it.
+
+    Raises:
+        LinkSettingsError: If one is outside its range, or two contradict one another.
+    """
+    shared = {field: getattr(parameters, field) for field in _SHARED}
+    outages_s = tuple((outage.start_s, outage.end_s) for outage in parameters.outages)
+    return LinkSettings(**shared, outages_s=outages_s, trace_s=trace_s)

@@ -1,0 +1,87 @@
+"""What each message is made of, read once from its annotations.
+
+Codec, validation and the generated documentation are driven by it.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import IntEnum
+from functools import cache
+from operator import attrgetter
+from typing import Any, TypeAlias, get_args, get_origin, get_type_hints
+
+from passafe_protocol.messages import Record, Vector
+
+RecordType: TypeAlias = type[Record]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Shape:
+    """Fields of one record type by kind; each entry begins with the field's place in the record and its name.
+
+    Attributes:
+        record_type: The type itself.
+        names: Names of the fields, in order.
+        make: Makes a record from the values of its fields, in order.
+        read: Values of the fields, in order, of anything that has attributes of their names.
+        plain: Fields that protobuf takes and gives as they are: numbers, booleans, strings, enum values.
+        floats: Those of ``plain`` that are floats.
+        enums: Those of ``plain`` that are enum values, with the members by number.
+        vectors: Tuples of floats.
+        parts: Records within the record, with their shapes.
+        lists: Tuples of records, with the shape of an element.
+    """
+
+    record_type: RecordType
+    names: tuple[str, ...]
+    make: Callable[..., Record]
+    read: Callable[[object], tuple[Any, ...]]
+    plain: tuple[tuple[int, str], ...]
+    floats: tuple[tuple[int, str], ...]
+    enums: tuple[tuple[int, str, dict[int, IntEnum]], ...]
+    vectors: tuple[tuple[int, str], ...]
+    parts: tuple[tuple[int, str, "Shape"], ...]
+    lists: tuple[tuple[int, str, "Shape"], ...]
+
+
+@cache
+def shape_of(record_type: RecordType) -> Shape:
+    """Shape of a record type of ``passafe_protocol.messages``."""
+    plain, floats, enums, vectors, parts, lists = [], [], [], [], [], []
+    hints = get_type_hints(record_type)
+    for index, (name, hint) in enumerate(hints.items()):
+        if hint == Vector:
+            vectors.append((index, name))
+        elif get_origin(hint) is tuple:
+            lists.append((index, name, shape_of(get_args(hint)[0])))
+        elif issubclass(hint, Record):
+            parts.append((index, name, shape_of(hint)))
+        else:
+            plain.append((index, name))
+            if hint is float:
+                floats.append((index, name))
+            if issubclass(hint, IntEnum):
+                enums.append((index, name, {member.value: member for member in hint}))
+    return Shape(
+        record_type=record_type,
+        names=tuple(hints),
+        make=record_type,
+        read=attrgetter(*hints),
+        plain=tuple(plain),
+        floats=tuple(floats),
+        enums=tuple(enums),
+        vectors=tuple(vectors),
+        parts=tuple(parts),
+        lists=tuple(lists),
+    )
+
+
+def as_dict(record: Record) -> dict[str, Any]:
+    """Fields of a record by name, and those of the records within it likewise: what JSON takes."""
+    shape = shape_of(type(record))
+    values = dict(zip(shape.names, shape.read(record), strict=True))
+    for _, name, _ in shape.parts:
+        values[name] = as_dict(values[name])
+    for _, name, _ in shape.lists:
+        values[name] = [as_dict(element) for element in values[name]]
+    return values

@@ -1,0 +1,235 @@
+"""What the fields of a message may hold beyond their types: one table of rules, and the check of a message.
+
+For every message: floats are finite, enum values are known and not UNSPECIFIED, vectors have at most
+``MAX_VECTOR`` numbers. ``RULES`` adds what is particular to a field. Sender and reader run the same check.
+"""
+
+from collections.abc import Callable, Mapping
+from enum import IntEnum
+from math import isfinite
+from typing import Any, Final, NamedTuple
+
+from passafe_protocol.errors import InvalidMessageError
+from passafe_protocol.link_effect import CAUSES, EFFECTS
+from passafe_protocol.link_settings import DISTRIBUTIONS, MAX_DELAY_S, MAX_QUEUE, MAX_SCHEDULE_S, RANGES
+from passafe_protocol.messages import (
+    UNSEQUENCED,
+    BarrierReport,
+    Certificate,
+    Consumed,
+    Event,
+    FilterTick,
+    Header,
+    Health,
+    LinkConfig,
+    LinkEvent,
+    LinkOutage,
+    LinkParameters,
+    LinkSource,
+    LinkState,
+    OperatorCommand,
+    OverrideReport,
+    PlantInput,
+    PlantState,
+    Record,
+    RowReport,
+    ScenarioInfo,
+    TopicHealth,
+)
+from passafe_protocol.shapes import RecordType, Shape
+from passafe_protocol.topics import LINKS
+
+MAX_VECTOR: Final = 64
+"""Most numbers in a vector."""
+
+UNKNOWN_AGE_NS: Final = -1
+"""Age of a message that never came."""
+
+
+class Rule(NamedTuple):
+    """What one field may hold: ``holds`` tells for the whole message, ``allowed`` says it in words."""
+
+    field: str
+    allowed: str
+    holds: Callable[[Any], bool]
+
+
+def _text(field: str) -> Rule:
+    return Rule(field, "text, not empty", lambda m: getattr(m, field) != "")
+
+
+def _one_of(field: str, *choices: str) -> Rule:
+    return Rule(field, ", ".join(choices), lambda m: getattr(m, field) in choices)
+
+
+def _not_negative(field: str) -> Rule:
+    return Rule(field, "≥ 0", lambda m: getattr(m, field) >= 0)
+
+
+def _up_to(field: str, largest: float) -> Rule:
+    return Rule(field, f"0 to {largest:g}", lambda m: 0 <= getattr(m, field) <= largest)
+
+
+def _between(field: str, least: float, largest: float) -> Rule:
+    return Rule(field, f"{least:g} to {largest:g}", lambda m: least <= getattr(m, field) <= largest)
+
+
+def _age(field: str) -> Rule:
+    return Rule(field, "≥ 0, or −1 if none came yet", lambda m: getattr(m, field) >= UNKNOWN_AGE_NS)
+
+
+def _plant_time(field: str) -> Rule:
+    return Rule(field, "≥ 0, or −1 for none", lambda m: getattr(m, field) >= UNSEQUENCED)
+
+
+def _vector(field: str) -> Rule:
+    return Rule(field, f"1 to {MAX_VECTOR} numbers", lambda m: len(getattr(m, field)) > 0)
+
+
+def _as_long_as(field: str, other: str) -> Rule:
+    return Rule(field, f"as many numbers as {other}", lambda m: len(getattr(m, field)) == len(getattr(m, other)))
+
+
+def _empty_or_as_long_as(field: str, other: str) -> Rule:
+    return Rule(
+        field,
+        f"no numbers, or as many as {other}",
+        lambda m: len(getattr(m, field)) in {0, len(getattr(m, other))},
+    )
+
+
+RULES: Final[dict[RecordType, tuple[Rule, ...]]] = {
+    Header: (_text("source"),),
+    OperatorCommand: (_vector("u_h"), _empty_or_as_long_as("u_h_rate", "u_h"), _text("device")),
+    PlantInput: (
+        _vector("u"),
+        _plant_time("input_sequence_start_ns"),
+        _plant_time("known_break_ns"),
+        Rule("earlier", "as many numbers as u, or a multiple", lambda m: len(m.earlier) % len(m.u) == 0),
+    ),
+    PlantState: (
+        _vector("x"),
+        _vector("y"),
+        _as_long_as("u", "y"),
+        _not_negative("integration_error"),
+        _plant_time("sequence_break_ns"),
+    ),
+    BarrierReport: (_text("name"), _vector("psi")),
+    RowReport: (_text("name"), _not_negative("relaxed")),
+    OverrideReport: (_up_to("allowed_fraction", 1.0),),
+    Certificate: (_not_negative("dual_residual"), _not_negative("gap")),
+    Consumed: (_text("topic"),),
+    FilterTick: (
+        _one_of("mode", "off", "safe", "passive", "both"),
+        _one_of("law", "sampled", "continuous"),
+        _vector("u"),
+        _empty_or_as_long_as("u_h", "u"),
+        _empty_or_as_long_as("u_h_rate", "u"),
+        _empty_or_as_long_as("u_nominal", "u"),
+        _empty_or_as_long_as("phi", "u"),
+        _empty_or_as_long_as("v", "u"),
+        _age("state_age_ns"),
+        _age("command_age_ns"),
+        Rule(
+            "override",
+            "a held_back of no numbers, or as many as u",
+            lambda m: len(m.override.held_back) in {0, len(m.u)},
+        ),
+    ),
+    LinkOutage: (_up_to("start_s", MAX_SCHEDULE_S), _up_to("end_s", MAX_SCHEDULE_S)),
+    LinkParameters: (
+        *(_between(field, least, largest) for field, (least, largest) in RANGES.items()),
+        _one_of("distribution", *DISTRIBUTIONS),
+        Rule(
+            "quantiles_s",
+            f"numbers from 0 to {MAX_DELAY_S:g}",
+            lambda m: all(0 <= delay_s <= MAX_DELAY_S for delay_s in m.quantiles_s),
+        ),
+        _between("queue", 1, MAX_QUEUE),
+    ),
+    LinkConfig: (_one_of("link", *LINKS),),
+    LinkEvent: (
+        _one_of("link", *LINKS),
+        _one_of("effect", *EFFECTS),
+        _text("topic"),
+        Rule("cause", f"{', '.join(CAUSES)}, or empty", lambda m: m.cause in {"", *CAUSES}),
+    ),
+    LinkSource: (_text("source"),),
+    LinkState: (
+        _one_of("link", *LINKS),
+        _text("topic"),
+        _one_of("occasion", "start", "period", "scheduled", "asked", "end"),
+    ),
+    TopicHealth: (_text("topic"),),
+    Health: (_not_negative("rate_hz"), _not_negative("late_us_max")),
+    Event: (_one_of("severity", "info", "warning", "error"), _text("text")),
+    ScenarioInfo: (_text("scenario_json"), _one_of("driver", "live", "lockstep"), _text("versions_json")),
+}
+
+
+def check(topic: str, shape: Shape, record: Record, path: str = "") -> None:
+    """Refuse a message whose fields hold what they may not.
+
+    Args:
+        topic: Name of the topic, for the error.
+        shape: Shape of ``record``.
+        record: The message, or a record within it, its fields of the right types.
+        path: Where ``record`` stands in the message: empty, or such as ``rows[1].``.
+
+    Raises:
+        InvalidMessageError: On the first field that is not allowed.
+    """
+    value = shape.read(record)
+    _check_numbers(topic, shape, value, path)
+    for index, name, members in shape.enums:
+        member_of(topic, path + name, value[index], members)
+    for rule in RULES[shape.record_type]:
+        if not rule.holds(record):
+            raise InvalidMessageError(topic, path + rule.field, getattr(record, rule.field), rule.allowed)
+    for index, name, part in shape.parts:
+        check(topic, part, value[index], f"{path}{name}.")
+    for index, name, part in shape.lists:
+        for place, element in enumerate(value[index]):
+            check(topic, part, element, f"{path}{name}[{place}].")
+
+
+def member_of(topic: str, field: str, value: int, members: Mapping[int, IntEnum]) -> IntEnum:
+    """Return the member of an enumeration that has a value.
+
+    Args:
+        topic: Name of the topic, for the error.
+        field: Where the value stands in the message.
+        value: The value.
+        members: Members by value.
+
+    Raises:
+        InvalidMessageError: There is none.
+    """
+    if value not in members:
+        allowed = ", ".join(f"{member.value} ({member.name})" for member in members.values())
+        raise InvalidMessageError(topic, field, value, allowed)
+    return members[value]
+
+
+def _check_numbers(topic: str, shape: Shape, value: tuple[Any, ...], path: str) -> None:
+    total = 0.0
+    for index, name in shape.vectors:
+        vector = value[index]
+        if len(vector) > MAX_VECTOR:
+            raise InvalidMessageError(topic, path + name, vector, f"at most {MAX_VECTOR} numbers")
+        total += sum(vector)
+    for index, _ in shape.floats:
+        total += value[index]
+    # One test for all: a NaN or inf among the numbers makes their sum NaN or inf. So may an overflow of
+    # finite numbers, which the search lets pass.
+    if not isfinite(total):
+        _find_not_finite(topic, shape, value, path)
+
+
+def _find_not_finite(topic: str, shape: Shape, value: tuple[Any, ...], path: str) -> None:
+    for index, name in shape.vectors:
+        if not all(map(isfinite, value[index])):
+            raise InvalidMessageError(topic, path + name, value[index], "finite numbers")
+    for index, name in shape.floats:
+        if not isfinite(value[index]):
+            raise InvalidMessageError(topic, path + name, value[index], "a finite number")

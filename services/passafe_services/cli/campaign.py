@@ -1,0 +1,89 @@
+"""``passafe campaign``: adversarial rollouts by the thousand."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+from passafe_services.cli.options import writable_folder
+from passafe_services.loop.realtime import processors
+from passafe_services.scenarios.design import design_of, robot_of
+from passafe_services.scenarios.load import load_scenario
+from passafe_services.tools.campaign.results_file import CampaignHeading, CampaignResultsFile
+from passafe_services.tools.campaign.summary import CampaignSummary
+from passafe_services.tools.campaign.workers import outcomes
+
+
+def campaign(
+    scenarios: Annotated[list[str], typer.Argument(help="Shipped scenarios (see `passafe scenarios`) or TOML files.")],
+    out: Annotated[Path, typer.Option("--out", "-o", help="Folder for outcomes and summaries.")],
+    rollouts: Annotated[int, typer.Option("--rollouts", "-n", min=1, help="Rollouts of each scenario.")] = 100,
+    first_seed: Annotated[int, typer.Option("--first-seed", min=0, help="Seed of the first; the others follow.")] = 0,
+    duration: Annotated[float, typer.Option("--duration", "-d", min=0.01, help="Seconds of plant time each.")] = 10.0,
+    workers: Annotated[int, typer.Option("--workers", "-w", min=0, help="Processes; 0: one for each processor.")] = 0,
+    singly: Annotated[bool, typer.Option("--singly", help="Let the filter take every decision one by one.")] = False,
+) -> None:
+    """Let adversaries drive a scenario from random safe starts and report the worst that happens.
+
+    Filter and plant alone, without network and delay. Five adversaries take turns: piecewise constant, chirp,
+    bang-bang at the barrier, always against the tightest row, always against the tank. h is looked at between
+    samples too. A thousand rollouts advance in lock step, and the filter's certificate judges each decision; what it
+    does not accept, the filter itself decides, as it does everything with --singly, many times slower. Outcomes are
+    written batch by batch; the same command goes on where it was interrupted. Exits with 0 only if h and tank stayed at
+    or above zero, every input within its limits and every answer certified or in a defined fallback.
+
+    Example: `passafe campaign notomista-cai-2020 --rollouts 1000 --out runs/campaign`
+    """
+    loaded = [load_scenario(name) for name in scenarios]
+    for scenario in loaded:
+        design_of(scenario, robot_of(scenario))  # what cannot be built is said before anything starts
+    folder = writable_folder(out)
+    seeds = range(first_seed, first_seed + rollouts)
+    summaries = []
+    lowest_h = TextColumn("h ≥ {task.fields[h]}")
+    bar = Progress(TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), lowest_h, TimeRemainingColumn())
+    with bar:
+        for scenario in loaded:
+            records = CampaignResultsFile(
+                folder / f"{scenario.name}.jsonl", CampaignHeading(scenario=scenario, duration_s=duration)
+            )
+            known = [records.outcomes[seed] for seed in seeds if seed in records.outcomes]
+            lowest = min((outcome.h_min for outcome in known), default=float("inf"))
+            task = bar.add_task(scenario.name, total=rollouts, completed=len(known), h=f"{lowest:.3g}")
+            missing = [seed for seed in seeds if seed not in records.outcomes]
+            processes = workers or processors()
+            for batch in records.add(outcomes(scenario, missing, duration, processes, singly=singly)):
+                lowest = min(lowest, *(outcome.h_min for outcome in batch))
+                bar.update(task, advance=len(batch), h=f"{lowest:.3g}")
+            summary = CampaignSummary.of(scenario.name, [records.outcomes[seed] for seed in seeds])
+            (folder / f"{scenario.name}.summary.json").write_text(summary.model_dump_json(indent=2), encoding="utf-8")
+            summaries.append(summary)
+    show(summaries)
+    raise typer.Exit(0 if all(summary.holds for summary in summaries) else 1)
+
+
+def show(summaries: list[CampaignSummary]) -> None:
+    """Print what each campaign came to, a column each."""
+    table = Table("", *(summary.scenario for summary in summaries), title="Worst of all rollouts", title_justify="left")
+    rows: dict[str, Callable[[CampaignSummary], str]] = {
+        "rollouts": lambda of: f"{of.rollouts}",
+        "lowest h": lambda of: f"{of.h_min.value:.3g} (seed {of.h_min.seed})",
+        "lowest tank, J": lambda of: f"{of.tank_min_j.value:.3g} (seed {of.tank_min_j.seed})",
+        "beyond limits": lambda of: f"{max(of.overreach.value, 0.0):.3g}",
+        "ticks": lambda of: f"{of.ticks}",
+        **{name: _count_of(name) for name in ("RELAXED", "INFEASIBLE", "UNCERTIFIED")},
+        "without margin": lambda of: f"{of.between_samples_unproven}",
+        "decided one by one": lambda of: f"{of.decided_singly / of.ticks:.2%}",
+        "holds": lambda of: "yes" if of.holds else "[bold red]NO[/]",
+    }
+    for name, figure in rows.items():
+        table.add_row(name, *map(figure, summaries))
+    Console().print(table)
+
+
+def _count_of(status: str) -> Callable[[CampaignSummary], str]:
+    return lambda of: f"{of.statuses.get(status, 0)} in {of.rollouts_with.get(status, 0)} rollouts"

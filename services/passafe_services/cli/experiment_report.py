@@ -1,0 +1,99 @@
+"""What an experiment came to: files in a folder, and tables in the terminal."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final
+
+from rich.console import Console
+from rich.table import Table
+
+from passafe_services.tools.experiment.kept_logs import KeptLog
+from passafe_services.tools.experiment.live_agreement import Agreement
+from passafe_services.tools.experiment.plan import Plan
+from passafe_services.tools.experiment.runs import shown
+from passafe_services.tools.experiment.schema import Experiment
+from passafe_services.tools.experiment.summary import CellSummary, ExperimentSummary
+from passafe_services.tools.experiment.tables import (
+    agreement_table,
+    boundaries_table,
+    cells_table,
+    runs_table,
+    write_tables,
+)
+
+MOST_ROWS: Final = 40
+"""Rows that the terminal shows."""
+
+
+def write_report(
+    plan: Plan, summary: ExperimentSummary, kept: Sequence[KeptLog], agreement: Sequence[Agreement], folder: Path
+) -> None:
+    """Write tables, summary, page and, where an axis was bisected, the picture of its boundaries."""
+    from passafe_dashboard.report_page import number  # noqa: PLC0415 - a second that a refusal need not wait
+    from passafe_dashboard.sweep import boundary_charts  # noqa: PLC0415 - likewise
+    from passafe_dashboard.sweep_page import KeptLine, sweep_page, sweep_picture  # noqa: PLC0415 - likewise
+
+    tables = {"runs": runs_table(plan), "cells": cells_table(summary)}
+    if summary.boundaries:
+        tables["boundaries"] = boundaries_table(summary)
+    if agreement:
+        tables["agreement"] = agreement_table(agreement)
+    write_tables(tables, folder)
+    (folder / "summary.json").write_text(summary.model_dump_json(indent=2), encoding="utf-8")
+    worst = plan.experiment.worst.figure
+    lines = [
+        KeptLine(
+            cell=plan.cells[log.result.run.cell].describe(),
+            seed=log.result.run.seed,
+            file=str(log.path.relative_to(folder)),
+            figure=f"{worst} {number(None if log.result.figures is None else log.result.figures.number(worst))}",
+        )
+        for log in kept
+    ]
+    (folder / "report.html").write_text(sweep_page(plan, summary, lines, agreement), encoding="utf-8")
+    charts = boundary_charts(plan.experiment, summary)
+    if charts:
+        columns = len(charts) // len(plan.experiment.criteria)
+        svg = sweep_picture(charts, columns=columns, title=plan.experiment.title)
+        (folder / "boundaries.svg").write_text(svg, encoding="utf-8")
+
+
+def show(summary: ExperimentSummary, experiment: Experiment, console: Console) -> None:
+    """Print what every cell came to: boundaries where an axis was bisected, else shares that break a criterion."""
+    title = f"{experiment.title}: {summary.runs} runs"
+    names = list(experiment.criteria)
+    if summary.boundaries:
+        table = Table("variant", *summary.values, *names, title=title, title_justify="left")
+        for found in summary.boundaries[:MOST_ROWS]:
+            told = [found.boundaries[name].describe() for name in names]
+            table.add_row(found.cell.variant, *map(shown, found.cell.values.values()), *told)
+        left_out = len(summary.boundaries) - MOST_ROWS
+    else:
+        worst = experiment.worst.figure
+        columns = "runs", *(f"break {name}" for name in names), "break verdict", f"worst {worst} (seed)"
+        table = Table("variant", *summary.values, *columns, title=title, title_justify="left")
+        for cell in summary.cells[:MOST_ROWS]:
+            table.add_row(*_cells_of(cell, experiment))
+        left_out = len(summary.cells) - MOST_ROWS
+    console.print(table)
+    if left_out > 0:
+        console.print(f"{left_out} more rows in the tables")
+    if summary.errors:
+        console.print(f"[bold red]{summary.errors} runs could not be run[/]: column error of runs.csv")
+
+
+def show_kept(kept: Sequence[KeptLog], console: Console) -> None:
+    """Print which logs were kept, and whether they are the same runs."""
+    for log in kept:
+        if log.differing:
+            console.print(f"[bold red]{log.path} is another run[/]: {', '.join(log.differing)} differ")
+    if kept:
+        console.print(f"logs      {len(kept)} in {kept[0].path.parent}")
+
+
+def _cells_of(cell: CellSummary, experiment: Experiment) -> list[str]:
+    shares = [f"{share.kept} of {share.of}" if share.kept else "none" for share in cell.breaking.values()]
+    spread = cell.figures[experiment.worst.figure]
+    upside_down = experiment.worst.at_most is not None
+    worst = "unknown" if spread is None else f"{spread.max if upside_down else spread.min:.3g} ({cell.worst.seed})"
+    return [cell.cell.variant, *map(shown, cell.cell.values.values()), str(cell.runs), *shares, worst]

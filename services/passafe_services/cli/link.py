@@ -1,0 +1,89 @@
+"""``passafe link``: look at the links of a running system, and change them."""
+
+from typing import Annotated
+
+import typer
+from msgspec import json as msgspec_json
+from passafe_protocol.link_wire import settings_of
+from passafe_protocol.messages import LinkState
+from passafe_protocol.shapes import as_dict
+from passafe_protocol.topics import LINKS
+
+from passafe_services.cli.errors import OptionError
+from passafe_services.cli.link_text import LINK_KEYS, changed_parameters, link_fields, require_ranges, settings_text
+from passafe_services.cli.options import DEFAULT_ROUTER, RouterOption, parse_endpoint
+from passafe_services.loop.errors import LinkSilentError
+from passafe_services.loop.inlet import require_links
+from passafe_services.loop.link_console import ANSWER_S, open_link_console
+
+app = typer.Typer(help="Look at the links of a running system, and change them.", no_args_is_help=True)
+
+NAMES = ", ".join(LINKS)
+WaitOption = Annotated[float, typer.Option("--wait", min=0.1, max=60.0, help="Seconds to wait for an answer.")]
+
+
+@app.command("show")
+def show(
+    name: Annotated[str | None, typer.Argument(help=f"Which link: {NAMES}; all if not given.")] = None,
+    router: RouterOption = DEFAULT_ROUTER,
+    wait: WaitOption = ANSWER_S,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON: one object a link.")] = False,
+) -> None:
+    """Show settings in force and counts of the links.
+
+    Example: `passafe link show` while `passafe demo` runs in another terminal.
+    """
+    require_links([] if name is None else [name])
+    with open_link_console(parse_endpoint(router), answer_s=wait) as console:
+        states = console.states() if name is None else {name: console.state(name)}
+    if not states:
+        raise LinkSilentError("of any name", "any process", wait)
+    typer.echo(_json(states) if json else "\n".join(map(_lines, states.values())))
+
+
+@app.command("set")
+def set_link(
+    name: Annotated[str, typer.Argument(help=f"Which link: {NAMES}.")],
+    settings: Annotated[list[str], typer.Argument(metavar="KEY=VALUE…", help=f"Keys: {', '.join(LINK_KEYS)}.")],
+    router: RouterOption = DEFAULT_ROUTER,
+    wait: WaitOption = ANSWER_S,
+    json: Annotated[bool, typer.Option("--json", help="Print the state with the value now in force as JSON.")] = False,
+) -> None:
+    """Change settings of a link; those not named stay. Returns when the process that reads the link has them in force.
+
+    Times are in seconds, probabilities from 0 to 1. A trace can only be given when a system starts.
+
+    Example: `passafe link set plant-to-filter delay=0.2 jitter=0.02 loss=0.1`
+    """
+    require_links([name])
+    fields = link_fields(settings, "KEY=VALUE")
+    if "trace" in fields:
+        raise OptionError("trace", repr(fields["trace"]), "only when a system starts: --link, or the scenario")
+    require_ranges(fields, f"link {name}")  # told without asking anybody
+    with open_link_console(parse_endpoint(router), answer_s=wait) as console:
+        before = console.state(name)
+        wanted = changed_parameters(settings_of(before.parameters), fields, f"link {name}")
+        state = console.configure(name, wanted)
+    if json:
+        typer.echo(_json({name: state}))
+    else:
+        typer.echo(f"{name}: {settings_text(state)}")
+
+
+def _json(states: dict[str, LinkState]) -> str:
+    return msgspec_json.encode({name: as_dict(state) for name, state in states.items()}).decode()
+
+
+def _lines(state: LinkState) -> str:
+    counts = {
+        "put": state.put,
+        "delivered": state.delivered,
+        "lost": state.dropped_loss,
+        "queue full": state.dropped_queue,
+        "outage": state.dropped_outage,
+        "copies": state.duplicated,
+        "corrupted": state.corrupted,
+        "under way": state.under_way,
+    }
+    text = ", ".join(f"{name} {count}" for name, count in counts.items())
+    return f"{state.link}: {settings_text(state)}\n    {text}"

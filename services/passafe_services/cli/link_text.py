@@ -1,0 +1,130 @@
+"""Settings of links as a user types them: ``delay=0.2,loss=0.1``."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict
+from typing import Any, Final
+
+from passafe_protocol.link_settings import LinkSettings
+from passafe_protocol.link_wire import parameters_of, settings_of
+from passafe_protocol.messages import LinkParameters, LinkState
+from pydantic import ValidationError
+
+from passafe_services.cli.errors import OptionError
+from passafe_services.scenarios.link_schema import LinkFields, ScenarioLink
+
+LINK_KEYS: Final = {
+    "delay": "delay_s",
+    "jitter": "jitter_s",
+    "distribution": "distribution",
+    "quantiles": "quantiles_s",
+    "correlation": "correlation",
+    "reorder": "reorder",
+    "loss": "loss",
+    "burst-enter": "burst_enter",
+    "burst-leave": "burst_leave",
+    "burst-loss-good": "burst_loss_good",
+    "burst-loss-bad": "burst_loss_bad",
+    "duplicate": "duplicate",
+    "corrupt": "corrupt",
+    "rate": "rate_hz",
+    "queue": "queue",
+    "outage": "outages_s",
+    "trace": "trace",
+    "seed": "seed",
+}
+"""Field behind each key."""
+
+_BETWEEN: Final = "+"
+
+
+def link_fields(parts: Iterable[str], where: str) -> dict[str, Any]:
+    """Return the fields of a link's settings that ``KEY=VALUE`` texts set, values still as text where they are one.
+
+    Several outages are joined by ``+`` (``outage=2:2.5+5:6``), quantiles too (``quantiles=0.01+0.02+0.1``).
+
+    Args:
+        parts: The texts.
+        where: What the user gave them with, for the message.
+
+    Raises:
+        OptionError: A text of another form, or an unknown key.
+    """
+    fields: dict[str, Any] = {}
+    for part in parts:
+        key, equals, value = part.partition("=")
+        if key not in LINK_KEYS or not equals:
+            raise OptionError(where, repr(part), f"KEY=VALUE with one of {', '.join(LINK_KEYS)}")
+        fields[LINK_KEYS[key]] = _value(key, value)
+    return fields
+
+
+def require_ranges(fields: Mapping[str, Any], where: str) -> None:
+    """Check each field by itself.
+
+    Args:
+        fields: What ``link_fields`` returned.
+        where: What the user gave them with, for the message.
+
+    Raises:
+        OptionError: A value that a setting cannot have.
+    """
+    try:
+        LinkFields.model_validate(fields)
+    except ValidationError as error:
+        raise _option_error(error, fields, where) from error
+
+
+def changed_parameters(before: LinkSettings, fields: Mapping[str, Any], where: str) -> LinkParameters:
+    """Return settings with some of them changed.
+
+    Args:
+        before: The settings.
+        fields: What ``link_fields`` returned.
+        where: What the user gave them with, for the message.
+
+    Raises:
+        OptionError: A value that a setting cannot have, or settings that do not go together.
+    """
+    values = asdict(before)
+    del values["trace_s"]
+    try:
+        return parameters_of(ScenarioLink.model_validate(values | dict(fields)).settings())
+    except ValidationError as error:
+        raise _option_error(error, fields, where) from error
+
+
+def settings_text(state: LinkState) -> str:
+    """Return the settings of a link that are not as they are by default, as a user would type them."""
+    settings, default = settings_of(state.parameters), LinkSettings()
+    parts = [
+        f"{key}={_text(key, getattr(settings, field))}"
+        for key, field in LINK_KEYS.items()
+        if field != "trace" and getattr(settings, field) != getattr(default, field)
+    ]
+    if state.trace_opportunities:
+        parts.append(f"trace of {state.trace_opportunities} times")
+    return " ".join(parts) or "lets everything through at once"
+
+
+def _option_error(error: ValidationError, fields: Mapping[str, Any], where: str) -> OptionError:
+    first = error.errors()[0]
+    allowed = first["msg"].removeprefix("Input should be ").removeprefix("Value error, ")
+    place = ".".join(str(part) for part in first["loc"])
+    asked = ", ".join(f"{name} {value!r}" for name, value in fields.items())
+    return OptionError(where, f"{place} {first['input']!r}" if place else asked, allowed)
+
+
+def _text(key: str, value: object) -> str:
+    if key == "outage" and isinstance(value, tuple):
+        return _BETWEEN.join(f"{start_s:g}:{end_s:g}" for start_s, end_s in value)
+    if key == "quantiles" and isinstance(value, tuple):
+        return _BETWEEN.join(f"{quantile_s:g}" for quantile_s in value)
+    return f"{value:g}" if isinstance(value, float) else str(value).lower()
+
+
+def _value(key: str, text: str) -> object:
+    if key == "outage":
+        return [span.split(":") for span in text.split(_BETWEEN)] if text else []
+    if key == "quantiles":
+        return text.split(_BETWEEN) if text else []
+    return text

@@ -1,0 +1,118 @@
+"""Options that several commands take, and how their text becomes values."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Any, Final
+
+import typer
+from passafe_protocol.topics import LINKS
+
+from passafe_services.cli.errors import OptionError
+from passafe_services.cli.link_text import LINK_KEYS, link_fields
+from passafe_services.loop.router_endpoint import DEFAULT_PORT, LOOPBACK, RouterEndpoint
+from passafe_services.scenarios.load import load_scenario
+from passafe_services.scenarios.schema import Scenario
+
+DEFAULT_SCENARIO: Final = "notomista-cai-2020"
+
+ScenarioOption = Annotated[
+    str,
+    typer.Option("--scenario", "-s", help="Shipped scenario (see `passafe scenarios`) or a TOML file."),
+]
+ModeOption = Annotated[
+    str | None,
+    typer.Option("--mode", "-m", help="What the filter enforces: off, safe, passive or both."),
+]
+LawOption = Annotated[
+    str | None,
+    typer.Option("--law", help="Rows of the filter: sampled (default) or continuous, the paper's."),
+]
+DurationOption = Annotated[
+    float | None,
+    typer.Option("--duration", "-d", help="Seconds of plant time to run."),
+]
+RateOption = Annotated[
+    float | None,
+    typer.Option("--rate", help="Ticks per second, Hz, instead of the scenario's."),
+]
+LinkOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--link",
+        metavar="NAME:KEY=VALUE,…",
+        help=f"Make a link bad: {', '.join(LINKS)}. Keys: {', '.join(LINK_KEYS)}; times in seconds, probabilities "
+        "from 0 to 1. Example: `--link plant-to-filter:delay=0.2,jitter=0.02,loss=0.1`. See docs/links.md.",
+    ),
+]
+RouterOption = Annotated[
+    str,
+    typer.Option("--router", metavar="HOST:PORT", help="Where the router of the running system listens."),
+]
+DEFAULT_ROUTER: Final = f"{LOOPBACK}:{DEFAULT_PORT}"
+
+
+def scenario_from_options(
+    name_or_file: str,
+    *,
+    mode: str | None = None,
+    law: str | None = None,
+    duration_s: float | None = None,
+    rate_hz: float | None = None,
+    links: Sequence[str] = (),
+) -> Scenario:
+    """Return a scenario with the command line's values in place of its own.
+
+    Raises:
+        ScenarioError: Something that a scenario may not hold.
+        OptionError: A link in another form than ``NAME:KEY=VALUE,…``.
+    """
+    given = {
+        "filter.mode": mode,
+        "filter.law": law,
+        "duration_s": duration_s,
+        "rate_hz": rate_hz,
+    }
+    overrides: dict[str, Any] = {field: value for field, value in given.items() if value is not None}
+    for text in links:
+        overrides |= _link_overrides(text)
+    return load_scenario(name_or_file, overrides)
+
+
+def parse_endpoint(text: str) -> RouterEndpoint:
+    """Return the endpoint that ``HOST:PORT`` names.
+
+    Raises:
+        OptionError: It does not.
+    """
+    host, separator, port = text.rpartition(":")
+    if not separator or not port.isdigit():
+        raise OptionError("--router", repr(text), f"HOST:PORT such as {DEFAULT_ROUTER}")
+    return RouterEndpoint(host=host, port=int(port))
+
+
+def writable_folder(path: Path, option: str = "--out") -> Path:
+    """Return the folder, made if it was not there.
+
+    Args:
+        path: The folder.
+        option: What the user gave it with, for the message.
+
+    Raises:
+        OptionError: It cannot be made or written.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        probe = path / ".passafe-probe"
+        probe.touch()
+        probe.unlink()
+    except OSError as error:
+        raise OptionError(option, f"{path} ({error.strerror})", "a writable folder") from error
+    return path
+
+
+def _link_overrides(text: str) -> dict[str, Any]:
+    name, separator, settings = text.partition(":")
+    if not separator:
+        raise OptionError("--link", repr(text), f"NAME:KEY=VALUE,… with {', '.join(LINK_KEYS)}")
+    fields = link_fields(settings.split(","), "--link")
+    return {f"links.{name}.{field}": value for field, value in fields.items()}

@@ -1,0 +1,113 @@
+"""From a scenario to its filter node."""
+
+from dataclasses import dataclass
+from typing import Self
+
+from passafe_protocol.validation import MAX_VECTOR
+
+from passafe.filter import SafetyPassivityFilter
+from passafe.human_input import HandModel, HumanInputEstimator
+from passafe.models.robot import Robot
+from passafe.override import Explainer
+from passafe_services.filter.input_sequencer import InputSequencer, UnsequencedInputs
+from passafe_services.filter.node import FilterNode
+from passafe_services.filter.operator_request import EstimatedRequest, PassThroughRequest
+from passafe_services.filter.override_text import OverrideText
+from passafe_services.filter.playout_schedule import EffectSchedule
+from passafe_services.filter.predictor import NoPrediction, Predictor
+from passafe_services.plant_contract.plant_model import PlantModel
+from passafe_services.scenarios.design import design_of, tank_of
+from passafe_services.scenarios.info import scenario_info
+from passafe_services.scenarios.schema import Scenario, WhiteAccelerationEstimator
+from passafe_services.scenarios.units import input_unit
+
+
+@dataclass(frozen=True, kw_only=True)
+class CompiledFilter:
+    """The part of a scenario's filter that takes time to make and keeps no state.
+
+    Attributes:
+        core: The filter.
+        explainer: Computes what a decision overrides and why.
+        override_text: Puts that into words.
+    """
+
+    core: SafetyPassivityFilter
+    explainer: Explainer
+    override_text: OverrideText
+
+    @classmethod
+    def of(cls, scenario: Scenario, robot: Robot) -> Self:
+        """Compile the filter of a scenario.
+
+        Raises:
+            DesignError: Some part of the design cannot be used.
+        """
+        core = SafetyPassivityFilter(design_of(scenario, robot))
+        return cls(
+            core=core,
+            explainer=Explainer(core),
+            override_text=OverrideText(core, robot, input_unit(scenario)),
+        )
+
+
+def filter_node(
+    scenario: Scenario,
+    driver: str,
+    epoch: int,
+    model: PlantModel | None = None,
+    compiled: CompiledFilter | None = None,
+) -> FilterNode:
+    """Return the filter of a scenario.
+
+    Args:
+        scenario: What to build.
+        driver: ``live`` or ``lockstep``, for the log.
+        epoch: Its session, as the driver stamps it on what it sends.
+        model: The compiled model of its plant, if there is one already.
+        compiled: The compiled filter, if there is one already.
+    """
+    model = PlantModel.of(scenario) if model is None else model
+    compiled = CompiledFilter.of(scenario, model.robot) if compiled is None else compiled
+    predictor, sequencer = _predictor_of(scenario, model)
+    return FilterNode(
+        compiled.core,
+        period_ns=model.period_ns,
+        foresight=predictor,
+        series=sequencer,
+        schedule=EffectSchedule(period_ns=model.period_ns, playout_ns=model.playout_ns, epoch=epoch),
+        request=request_of(scenario, model.robot.system.m),
+        state_stale_ns=round(scenario.filter.stale_s * 1e9),
+        starts_nearest=scenario.filter.start == "nearest",
+        explainer=compiled.explainer,
+        wording=compiled.override_text,
+        info=scenario_info(scenario, driver),
+    )
+
+
+def _predictor_of(
+    scenario: Scenario, model: PlantModel
+) -> tuple[Predictor | NoPrediction, InputSequencer | UnsequencedInputs]:
+    """Return what predicts the state for which an input is made, and how inputs are sent."""
+    tank, tick_ns, hold_ns = tank_of(scenario), model.period_ns, model.hold_ns
+    if not scenario.filter.prediction:
+        return NoPrediction(tank), UnsequencedInputs(period_ns=tick_ns, hold_ns=hold_ns)
+    repeats = min(scenario.filter.repeats, MAX_VECTOR // model.robot.system.m)
+    return (
+        Predictor(model.dynamics, model.fail_safe, tank, tick_ns),
+        InputSequencer(period_ns=tick_ns, hold_ns=hold_ns, repeats=repeats),
+    )
+
+
+def request_of(scenario: Scenario, inputs: int) -> PassThroughRequest:
+    """Return how the scenario's filter reads the operator's commands.
+
+    Raises:
+        DesignError: An agility out of proportion to the resolution.
+    """
+    stale_ns, fade_ns = round(scenario.operator.stale_s * 1e9), round(scenario.operator.fade_s * 1e9)
+    config = scenario.operator.estimator
+    if not isinstance(config, WhiteAccelerationEstimator):
+        return PassThroughRequest(inputs, stale_ns, fade_ns)
+    model = HandModel(**config.model_dump(exclude={"kind"}))
+    return EstimatedRequest(inputs, stale_ns, fade_ns, HumanInputEstimator(model, inputs))

@@ -1,0 +1,154 @@
+"""FilterTick: what the filter did in one tick, as a message."""
+
+from collections.abc import Sequence
+from typing import Final
+
+from msgspec import Struct
+from passafe_protocol.messages import (
+    BarrierReport,
+    Certificate,
+    Consumed,
+    FilterStatus,
+    FilterTick,
+    OverrideReport,
+    Received,
+    RowReport,
+)
+from passafe_protocol.topics import TOPIC_OF_BODY
+
+from passafe.decision import Decision, Status
+from passafe.design import FilterDesign
+from passafe.filter import SafetyPassivityFilter
+from passafe.infeasibility import DistanceToInfeasibility
+from passafe.override import Explainer
+
+STATUS: Final = (FilterStatus.UNCERTIFIED, *(FilterStatus[status.name] for status in Status))
+"""Status on the wire, by the number of the core's; a table, because hashing a member costs 0.4 µs."""
+
+
+class TickRecord(Struct, frozen=True, eq=False):
+    """What a tick message is made from, when somebody calls for it.
+
+    Attributes:
+        telemetry: Makes the message.
+        tick: Number of the tick.
+        status: Outcome, staleness included.
+        decision: The filter's decision.
+        effective_plant_ns: Plant time of the decision.
+        tank_j: Energy in the tank at that time, predicted, J.
+        inbox: Messages that the step consumed.
+        state_age_ns: Age of the newest state; −1 if none came yet.
+        command_age_ns: Age of the newest command; −1 if none came yet.
+        horizon_ns: How far the decision's state lies ahead of the newest plant state.
+    """
+
+    telemetry: "Telemetry"
+    tick: int
+    status: FilterStatus
+    decision: Decision
+    effective_plant_ns: int
+    tank_j: float
+    inbox: Sequence[Received]
+    state_age_ns: int
+    command_age_ns: int
+    horizon_ns: int
+
+    def again(
+        self, status: FilterStatus, inbox: Sequence[Received], state_age_ns: int, command_age_ns: int
+    ) -> "TickRecord":
+        """Return the account of a step that decided nothing new."""
+        return TickRecord(
+            self.telemetry,
+            self.tick,
+            status,
+            self.decision,
+            self.effective_plant_ns,
+            self.tank_j,
+            inbox,
+            state_age_ns,
+            command_age_ns,
+            self.horizon_ns,
+        )
+
+    def __call__(self) -> FilterTick:
+        """Return the message."""
+        return self.telemetry.message(self)
+
+
+class Telemetry:
+    """Turns tick records into messages."""
+
+    def __init__(self, core: SafetyPassivityFilter, explainer: Explainer) -> None:
+        self._design: FilterDesign = core.design
+        self._row_names = core.row_names
+        self._duties = core.duties
+        self._explainer = explainer
+        self._hard = core.layout.parts["relax"].stop - core.layout.parts["relax"].start
+        self._distance = DistanceToInfeasibility(core.design.limits, self._hard)
+        self._has_eps = core.layout.parts["eps"].stop > core.layout.parts["eps"].start
+        self._chains: list[tuple[str, slice]] = []
+        start = 0
+        for chain in core.chains:
+            self._chains.append((chain.barrier.name, slice(start, start + len(chain.psi))))
+            start += len(chain.psi)
+
+    def message(self, record: TickRecord) -> FilterTick:
+        """Return the message of one tick."""
+        decision = record.decision
+        numbers, parts = decision.block.tolist(), decision.parts
+
+        def vector(name: str) -> tuple[float, ...]:
+            return tuple(numbers[parts[name]])
+
+        psi = vector("psi")
+        eps = vector("eps") if self._has_eps else (0.0,) * len(self._chains)
+        override = self._explainer.override(decision)
+        shares = {cause.row: cause.share for cause in override.causes}
+        relaxed = (*vector("relax"), *(0.0,) * (len(self._row_names) - self._hard))
+        return FilterTick(
+            tick=record.tick,
+            status=record.status,
+            mode=self._design.mode.value,
+            law=self._design.law.value,
+            effective_plant_ns=record.effective_plant_ns,
+            x_hat=vector("x"),
+            u_h=vector("u_h"),
+            u_h_rate=vector("u_h_rate"),
+            u_nominal=vector("u_nominal"),
+            phi=vector("phi"),
+            v=vector("v"),
+            u=decision.u,
+            barriers=tuple(
+                BarrierReport(name, psi[place], margin) for (name, place), margin in zip(self._chains, eps, strict=True)
+            ),
+            power_margin=decision.power_margin,
+            tank_j=record.tank_j,
+            slack=decision.slack,
+            rows=tuple(
+                RowReport(name, margin, dual, name in shares, shares.get(name, 0.0), less)
+                for i, (name, margin, dual, less) in enumerate(
+                    zip(self._row_names, vector("margins"), vector("lam"), relaxed, strict=True)
+                )
+                if i < self._duties or name in shares  # of the limits, those that bind
+            ),
+            certificate=Certificate(
+                decision.solver,
+                decision.status is not Status.UNCERTIFIED,
+                decision.primal_residual,
+                decision.dual_residual,
+                decision.gap,
+            ),
+            consumed=tuple(
+                Consumed(TOPIC_OF_BODY[type(r.body)].name, r.header.sequence, r.received_ns, r.header.epoch)
+                for r in record.inbox
+            ),
+            state_age_ns=record.state_age_ns,
+            command_age_ns=record.command_age_ns,
+            override=OverrideReport(
+                tuple(override.held_back.tolist()),
+                override.allowed_fraction,
+                override.unavoidable,
+                self._distance.of(decision).lower,
+            ),
+            horizon_ns=record.horizon_ns,
+        )

@@ -1,0 +1,139 @@
+"""Writes a run's log: wire bytes as they are, one MCAP channel a key expression, the schema in the file.
+
+The same writer serves the live recorder and the lockstep driver, so both make the same file.
+"""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import Final, Literal, Self
+
+from mcap.well_known import MessageEncoding, SchemaEncoding
+from passafe_protocol.codec import file_descriptor_set, schema_name
+from passafe_protocol.topics import KEY_ROOT, TOPIC_OF_NAME, Topic
+
+from passafe_services.log.log_file import LogFile
+
+SCENARIO_RECORD: Final = "scenario"
+"""Metadata record with the effective configuration as JSON under ``json``."""
+VERSIONS_RECORD: Final = "versions"
+"""Metadata record with the version of passafe and of what it computes with, by name."""
+DRIVER_RECORD: Final = "driver"
+"""Metadata record with ``kind``: live or lockstep."""
+
+SEQUENCE_MODULUS: Final = 2**32
+TIME_LIMIT_NS: Final = 2**64
+
+KEY_CHUNKS: Final = 3
+
+RunMetadata = Mapping[str, Mapping[str, str]]
+
+
+def run_metadata(
+    *, scenario_json: str, versions: Mapping[str, str], driver: Literal["live", "lockstep"]
+) -> dict[str, dict[str, str]]:
+    """The metadata records of a run, for ``LogWriter``."""
+    json.loads(scenario_json)  # a log whose scenario cannot be read back would be of no use
+    return {
+        SCENARIO_RECORD: {"json": scenario_json},
+        VERSIONS_RECORD: dict(versions),
+        DRIVER_RECORD: {"kind": driver},
+    }
+
+
+def topic_of_key(key: str) -> Topic | None:
+    """The topic behind a key expression ``passafe/<process>/<topic>``; ``None`` for any other key."""
+    chunks = key.split("/")
+    if len(chunks) != KEY_CHUNKS or chunks[0] != KEY_ROOT:
+        return None
+    return TOPIC_OF_NAME.get(chunks[2])
+
+
+class LogWriter:
+    """The log of one run; a context manager that finishes the file.
+
+    A channel is registered when its key is first seen. A key of the topic table has message encoding and
+    schema encoding ``protobuf``; any other key is logged without a schema rather than lost.
+
+    Args:
+        path: The file to write; one that is there already is replaced.
+        metadata: Records to begin the file with, by name (see ``run_metadata``).
+
+    Attributes:
+        path: The file.
+        messages: Messages written so far.
+
+    Raises:
+        LogWriteError: The file cannot be created or the disk does not take it. Every method raises it too.
+    """
+
+    def __init__(self, path: Path, metadata: RunMetadata) -> None:
+        self.path = path
+        self.messages = 0
+        self._file = LogFile(path)
+        self._schemas: dict[str, int] = {}
+        self._channels: dict[str, int] = {}
+        with self._file.guarded():
+            for name, record in metadata.items():
+                self._file.mcap.add_metadata(name, dict(record))
+        self._file.flush()
+
+    def write(self, key: str, data: bytes, *, sequence: int, wall_ns: int) -> None:
+        """Log one message.
+
+        Args:
+            key: Key expression that it was published under: the channel's topic.
+            data: Its wire bytes.
+            sequence: ``sequence`` of its header; the log keeps it modulo 2³².
+            wall_ns: ``wall_ns`` of its header, Unix time, not negative: both log time and publish time.
+        """
+        if not 0 <= wall_ns < TIME_LIMIT_NS:  # found later, it would spoil the whole chunk
+            raise ValueError(f"wall_ns: got {wall_ns}, allowed 0 to 2**64 - 1")
+        channel = self._channels.get(key) or self._register(key)
+        try:
+            self._file.mcap.add_message(
+                channel_id=channel,
+                log_time=wall_ns,
+                data=data,
+                publish_time=wall_ns,
+                sequence=sequence % SEQUENCE_MODULUS,
+            )
+        except OSError as error:
+            raise self._file.failed(error) from error
+        self.messages += 1
+
+    def flush(self) -> None:
+        """Make everything written so far readable, whatever happens to this process or machine."""
+        self._file.flush()
+
+    def close(self) -> None:
+        """Finish the file; nothing happens the second time."""
+        self._file.close()
+
+    def _register(self, key: str) -> int:
+        topic = topic_of_key(key)
+        with self._file.guarded():
+            if topic is None:
+                channel = self._file.mcap.register_channel(key, "", 0)
+            else:
+                schema = self._schema(schema_name(topic))
+                channel = self._file.mcap.register_channel(key, MessageEncoding.Protobuf, schema)
+        self._channels[key] = channel
+        return channel
+
+    def _schema(self, name: str) -> int:
+        if name not in self._schemas:
+            self._schemas[name] = self._file.mcap.register_schema(name, SchemaEncoding.Protobuf, file_descriptor_set())
+        return self._schemas[name]
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        value: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._file.__exit__(kind, value, trace)

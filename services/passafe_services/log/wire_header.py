@@ -1,0 +1,40 @@
+"""Reads the header of a message without making its body: all that a recorder needs to know of it."""
+
+from typing import Any, Final
+
+from google.protobuf.message import DecodeError as ParseError
+from google.protobuf.message import Message as ProtobufMessage
+from passafe_protocol import passafe_pb2
+from passafe_protocol.checksum import is_intact
+from passafe_protocol.messages import SCHEMA_VERSION, Header
+from passafe_protocol.topics import TOPICS, Topic
+
+_MESSAGE_OF_TOPIC: Final[dict[str, type[ProtobufMessage]]] = {
+    topic.name: getattr(passafe_pb2, topic.body.__name__) for topic in TOPICS
+}
+
+
+def read_header(topic: Topic, data: bytes) -> Header | None:
+    """Header of a message, ``None`` if the bytes are no message of the topic in this schema version.
+
+    The checksum is compared and the body is parsed, but its fields are neither copied nor checked: about a tenth of
+    the time of ``passafe_protocol.codec.decode``.
+    """
+    if not is_intact(data):
+        return None
+    try:
+        message: Any = _MESSAGE_OF_TOPIC[topic.name].FromString(data)
+    except ParseError:
+        return None
+    header = message.header
+    if header.schema_version != SCHEMA_VERSION:
+        return None
+    return Header(
+        source=header.source,
+        epoch=header.epoch,
+        sequence=header.sequence,
+        scheduled_ns=header.scheduled_ns,
+        started_ns=header.started_ns,
+        sent_ns=header.sent_ns,
+        wall_ns=header.wall_ns,
+    )

@@ -1,0 +1,1 @@
+"""The simulated person who steers by sight."""

@@ -1,0 +1,50 @@
+"""What an operator is shown while driving: one line."""
+
+from typing import NamedTuple
+
+from passafe_protocol.messages import FilterStatus, Vector
+
+
+class OperatorView(NamedTuple):
+    """What the operator knows; what came too long ago is not known.
+
+    Attributes:
+        u_h: The command being sent, units of u.
+        enabled: Whether the dead-man switch is held.
+        superseded: Whether a newer operator session drives and this one is silent.
+        position: First m states of the plant, which are the robot's position in every shipped model; or None.
+        status: What the filter did with the command; or None.
+        nearest: Name and h of the barrier with the least h, which reaches its limit at h = 0; or None.
+    """
+
+    u_h: Vector
+    enabled: bool
+    superseded: bool
+    position: Vector | None
+    status: FilterStatus | None
+    nearest: tuple[str, float] | None
+
+
+def line(view: OperatorView, columns: int) -> str:
+    """Return ``view`` as one line of at most ``columns`` characters, ASCII only."""
+    if view.superseded:
+        text = "SILENT: a newer operator session drives; q ends this one"
+    else:
+        parts = (
+            "HELD    " if view.enabled else "released",
+            f"u_h {_numbers(view.u_h)}",
+            "robot ?" if view.position is None else f"robot {_numbers(view.position)}",
+            "filter ?" if view.status is None else f"filter {view.status.name:<11}",
+            "" if view.nearest is None else f"h({_printable(view.nearest[0])}) {view.nearest[1]:+.3f}",
+        )
+        text = "  ".join(part for part in parts if part)
+    return text[: max(columns, 0)]
+
+
+def _numbers(vector: Vector) -> str:
+    return "(" + ", ".join(f"{number:+7.2f}" for number in vector) + ")"
+
+
+def _printable(name: str) -> str:
+    """A name off the wire as ASCII: it must not be able to steer the terminal."""
+    return "".join(letter if letter.isascii() and letter.isprintable() else "?" for letter in name)

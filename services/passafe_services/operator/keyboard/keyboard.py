@@ -1,0 +1,132 @@
+"""A person at a keyboard, as a source: keys in, a smooth command with a known rate out."""
+
+from collections.abc import Callable, Sequence
+from math import exp, hypot
+from typing import ClassVar, Final, NamedTuple
+
+from passafe_protocol.messages import Vector
+
+from passafe_services.operator.keyboard.keys import DIRECTIONS, Key
+from passafe_services.operator.sources.command import Command
+from passafe_services.operator.sources.source import SourceClock
+
+RAMP_S: Final = 0.1
+"""Time constant with which u_h follows the keys: u̇_h = (target − u_h)/RAMP_S."""
+PRESS_HOLD_S: Final = 0.7
+"""How long a fresh press counts as held: longer than the usual wait (up to 0.66 s) before a key repeats."""
+REPEAT_HOLD_S: Final = 0.2
+"""How long a repeating key counts as held after its last repeat; keys repeat every 0.03 to 0.1 s."""
+REST_SHARE: Final = 1e-3
+"""A released command counts as zero below this share of the authority."""
+
+
+class _Hold(NamedTuple):
+    """A key taken as held: when it was last seen and until when it counts."""
+
+    seen_s: float
+    until_s: float
+
+
+class Keyboard:
+    """u_h towards ``authority`` in the direction of the keys held, first-order with ``RAMP_S``.
+
+    A terminal tells presses and repeats, never releases. So a key counts as held for ``PRESS_HOLD_S`` after
+    a press, and for ``REPEAT_HOLD_S`` after an arrival within ``REPEAT_HOLD_S`` of the one before, which can
+    only be a repeat. A key releases those that oppose it. When none is held, u_h fades to zero with the same
+    time constant; the dead-man counts as held until it got there. ``STOP`` zeroes u_h at once, and then keys
+    count only after ``REPEAT_HOLD_S`` without any, so that repeats still on their way cannot undo it.
+    ``QUIT`` stops for good and sets ``finished``.
+
+    Between key events u_h is the exact solution: what is sent does not depend on how often it is asked for.
+
+    Attributes:
+        finished: Whether the person asked to end the session.
+    """
+
+    device: ClassVar[str] = "keyboard"
+    clock: ClassVar[SourceClock] = SourceClock.LOCAL
+
+    def __init__(self, *, authority: float, inputs: int, keys: Callable[[], Sequence[Key]]) -> None:
+        """Start at rest.
+
+        Args:
+            authority: ‖u_h‖ that held keys tend to, units of u.
+            inputs: m, 1 (left and right only) or 2.
+            keys: Returns the keys that came since it was last called, in order; must not wait. It is the only
+                way by which anything reaches the source, so a list played back gives the same commands again.
+        """
+        self.finished = False
+        self._authority = authority
+        self._keys = keys
+        self._rest: Vector = (0.0,) * inputs
+        self._u_h = self._rest
+        self._target = self._rest
+        self._t_s = 0.0
+        self._held: dict[Key, _Hold] = {}
+        self._quiet_until_s: float | None = None
+
+    def command(self, t_s: float) -> Command:
+        """Take the keys that came, as of ``t_s``, and return the command then.
+
+        Args:
+            t_s: Local time, s, never smaller than before.
+        """
+        self._advance(t_s)
+        for key in self._keys():
+            if key in DIRECTIONS:
+                self._push(key, t_s)
+            else:
+                self._stop(t_s)
+                self.finished = self.finished or key is Key.QUIT
+        rate = tuple([(goal - c) / RAMP_S for goal, c in zip(self._target, self._u_h, strict=True)])
+        return Command(self._u_h, rate, bool(self._held) or self._u_h != self._rest)
+
+    def _advance(self, t_s: float) -> None:
+        """Follow the keys up to ``t_s``, letting go of each exactly when its time is over."""
+        while self._held:
+            over_s = min(hold.until_s for hold in self._held.values())
+            if over_s > t_s:
+                break
+            self._ramp(over_s)
+            self._held = {key: hold for key, hold in self._held.items() if hold.until_s > over_s}
+            self._aim()
+        self._ramp(t_s)
+
+    def _ramp(self, t_s: float) -> None:
+        left = exp((self._t_s - t_s) / RAMP_S)
+        self._t_s = t_s
+        self._u_h = tuple([goal + (c - goal) * left for goal, c in zip(self._target, self._u_h, strict=True)])
+        if self._target == self._rest and hypot(*self._u_h) < REST_SHARE * self._authority:
+            self._u_h = self._rest
+
+    def _aim(self) -> None:
+        """Point the target where the held keys point together."""
+        pushes = [DIRECTIONS[key][: len(self._rest)] for key in self._held]
+        total = [sum(push[axis] for push in pushes) for axis in range(len(self._rest))]
+        length = hypot(*total)
+        self._target = tuple([c * self._authority / length for c in total]) if length else self._rest
+
+    def _push(self, key: Key, t_s: float) -> None:
+        if self.finished:
+            return
+        if self._quiet_until_s is not None:
+            if t_s < self._quiet_until_s:
+                self._quiet_until_s = t_s + REPEAT_HOLD_S
+                return
+            self._quiet_until_s = None
+        before = self._held.get(key)
+        repeated = before is not None and t_s - before.seen_s <= REPEAT_HOLD_S
+        x, y = DIRECTIONS[key]
+        self._held = {
+            other: hold
+            for other, hold in self._held.items()
+            if DIRECTIONS[other][0] * x + DIRECTIONS[other][1] * y >= 0
+        }
+        self._held[key] = _Hold(t_s, t_s + (REPEAT_HOLD_S if repeated else PRESS_HOLD_S))
+        self._aim()
+
+    def _stop(self, t_s: float) -> None:
+        self._held = {}
+        self._target = self._rest
+        self._u_h = self._rest
+        self._quiet_until_s = t_s + REPEAT_HOLD_S

@@ -1,0 +1,140 @@
+"""The terminal as a device: reads keys from it and shows one line on it.
+
+The only impure file of the operator. A process that lets a person drive puts it together like this::
+
+    with Terminal() as terminal:
+        source = build_source(KeyboardSource(kind="keyboard"), inputs, keys=terminal.poll)
+        node = OperatorNode(source, epoch=epoch, show=terminal.show)
+        ...  # run the node until a signal comes or node.finished
+
+Leaving the ``with`` block restores the terminal, whatever the reason. Signals belong to the driver: it turns
+SIGTERM into an ordinary end of its loop. Ctrl-C stays the terminal's signal and arrives there, too.
+"""
+
+import os
+import select
+import termios
+import tty
+from collections.abc import Sequence
+from types import TracebackType
+from typing import Any, Final, Self
+
+from passafe_services.operator.errors import TerminalError
+from passafe_services.operator.keyboard.display import OperatorView, line
+from passafe_services.operator.keyboard.keys import Key, KeyReader
+
+HELP: Final = "arrows, WASD or hjkl push (yubn: diagonals)   release: fades   space: stop   q: quit"
+_READ_BYTES: Final = 1024
+_STANDARD_INPUT: Final = 0
+_STANDARD_OUTPUT: Final = 1
+
+
+class Terminal:
+    """A terminal in cbreak mode for as long as the ``with`` block lasts: every key at once, no echo.
+
+    ``poll`` and ``show`` never wait: they may be called from a loop that has a deadline.
+    """
+
+    def __init__(self, *, keys_from: int = _STANDARD_INPUT, show_on: int = _STANDARD_OUTPUT) -> None:
+        """Name the terminal; nothing is touched before the ``with`` block.
+
+        Args:
+            keys_from: File descriptor to read keys from.
+            show_on: File descriptor to show the line on; if it is no terminal, nothing is shown.
+        """
+        self._keys_from = keys_from
+        self._show_on = show_on
+        self._shows = os.isatty(show_on)
+        self._reader = KeyReader()
+        self._gone = False
+        self._saved: list[Any] | None = None  # what the system says, opaque to us
+
+    def __enter__(self) -> Self:
+        """Take the terminal.
+
+        Raises:
+            TerminalError: It is no terminal, or this process runs in its background.
+        """
+        wanted = "an interactive terminal in the foreground"
+        if not os.isatty(self._keys_from):
+            raise TerminalError("an input that is no terminal", wanted)
+        if self._in_background():
+            # Reading keys from there would stop the whole process.
+            raise TerminalError("a process in the background of its terminal", wanted)
+        try:
+            self._saved = termios.tcgetattr(self._keys_from)
+            termios.tcsetattr(self._keys_from, termios.TCSANOW, _cbreak(self._saved))
+            termios.tcflush(self._keys_from, termios.TCIFLUSH)  # what was typed before is no command
+        except termios.error as error:
+            self._restore()
+            raise TerminalError(f"a terminal that refuses its settings ({error.args[-1]})", wanted) from error
+        self._write(HELP + "\n")
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Give the terminal back as it was."""
+        self._restore()
+        self._write("\n")
+
+    def poll(self) -> Sequence[Key]:
+        """Return the keys that came since the last call; ``QUIT`` once when the terminal is gone."""
+        if self._gone:
+            return ()
+        try:
+            if not select.select([self._keys_from], [], [], 0)[0]:
+                return ()
+            data = os.read(self._keys_from, _READ_BYTES)
+        except OSError:
+            data = b""
+        if not data:
+            self._gone = True
+            return (Key.QUIT,)
+        return self._reader.feed(data)
+
+    def show(self, view: OperatorView) -> None:
+        """Show ``view`` in place of what was shown before, if the terminal takes it at once."""
+        try:
+            columns = os.get_terminal_size(self._show_on).columns if self._shows else 0
+        except OSError:
+            self._shows = False
+        else:
+            # A full last column would wrap; a terminal that does not say its width is taken as the usual one.
+            self._write("\r\x1b[2K" + line(view, (columns or 80) - 1))
+
+    def _write(self, text: str) -> None:
+        if not self._shows:
+            return
+        try:
+            if select.select([], [self._show_on], [], 0)[1]:
+                os.write(self._show_on, text.encode("ascii"))
+        except OSError:
+            self._shows = False
+
+    def _in_background(self) -> bool:
+        try:
+            return os.tcgetpgrp(self._keys_from) != os.getpgrp()
+        except OSError:
+            return False  # not the terminal that controls this process: it has no background here
+
+    def _restore(self) -> None:
+        if self._saved is None:
+            return
+        try:
+            termios.tcflush(self._keys_from, termios.TCIFLUSH)  # repeats on their way would go to the shell
+            termios.tcsetattr(self._keys_from, termios.TCSANOW, self._saved)
+        except termios.error:
+            self._gone = True  # hung up: nothing is left to restore
+        self._saved = None
+
+
+def _cbreak(settings: list[Any]) -> list[Any]:
+    """Settings changed so that keys come at once and unechoed, and Ctrl-S cannot hold the display."""
+    changed = settings.copy()
+    changed[tty.IFLAG] &= ~termios.IXON
+    changed[tty.LFLAG] &= ~(termios.ECHO | termios.ICANON)
+    changed[tty.CC] = settings[tty.CC].copy()
+    changed[tty.CC][termios.VMIN] = 1
+    changed[tty.CC][termios.VTIME] = 0
+    return changed

@@ -1,0 +1,27 @@
+"""The operator as a process: a script, or a person at the keyboard of this terminal."""
+
+import time
+from contextlib import ExitStack
+
+from passafe_services.loop.node_process import run_node
+from passafe_services.loop.process_options import Device, ProcessOptions
+from passafe_services.operator.keyboard.terminal import Terminal
+from passafe_services.operator.node import OperatorNode
+from passafe_services.operator.sources.scenario_source import source_of
+from passafe_services.operator.sources.script_source import build_source
+from passafe_services.scenarios.design import robot_of
+from passafe_services.scenarios.source_schema import KeyboardSource
+
+
+def start(options: ProcessOptions) -> None:
+    """Drive until told to stop, or until the person quits."""
+    epoch = time.time_ns()
+    with ExitStack() as stack:
+        if options.device is Device.KEYBOARD:
+            terminal = stack.enter_context(Terminal())
+            m = robot_of(options.scenario).system.m
+            source = build_source(KeyboardSource(kind="keyboard"), m, keys=terminal.poll)
+            node = OperatorNode(source, epoch=epoch, show=terminal.show)
+        else:
+            node = OperatorNode(source_of(options.scenario), epoch=epoch)
+        run_node(node, options, epoch=epoch, finished=lambda: node.finished)

@@ -1,0 +1,1 @@
+"""Sources of commands: scripts, recordings, disturbances, adversaries."""

@@ -1,0 +1,89 @@
+"""Operators who see the robot and push where it hurts: the campaign's adversaries for the closed loop of nodes.
+
+They know what an operator process can know: the newest state that reached it, and the scenario's mathematics.
+"""
+
+from struct import Struct
+from typing import ClassVar
+
+import casadi as ca
+import numpy as np
+from passafe_protocol.messages import PlantState, Vector
+
+from passafe.barrier_chain import derive_chain
+from passafe.passivity import power_margin
+from passafe.workspace import BlockLayout, Workspace, dense_function
+from passafe_services.operator.sources.command import Command
+from passafe_services.operator.sources.disturbances import Chirp, RandomSteps, bang_bang_period_s, bang_bang_sign
+from passafe_services.operator.sources.source import Source, SourceClock
+from passafe_services.operator.sources.worst_direction import against_h, against_the_tank
+from passafe_services.scenarios.design import barriers_of, robot_of, storage_of
+from passafe_services.scenarios.schema import Scenario
+from passafe_services.scenarios.source_schema import AdversarySource
+
+
+def adversary_of(config: AdversarySource, scenario: Scenario) -> Source:
+    """Return the adversary that ``config`` describes, for the scenario's robot.
+
+    Raises:
+        DesignError: A barrier that the input never reaches.
+    """
+    rng = np.random.default_rng(config.seed)
+    robot = robot_of(scenario)
+    system = robot.system
+    if config.strategy == "piecewise-constant":
+        return RandomSteps(rng, system.m, config.strength)
+    if config.strategy == "chirp":
+        return Chirp(rng, system.m, config.strength)
+    if config.strategy == "against-the-tank":
+        direction = against_the_tank(system, power_margin(system, storage_of(scenario, robot)))
+    else:
+        direction = against_h(system, [derive_chain(system, barrier) for barrier in barriers_of(scenario, robot)])
+    function = dense_function("push", [system.x, system.u, system.t], [config.strength * direction])
+    period_s = bang_bang_period_s(rng) if config.strategy == "bang-bang" else None
+    return AdversaryOperator(function, strength=config.strength, period_s=period_s)
+
+
+class AdversaryOperator:
+    """Pushes with full strength along a direction that follows from the newest state, always or to and fro.
+
+    The direction is taken anew from every state that comes; until the first one it is the first axis.
+    """
+
+    device: ClassVar[str] = "adversary"
+    clock: ClassVar[SourceClock] = SourceClock.PLANT
+    finished: ClassVar[bool] = False
+
+    def __init__(self, push: ca.Function, *, strength: float, period_s: float | None) -> None:
+        """Bind the function.
+
+        Args:
+            push: (x, u in force, t) → u_h, dense.
+            strength: Largest |u_h|, units of u.
+            period_s: How long to and fro takes, s; ``None`` for one way only.
+        """
+        n, m = push.numel_in(0), push.numel_in(1)
+        self._space = Workspace(BlockLayout.of({"x": n, "u": m, "t": 1, "u_h": m}))
+        self._evaluate = self._space.bind(push, ["x", "u", "t"], ["u_h"])
+        self._take = Struct(f"{n + m + 1}d").pack_into
+        self._give, self._offset = Struct(f"{m}d").unpack_from, 8 * (n + m + 1)
+        self._period_s = period_s
+        self._rest: Vector = (0.0,) * m
+        self._face((strength, *self._rest[1:]))
+
+    def see(self, state: PlantState) -> None:
+        """Turn to where the state says that it hurts most."""
+        memory = self._space.memory
+        self._take(memory, 0, *state.x, *state.u, state.plant_ns / 1e9)
+        self._evaluate()
+        self._face(self._give(memory, self._offset))
+
+    def command(self, t_s: float) -> Command:
+        """Return the command at plant time ``t_s`` ≥ 0."""
+        if self._period_s is None or bang_bang_sign(t_s, self._period_s) > 0:
+            return self._forth
+        return self._back
+
+    def _face(self, u_h: Vector) -> None:
+        self._forth = Command(u_h, self._rest, True)
+        self._back = self._forth if self._period_s is None else Command(tuple([-c for c in u_h]), self._rest, True)

@@ -1,0 +1,23 @@
+"""From a scenario to its plant node."""
+
+from passafe_services.plant.node import PlantNode
+from passafe_services.plant_contract.plant_model import PlantModel
+from passafe_services.scenarios.schema import Scenario
+
+
+def plant_node(scenario: Scenario, model: PlantModel | None = None) -> PlantNode:
+    """Return the plant of a scenario.
+
+    Args:
+        scenario: What to build.
+        model: Its compiled model, if there is one already.
+    """
+    model = PlantModel.of(scenario) if model is None else model
+    return PlantNode(
+        model.dynamics,
+        model.fail_safe,
+        x0=scenario.plant.x0,
+        period_ns=model.period_ns,
+        playout_ns=model.playout_ns,
+        limits=model.limits,
+    )

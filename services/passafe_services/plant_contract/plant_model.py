@@ -1,0 +1,59 @@
+"""The plant's model as both sides step it: dynamics, fail-safe, limits, and times in whole periods."""
+
+from dataclasses import dataclass
+from typing import Self
+
+from passafe.limits import Limits
+from passafe.models.robot import Robot
+from passafe.sampled_plant import SampledPlant
+from passafe_services.plant_contract.fail_safe import FailSafe
+from passafe_services.scenarios.design import limits_of, robot_of, sampled_plant_of
+from passafe_services.scenarios.schema import Scenario
+
+
+def period_ns(scenario: Scenario) -> int:
+    """Return the period of one tick, ns."""
+    return round(1e9 / scenario.rate_hz)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlantModel:
+    """The plant of a scenario, as its own process runs it and as the filter predicts it.
+
+    Attributes:
+        robot: The robot.
+        dynamics: Its model, stepped at the scenario's rate.
+        fail_safe: What is in force where no input follows.
+        limits: What its actuators can do.
+        period_ns: Period of a step, ns.
+        playout_ns: How long before it takes effect an input should arrive, whole periods, ns.
+        hold_ns: Longest time for which an input may be in force, ns.
+    """
+
+    robot: Robot
+    dynamics: SampledPlant
+    fail_safe: FailSafe
+    limits: Limits
+    period_ns: int
+    playout_ns: int
+    hold_ns: int
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> Self:
+        """Compile the model of a scenario.
+
+        Raises:
+            ScenarioError: The model does not take its parameters or x0.
+        """
+        robot = robot_of(scenario)
+        limits = limits_of(scenario, robot)
+        tick_ns, hold_ns = period_ns(scenario), round(scenario.plant.hold_s * 1e9)
+        return cls(
+            robot=robot,
+            dynamics=sampled_plant_of(scenario, robot),
+            fail_safe=FailSafe(robot, limits, period_ns=tick_ns, hold_ns=hold_ns),
+            limits=limits,
+            period_ns=tick_ns,
+            playout_ns=round(scenario.plant.playout_s * scenario.rate_hz) * tick_ns,
+            hold_ns=hold_ns,
+        )

@@ -1,0 +1,24 @@
+"""Logs a lockstep loop: what the recorder process does live, as an observer of the loop."""
+
+from passafe_protocol.codec import encode
+from passafe_protocol.messages import Header, Message
+from passafe_protocol.topics import Topic
+
+from passafe_services.log.log_writer import LogWriter
+
+
+class LockstepLog:
+    """Observer that writes every recorded message of a lockstep loop, wire bytes as a live publisher makes them."""
+
+    def __init__(self, log: LogWriter) -> None:
+        self._log = log
+
+    def __call__(self, topic: Topic, header: Header, body: Message) -> None:
+        """Log one message."""
+        if topic.recorded:
+            self._log.write(
+                topic.key(header.source),
+                encode(header, body),
+                sequence=header.sequence,
+                wall_ns=header.wall_ns,
+            )

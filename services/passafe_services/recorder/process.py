@@ -1,0 +1,65 @@
+"""The recorder as a process: opens the log and the bus, records until somebody ends it."""
+
+import time
+from pathlib import Path
+from typing import Final
+
+from passafe_protocol.messages import Message
+from passafe_protocol.topics import Topic
+
+from passafe_services.log.log_writer import LogWriter, RunMetadata, run_metadata
+from passafe_services.loop.bus import open_bus
+from passafe_services.loop.outlet import Outlet
+from passafe_services.loop.process_options import ProcessOptions
+from passafe_services.loop.readiness import announce_ready
+from passafe_services.loop.realtime import RECORDER_PRIORITY, request_realtime
+from passafe_services.loop.router_endpoint import RouterEndpoint
+from passafe_services.loop.stop import stop_requests
+from passafe_services.recorder.message_recorder import MessageRecorder
+from passafe_services.recorder.record_loop import record
+from passafe_services.scenarios.info import versions
+
+NAME: Final = "recorder"
+
+
+def run_recorder(
+    endpoint: RouterEndpoint, path: Path, metadata: RunMetadata, *, lifeline: bool = False
+) -> MessageRecorder:
+    """Record everything on the bus until somebody ends it; main thread only.
+
+    The log is opened first, so that a folder that cannot be written is told before anything else runs; ready
+    is announced once nothing that is published from now on can be missed.
+
+    Args:
+        endpoint: Where the router listens.
+        path: The log to write.
+        metadata: Records to begin it with, see ``run_metadata``.
+        lifeline: Whether standard input is a lifeline (see ``passafe_services.loop.stop``).
+
+    Returns:
+        What was recorded.
+
+    Raises:
+        LogWriteError: The log cannot be created, or the disk does not take it any more.
+        BusError: There is no router.
+    """
+    request_realtime(RECORDER_PRIORITY)  # loops that need it more say so if it is refused
+    with (
+        stop_requests(lifeline=lifeline) as stop,
+        LogWriter(path, metadata) as log,
+        open_bus(endpoint) as bus,
+    ):
+        reader = bus.log_reader()
+        outlet = Outlet(bus, NAME, time.time_ns())
+
+        def publish(topic: Topic, body: Message, now_ns: int) -> None:
+            outlet.publish(topic, body, scheduled_ns=now_ns, started_ns=now_ns)
+
+        announce_ready(NAME)
+        return record(reader, log, publish=publish, stop=stop)
+
+
+def start(options: ProcessOptions) -> None:
+    """Record until told to stop."""
+    metadata = run_metadata(scenario_json=options.scenario.model_dump_json(), versions=versions(), driver="live")
+    run_recorder(options.endpoint, options.out, metadata, lifeline=options.lifeline)

@@ -1,0 +1,167 @@
+"""From a scenario to the core's objects: robot, storage, barriers, filter design, sampled plant."""
+
+from collections.abc import Callable
+from typing import Final
+
+import casadi as ca
+
+from passafe.barrier_chain import Barrier
+from passafe.class_k import ClassK, Cubic, Linear, Piecewise
+from passafe.design import FilterDesign, Law, Mode
+from passafe.limits import Limits
+from passafe.models.damped_point import damped_point
+from passafe.models.drag_point import drag_point
+from passafe.models.joint_chain import MOST_JOINTS, joint_chain
+from passafe.models.lagged_point import lagged_point
+from passafe.models.robot import Robot
+from passafe.models.saturating_point import saturating_point
+from passafe.models.two_points import two_points
+from passafe.passivity import Passivity
+from passafe.sampled_plant import SampledPlant
+from passafe.storage import kinetic_energy, spring_energy, squared_norm
+from passafe.tank import Tank
+from passafe_services.scenarios.barrier_schema import ClassKConfig, SpeedBarrier
+from passafe_services.scenarios.barriers import barrier_function
+from passafe_services.scenarios.errors import ScenarioError
+from passafe_services.scenarios.schema import Scenario
+from passafe_services.scenarios.single_barriers import CoordinateLimit, SingleBarrier
+
+_MODELS: Final[dict[str, tuple[Callable[..., Robot], tuple[str, ...]]]] = {
+    "damped-point": (damped_point, ("sigma",)),
+    "drag-point": (drag_point, ("sigma", "drag")),
+    "lagged-point": (lagged_point, ("sigma", "lag_s")),
+    "saturating-point": (saturating_point, ("sigma", "force")),
+    "two-points": (two_points, ("sigma",)),
+    "joint-chain": (joint_chain, ("sigma",)),
+}
+
+
+def robot_of(scenario: Scenario) -> Robot:
+    """Return the scenario's robot, its fail-safe set to the gains of the barriers of its position.
+
+    Raises:
+        ScenarioError: A parameter that the model does not have, or an x0 of the wrong length.
+        DesignError: A parameter outside its range.
+    """
+    name, x0 = scenario.plant.model, scenario.plant.x0
+    model, parameters = _MODELS[name]
+    unknown = sorted(set(scenario.plant.parameters) - set(parameters))
+    if unknown:
+        raise ScenarioError(scenario.name, "plant.parameters", unknown, f"{sorted(parameters)}")
+    extra: dict[str, float] = {"gamma_1": _largest_gain(scenario, 0)}
+    if name == "lagged-point":
+        extra["gamma_2"] = _largest_gain(scenario, 1)
+    if name == "joint-chain":
+        extra["joints"] = _joints(scenario)
+    robot = model(**scenario.plant.parameters, **extra)
+    if len(x0) != robot.system.n:
+        raise ScenarioError(
+            scenario.name, "plant.x0", f"{len(x0)} numbers", f"{robot.system.n}, the states of the model"
+        )
+    return robot
+
+
+def _largest_gain(scenario: Scenario, level: int) -> float:
+    """Largest gain of one class-K function among the barriers of the position."""
+    gains = [
+        barrier.class_k[level].gain
+        for barrier in scenario.barriers
+        if _is_of_position(barrier) and level < len(barrier.class_k)
+    ]
+    return max(gains, default=0.0)
+
+
+def _is_of_position(barrier: SingleBarrier) -> bool:
+    return barrier.of == "position" if isinstance(barrier, CoordinateLimit) else not isinstance(barrier, SpeedBarrier)
+
+
+def _joints(scenario: Scenario) -> int:
+    joints, odd = divmod(len(scenario.plant.x0), 2)
+    if odd or not 1 <= joints <= MOST_JOINTS:
+        allowed = f"an angle and a speed for each of 1 to {MOST_JOINTS} joints"
+        raise ScenarioError(scenario.name, "plant.x0", f"{len(scenario.plant.x0)} numbers", allowed)
+    return joints
+
+
+def storage_of(scenario: Scenario, robot: Robot) -> ca.SX:
+    """Return the scenario's storage function V(x), J."""
+    passivity = scenario.filter.passivity
+    if passivity.storage == "kinetic":
+        return kinetic_energy(robot.velocity)
+    if passivity.storage == "spring":
+        return spring_energy(robot.position, robot.velocity, stiffness=passivity.spring_stiffness_per_s2)
+    return squared_norm(robot.system.x)
+
+
+def barriers_of(scenario: Scenario, robot: Robot) -> tuple[Barrier, ...]:
+    """Return the scenario's barriers in the order of the file."""
+    return tuple(
+        Barrier(
+            name=config.name,
+            h=barrier_function(config, robot),
+            class_k=tuple(_class_k(gamma) for gamma in config.class_k),
+        )
+        for config in scenario.barriers
+    )
+
+
+def tank_of(scenario: Scenario) -> Tank:
+    """Return the scenario's energy ledger; it is kept and reported whether or not the passivity row draws on it."""
+    passivity = scenario.filter.passivity
+    return Tank(
+        initial_j=passivity.tank_initial_j,
+        reserve_j=passivity.tank_reserve_j,
+        max_j=passivity.tank_max_j,
+        rate_per_s=passivity.tank_rate_per_s,
+    )
+
+
+def design_of(scenario: Scenario, robot: Robot) -> FilterDesign:
+    """Return the design of the scenario's filter.
+
+    Raises:
+        DesignError: Parts that do not fit together, for example a barrier that the input never reaches.
+    """
+    config = scenario.filter
+    passivity = config.passivity
+    return FilterDesign(
+        system=robot.system,
+        u_fb=robot.proportional_derivative(k_p=config.feedback.k_p, k_d=config.feedback.k_d),
+        fail_safe=robot.fail_safe,
+        barriers=barriers_of(scenario, robot),
+        passivity=Passivity(
+            V=storage_of(scenario, robot),
+            class_k=_class_k(passivity.class_k),
+            slack_weight=passivity.slack_weight,
+            tank=tank_of(scenario) if passivity.kind == "tank" else None,
+        ),
+        k_i=config.k_i,
+        dt_s=scenario.dt_s,
+        input_bound=config.input_bound,
+        input_norm_bound=config.input_norm_bound,
+        input_rate_bound_per_s=config.input_rate_bound_per_s,
+        between_samples=config.between_samples,
+        hold_s=scenario.plant.hold_s,
+        law=Law(config.law),
+        mode=Mode(config.mode),
+    )
+
+
+def limits_of(scenario: Scenario, robot: Robot) -> Limits:
+    """Return what the scenario's actuators can do."""
+    config = scenario.filter
+    m = robot.system.m
+    return Limits.of(m, config.input_bound, config.input_norm_bound, config.input_rate_bound_per_s)
+
+
+def sampled_plant_of(scenario: Scenario, robot: Robot) -> SampledPlant:
+    """Return the scenario's plant, stepped at its rate."""
+    return SampledPlant(robot.system, storage_of(scenario, robot), scenario.dt_s)
+
+
+def _class_k(config: ClassKConfig) -> ClassK:
+    if config.kind == "linear":
+        return Linear(gain=config.gain)
+    if config.kind == "cubic":
+        return Cubic(gain=config.gain)
+    return Piecewise(gain=config.gain, gain_below=config.gain_below or config.gain)

@@ -1,0 +1,99 @@
+"""What a scenario file may say of its links."""
+
+from collections.abc import Mapping, Sequence
+from typing import Annotated, Any, Literal, Self
+
+from passafe_protocol.errors import LinkSettingsError
+from passafe_protocol.link_settings import LinkSettings
+from pydantic import Field, ValidationError, field_serializer, model_validator
+
+from passafe_services.scenarios.fields import Config, NonNegative
+
+LinkName = Literal["operator-to-filter", "filter-to-plant", "plant-to-filter", "plant-to-operator"]
+
+Delay = Annotated[float, Field(ge=0, le=10)]
+Probability = Annotated[float, Field(ge=0, le=1)]
+Moment = Annotated[float, Field(ge=0, le=1e6)]
+
+
+class LinkFields(Config):
+    """Settings of an injected link: see ``passafe_protocol.link_settings``; docs/links.md explains each.
+
+    ``trace`` is a CSV file of times at which the link lets one message through, repeated: in ms without a header, as
+    Mahimahi has it, else as the header says (``time_s`` or ``time_ms``).
+    """
+
+    delay_s: Delay = 0.0
+    jitter_s: Delay = 0.0
+    distribution: Literal["uniform", "normal", "pareto", "pareto-normal", "histogram"] = "uniform"
+    quantiles_s: tuple[Delay, ...] = ()
+    correlation: Annotated[float, Field(ge=0, le=0.9999)] = 0.0
+    reorder: bool = True
+    loss: Probability = 0.0
+    burst_enter: Probability = 0.0
+    burst_leave: Probability = 1.0
+    burst_loss_good: Probability = 0.0
+    burst_loss_bad: Probability = 1.0
+    duplicate: Probability = 0.0
+    corrupt: Probability = 0.0
+    rate_hz: Annotated[float, Field(ge=0, le=1e6)] = 0.0
+    queue: Annotated[int, Field(ge=1, le=1_000_000)] = 1000
+    outages_s: tuple[tuple[Moment, Moment], ...] = ()
+    trace: str | None = None
+    seed: Annotated[int, Field(ge=0, lt=2**63)] = 1
+
+
+class ScenarioLink(LinkFields):
+    """Settings that go together."""
+
+    @model_validator(mode="after")
+    def _go_together(self) -> Self:
+        try:
+            self.settings()
+        except LinkSettingsError as error:
+            raise ValueError(f"{error.field}: {error.allowed}") from error
+        if self.trace is not None and self.rate_hz:
+            raise ValueError("rate_hz: 0 where there is a trace")
+        return self
+
+    def settings(self, trace_s: tuple[float, ...] = ()) -> LinkSettings:
+        """Return the settings as the link takes them.
+
+        Args:
+            trace_s: What the file ``trace`` holds.
+        """
+        return LinkSettings(**self.model_dump(exclude={"trace"}), trace_s=trace_s)
+
+
+class LinkChangeConfig(Config):
+    """At ``at_s`` after the first step of the process that reads the link, these settings change; the others stay."""
+
+    at_s: NonNegative
+    link: LinkName
+    settings: LinkFields
+
+    @field_serializer("settings")
+    def _only_what_changes(self, settings: LinkFields) -> dict[str, Any]:
+        return settings.model_dump(exclude_unset=True)
+
+
+def changed_links(
+    links: Mapping[LinkName, ScenarioLink], changes: Sequence[LinkChangeConfig]
+) -> list[tuple[LinkChangeConfig, ScenarioLink]]:
+    """Return every change in order of time, with all settings that are in force from then on.
+
+    Raises:
+        ValueError: Settings that do not go together.
+    """
+    in_force = dict(links)
+    changed = []
+    for change in sorted(changes, key=lambda change: change.at_s):
+        before = in_force.get(change.link, ScenarioLink())
+        after = before.model_dump() | change.settings.model_dump(exclude_unset=True)
+        try:
+            in_force[change.link] = ScenarioLink.model_validate(after)
+        except ValidationError as error:
+            why = error.errors()[0]["msg"].removeprefix("Value error, ")
+            raise ValueError(f"link_changes: {change.link} at {change.at_s:g} s: {why}") from error
+        changed.append((change, in_force[change.link]))
+    return changed

@@ -1,0 +1,35 @@
+"""From a scenario to the settings of its links."""
+
+from pathlib import Path
+
+from passafe_protocol.link_change import LinkChange
+from passafe_protocol.link_settings import LinkSettings
+
+from passafe_services.scenarios.link_schema import ScenarioLink, changed_links
+from passafe_services.scenarios.link_trace import read_trace
+from passafe_services.scenarios.schema import Scenario
+
+
+def link_settings(scenario: Scenario) -> dict[str, LinkSettings]:
+    """Return the settings of the links that the scenario injects, by name.
+
+    Raises:
+        LinkTraceError: A trace that cannot be used.
+    """
+    return {name: _settings(config) for name, config in scenario.links.items()}
+
+
+def link_changes(scenario: Scenario) -> tuple[LinkChange, ...]:
+    """Return the changes of these settings that the scenario plans, in order of time.
+
+    Raises:
+        LinkTraceError: A trace that cannot be used.
+    """
+    return tuple(
+        LinkChange(at_s=change.at_s, link=change.link, settings=_settings(config))
+        for change, config in changed_links(scenario.links, scenario.link_changes)
+    )
+
+
+def _settings(config: ScenarioLink) -> LinkSettings:
+    return config.settings(() if config.trace is None else read_trace(Path(config.trace)))

@@ -1,0 +1,111 @@
+"""Finds, reads and checks scenario files; the one place where configuration is loaded."""
+
+import json
+import textwrap
+import tomllib
+from collections.abc import Mapping
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from passafe_services.scenarios.errors import ScenarioError, UnknownScenarioError, UnreadableScenarioError
+from passafe_services.scenarios.links import link_changes, link_settings
+from passafe_services.scenarios.schema import Scenario
+
+
+def shipped_scenarios() -> list[str]:
+    """Return the names of the scenarios that come with passafe, sorted."""
+    entries = files("passafe_services.scenarios").iterdir()
+    return sorted(entry.name.removesuffix(".toml") for entry in entries if entry.name.endswith(".toml"))
+
+
+def load_scenario(name_or_file: str, overrides: Mapping[str, Any] | None = None) -> Scenario:
+    """Return a shipped scenario by name, or one from a TOML or JSON file.
+
+    Args:
+        name_or_file: For example ``notomista-cai-2020`` or ``./mine.toml``.
+        overrides: Values to put in place of the file's, by dotted name: ``{"filter.mode": "off"}``. An entry of a
+            list is reached by its number or, where it has one, by its name: ``filter.barriers.disk.radius``.
+
+    Raises:
+        UnknownScenarioError: Neither a shipped name nor a file.
+        UnreadableScenarioError: A file that is no TOML or JSON.
+        ScenarioError: A field that holds what it may not.
+    """
+    if name_or_file in shipped_scenarios():
+        text = (files("passafe_services.scenarios") / f"{name_or_file}.toml").read_text(encoding="utf-8")
+        return scenario_from(tomllib.loads(text), name_or_file, overrides)
+    path = Path(name_or_file)
+    if not path.is_file():
+        raise UnknownScenarioError(name_or_file, shipped_scenarios())
+    try:
+        text = path.read_text(encoding="utf-8")
+        data = json.loads(text) if path.suffix == ".json" else tomllib.loads(text)
+    except (OSError, UnicodeDecodeError, ValueError) as error:
+        raise UnreadableScenarioError(path, str(error)) from error
+    return scenario_from(data, str(path), overrides)
+
+
+def scenario_from(data: Any, source: str, overrides: Mapping[str, Any] | None = None) -> Scenario:  # noqa: ANN401 - JSON or TOML may hold anything; this is the check
+    """Return the scenario that parsed TOML or JSON describes.
+
+    Args:
+        data: What the parser returned.
+        source: Name or file, for messages.
+        overrides: As for ``load_scenario``.
+
+    Raises:
+        ScenarioError: A field that holds what it may not; the first one is named.
+        LinkTraceError: A recorded trace of a link that cannot be used.
+    """
+    if not isinstance(data, dict):
+        raise ScenarioError(source, "file", type(data).__name__, "a table of fields")
+    for dotted, value in (overrides or {}).items():
+        _put(data, source, dotted, value)
+    try:
+        scenario = Scenario.model_validate(data)
+    except ValidationError as error:
+        first = error.errors()[0]
+        field = ".".join(str(part) for part in first["loc"]) or "scenario"
+        more = "" if error.error_count() == 1 else f" (and {error.error_count() - 1} more)"
+        raise ScenarioError(source, field, _shown(first["input"]), _allowed(first["msg"]) + more) from error
+    link_settings(scenario)  # a trace that cannot be read is told now, not when the processes start
+    link_changes(scenario)
+    return scenario
+
+
+def _put(data: dict[str, Any], source: str, dotted: str, value: object) -> None:
+    *path, last = dotted.split(".")
+    place: Any = data
+    for part in path:
+        place = place.setdefault(part, {}) if isinstance(place, dict) else place[_index(place, part, source, dotted)]
+    if isinstance(place, dict):
+        place[last] = value
+    else:
+        place[_index(place, last, source, dotted)] = value
+
+
+def _index(place: object, part: str, source: str, dotted: str) -> int:
+    """Return the index of the entry of a list that a part of a dotted name means."""
+    if not isinstance(place, list):
+        raise ScenarioError(
+            source, dotted, f"{part!r} of {_shown(place)}", "a name that leads through tables and lists"
+        )
+    names = [entry.get("name") if isinstance(entry, dict) else None for entry in place]
+    if part in names:
+        return names.index(part)
+    if part.isdecimal() and int(part) < len(place):
+        return int(part)
+    allowed = [*filter(None, names), *map(str, range(len(place)))]
+    raise ScenarioError(source, dotted, repr(part), ", ".join(allowed) or "nothing: the list is empty")
+
+
+def _allowed(message: str) -> str:
+    """Return what pydantic says is wanted, as the end of "got …, allowed …"."""
+    return message.removeprefix("Input should be ").removeprefix("Value error, ")
+
+
+def _shown(value: object) -> str:
+    return textwrap.shorten(repr(value), width=60, placeholder="…")

@@ -1,0 +1,129 @@
+"""Who or what drives: the ``operator.source`` of a scenario file."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from passafe_services.scenarios.fields import Config, NonNegative, Positive, Vector
+
+Seed = Annotated[int, Field(ge=0, lt=2**63)]
+
+
+class LagSource(Config):
+    """First-order lag from 0 to ``target``: u_h = target·(1 − exp(−t/T))."""
+
+    kind: Literal["lag"]
+    target: Vector
+    time_constant_s: Positive
+
+
+class ConstantSource(Config):
+    """The same u_h throughout."""
+
+    kind: Literal["constant"]
+    value: Vector
+
+
+class SineSource(Config):
+    """u_h = offset + amplitude·sin(2π f t + phase), each axis with the same frequency."""
+
+    kind: Literal["sine"]
+    amplitude: Vector
+    frequency_hz: Positive
+    offset: Vector | None = None
+    phase_rad: Vector | None = None
+
+
+class Waypoint(Config):
+    """At time ``at_s`` the operator asks for ``value``; between waypoints the command is interpolated."""
+
+    at_s: NonNegative
+    value: Vector
+
+
+class WaypointSource(Config):
+    """u_h interpolated linearly through waypoints, held before the first and after the last."""
+
+    kind: Literal["waypoints"]
+    points: Annotated[tuple[Waypoint, ...], Field(min_length=1)]
+
+    @model_validator(mode="after")
+    def _times_increase(self) -> Self:
+        _require_increasing("points", [point.at_s for point in self.points])
+        return self
+
+
+class RecordedSource(Config):
+    """A recorded command series: CSV with a column ``time_s`` and one column ``u_h_<i>`` an axis."""
+
+    kind: Literal["recorded"]
+    path: str
+
+
+class KeyboardSource(Config):
+    """A person at the keyboard of the terminal: arrow keys push, the dead-man releases to zero."""
+
+    kind: Literal["keyboard"]
+    authority: Positive = 15.0
+
+
+class Target(Config):
+    """From plant time ``at_s`` on the person wants the robot to be at ``position``."""
+
+    at_s: NonNegative
+    position: Vector
+
+
+class HumanSource(Config):
+    """A simulated person who steers the robot to one target after another by what there is to see.
+
+    McRuer's crossover model, see ``docs/operators.md``. ``reaction_s`` passes from eye to muscle, ``neuromuscular_s``
+    is the lag of the arm, ``crossover_rad_per_s`` the gain of person and robot together, ``glance_s`` the time between
+    two looks at the screen. ``remnant`` is the density of what the person makes of it at random, relative to the
+    variance of what is seen and per rad/s, ``remnant_bandwidth_rad_per_s`` its bandwidth. ‖u_h‖ ≤ ``authority``.
+    A target counts as reached within ``tolerance_m``.
+    """
+
+    kind: Literal["human"]
+    targets: Annotated[tuple[Target, ...], Field(min_length=1)]
+    crossover_rad_per_s: Annotated[float, Field(ge=0.1, le=10)] = 2.0
+    reaction_s: Annotated[float, Field(ge=0.02, le=2)] = 0.2
+    neuromuscular_s: Annotated[float, Field(ge=0.01, le=1)] = 0.1
+    glance_s: Annotated[float, Field(ge=0.005, le=0.25)] = 0.02
+    remnant: Annotated[float, Field(ge=0, le=0.1)] = 0.01
+    remnant_bandwidth_rad_per_s: Annotated[float, Field(ge=1, le=1000)] = 20.0
+    authority: Positive = 15.0
+    tolerance_m: Positive = 0.1
+    seed: Seed = 1
+
+    @model_validator(mode="after")
+    def _times_increase(self) -> Self:
+        _require_increasing("targets", [target.at_s for target in self.targets])
+        return self
+
+
+class AdversarySource(Config):
+    """An operator who wants the robot to fail, as in a campaign: |u_h| ≤ ``strength`` in each axis.
+
+    ``piecewise-constant`` asks for something else about once a second, ``chirp`` swings from 0.1 to 50 Hz,
+    ``against-h`` pushes into the tightest barrier, ``bang-bang`` does so to and fro, ``against-the-tank`` pushes where
+    energy is drawn fastest. The last three go by the newest state that reached the operator.
+    """
+
+    kind: Literal["adversary"]
+    strategy: Literal["piecewise-constant", "chirp", "bang-bang", "against-h", "against-the-tank"]
+    strength: Positive = 20.0
+    seed: Seed = 1
+
+
+ScriptSource = LagSource | ConstantSource | SineSource | WaypointSource | RecordedSource | KeyboardSource
+"""Sources that need to know no more of the robot than how many inputs it has."""
+
+Source = Annotated[ScriptSource | HumanSource | AdversarySource, Field(discriminator="kind")]
+
+
+def _require_increasing(field: str, times_s: Sequence[float]) -> None:
+    if any(later <= earlier for earlier, later in pairwise(times_s)):
+        raise ValueError(f"{field}: got at_s {list(times_s)}, allowed strictly increasing times")

@@ -1,0 +1,1 @@
+"""Tools over logs and loops: review, replay, experiment, campaign, feasibility, recover."""

@@ -1,0 +1,105 @@
+"""Finds, reads and checks experiment files, and the scenario that each is about."""
+
+import textwrap
+import tomllib
+from copy import deepcopy
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, JsonValue, ValidationError
+
+from passafe_services.scenarios.load import load_scenario, scenario_from, shipped_scenarios
+from passafe_services.scenarios.schema import Scenario
+from passafe_services.tools.experiment.axes import Overrides
+from passafe_services.tools.experiment.errors import ExperimentError, UnknownExperimentError, UnreadableExperimentError
+from passafe_services.tools.experiment.schema import Experiment
+
+EXAMPLES = files("passafe_services.tools.experiment") / "examples"
+
+
+class Study(BaseModel):
+    """An experiment with the scenario that it is about: all that a worker needs to know.
+
+    Attributes:
+        experiment: What is asked.
+        scenario: The scenario's values before any override, as plain data.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    experiment: Experiment
+    scenario: dict[str, JsonValue]
+
+    def scenario_with(self, overrides: Overrides) -> Scenario:
+        """Return the scenario with values in place of its own.
+
+        Raises:
+            ScenarioError: A field that holds what it may not.
+        """
+        return scenario_from(deepcopy(self.scenario), f"of experiment {self.experiment.name}", overrides)
+
+
+def shipped_experiments() -> list[str]:
+    """Return the names of the experiments that come with passafe, sorted."""
+    return sorted(entry.name.removesuffix(".toml") for entry in EXAMPLES.iterdir() if entry.name.endswith(".toml"))
+
+
+def load_study(name_or_file: str) -> Study:
+    """Return a shipped experiment by name, or one from a TOML file, with its scenario.
+
+    Args:
+        name_or_file: For example ``delay`` or ``./mine.toml``.
+
+    Raises:
+        UnknownExperimentError: Neither a shipped name nor a file.
+        UnreadableExperimentError: A file that is no TOML.
+        ExperimentError: A field that holds what it may not.
+        ScenarioError: The scenario that it is about cannot be used.
+    """
+    path = Path(name_or_file)
+    try:
+        if name_or_file in shipped_experiments():
+            text, folder = (EXAMPLES / f"{name_or_file}.toml").read_text(encoding="utf-8"), Path()
+        elif path.is_file():
+            text, folder = path.read_text(encoding="utf-8"), path.parent
+        else:
+            raise UnknownExperimentError(name_or_file, shipped_experiments())
+        data = tomllib.loads(text)
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise UnreadableExperimentError(path, str(error)) from error
+    experiment = experiment_from(data, name_or_file)
+    named = experiment.scenario
+    scenario = load_scenario(named if named in shipped_scenarios() else str(folder / named))
+    return Study(experiment=experiment, scenario=scenario.model_dump(mode="json", exclude_unset=True))
+
+
+def experiment_from(data: Any, source: str) -> Experiment:  # noqa: ANN401 - TOML may hold anything; this is the check
+    """Return the experiment that parsed TOML describes.
+
+    Args:
+        data: What the parser returned.
+        source: Name or file, for messages.
+
+    Raises:
+        ExperimentError: A field that holds what it may not; the first one is named.
+    """
+    try:
+        return Experiment.model_validate(data)
+    except ValidationError as error:
+        raise _refusal(source, error) from error
+
+
+def _refusal(source: str, error: ValidationError) -> ExperimentError:
+    """Return what is wrong first; our own messages name field, got and allowed themselves."""
+    first = error.errors()[0]
+    field = ".".join(str(part) for part in first["loc"])
+    message = first["msg"].removeprefix("Input should be ").removeprefix("Value error, ")
+    more = "" if error.error_count() == 1 else f" (and {error.error_count() - 1} more)"
+    told, separator, allowed = message.partition(", allowed ")
+    if separator:
+        inner, _, got = told.rpartition("got ")
+        field = ".".join(filter(None, (field, inner.rstrip(": "))))
+    else:
+        got, allowed = textwrap.shorten(repr(first["input"]), width=60, placeholder="…"), message
+    return ExperimentError(source, field or "experiment", got, allowed + more)

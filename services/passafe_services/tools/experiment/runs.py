@@ -1,0 +1,121 @@
+"""Cells of an experiment, and the single runs that they are made of."""
+
+from collections.abc import Mapping
+from itertools import product
+from typing import NamedTuple
+
+from pydantic import BaseModel, ConfigDict, JsonValue
+
+from passafe_services.tools.experiment.metrics import Metrics
+from passafe_services.tools.experiment.schema import Experiment
+
+
+class RunKey(NamedTuple):
+    """What tells the runs of one experiment apart.
+
+    Attributes:
+        cell: Number of the cell.
+        probe: Value of the axis that is bisected, if one is.
+        seed: Seed.
+    """
+
+    cell: int
+    probe: float | None
+    seed: int
+
+
+class Cell(BaseModel):
+    """A variant with one value of every listed axis.
+
+    Attributes:
+        number: From 0, in the order of ``cells_of``.
+        variant: Name.
+        values: Value of each axis with listed values, by the axis' name.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    number: int
+    variant: str
+    values: dict[str, JsonValue]
+
+    def describe(self) -> str:
+        """Return it in words, short."""
+        return ", ".join((self.variant, *(f"{name} = {shown(value)}" for name, value in self.values.items())))
+
+
+class Run(BaseModel):
+    """One run that is asked for.
+
+    Attributes:
+        cell: Number of its cell.
+        variant: Name.
+        values: Value of every axis, by name.
+        probe: Value of the axis that is bisected, if one is.
+        seed: Decides random axes, links, start and operator.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    cell: int
+    variant: str
+    values: dict[str, JsonValue]
+    probe: float | None
+    seed: int
+
+    @property
+    def key(self) -> RunKey:
+        """What tells it apart."""
+        return RunKey(self.cell, self.probe, self.seed)
+
+
+class Result(BaseModel):
+    """What one run came to.
+
+    Attributes:
+        run: What was asked for.
+        figures: Its figures; ``None`` if it could not be run.
+        error: Why not, in words; empty if it could.
+        wall_s: How long it took, s; the only figure that another time differs.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", ser_json_inf_nan="constants")
+
+    run: Run
+    figures: Metrics | None
+    error: str = ""
+    wall_s: float
+
+
+def cells_of(experiment: Experiment) -> list[Cell]:
+    """Return every combination of variant and listed values, the last axis varying fastest."""
+    names = [axis.name for axis in experiment.grid]
+    combinations = product(experiment.variants, *(axis.values for axis in experiment.grid))
+    return [
+        Cell(number=number, variant=str(variant), values=dict(zip(names, values, strict=True)))
+        for number, (variant, *values) in enumerate(combinations)
+    ]
+
+
+def run_of(experiment: Experiment, cell: Cell, seed: int, probe: float | None = None) -> Run:
+    """Return one run of a cell.
+
+    Args:
+        experiment: The experiment.
+        cell: One of its cells.
+        seed: Which of the cell's runs.
+        probe: Value of the axis that is bisected, if one is.
+    """
+    values: dict[str, JsonValue] = dict(cell.values)
+    for axis in experiment.random:
+        values[axis.name] = axis.draw(seed)
+    if experiment.bisected is not None:
+        values[experiment.bisected.name] = probe
+    return Run(cell=cell.number, variant=cell.variant, values=values, probe=probe, seed=seed)
+
+
+def shown(value: JsonValue) -> str:
+    """Return a value of an axis as text."""
+    if isinstance(value, float):
+        return f"{value:g}"
+    return ", ".join(map(str, value.values())) if isinstance(value, Mapping) else str(value)

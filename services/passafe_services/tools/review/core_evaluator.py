@@ -1,0 +1,51 @@
+"""The mathematics of a scenario from the core, over many samples at once."""
+
+from functools import cache
+
+import casadi as ca
+
+from passafe.passivity import power_margin
+from passafe.sampled_plant import held_flow
+from passafe_services.scenarios.design import barriers_of, robot_of, storage_of
+from passafe_services.scenarios.schema import Scenario
+from passafe_services.tools.review.elementwise import Elementwise
+from passafe_services.tools.review.plant_evaluator import FloatArray
+
+
+class CoreEvaluator:
+    """``PlantMathematics`` of one scenario, derived from the same expressions as the filter's rows.
+
+    ``flow`` is exact for linear plants. For others it takes one extrapolated Runge–Kutta step, as the plant
+    does over a whole period, so its error over a part of one is below the plant's own.
+
+    Args:
+        scenario: The scenario.
+
+    Raises:
+        ScenarioError: Its model does not take its parameters or its x0.
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        robot = robot_of(scenario)
+        self._system = system = robot.system
+        h = ca.vertcat(ca.SX(0, 1), *(barrier.h for barrier in barriers_of(scenario, robot)))
+        self._h = Elementwise("h", [system.x, system.t], h)
+        margin = power_margin(system, storage_of(scenario, robot))
+        self._margin = Elementwise("power_margin", [system.x, system.u], margin)
+        self._flow = cache(self._derive_flow)
+
+    def h(self, x: FloatArray, t_s: FloatArray) -> FloatArray:
+        """Barrier values, shape (barriers, N), for x of shape (n, N) and plant time t_s, s, of shape (N,)."""
+        return self._h(x, t_s.reshape(1, -1))
+
+    def power_margin(self, x: FloatArray, u: FloatArray) -> FloatArray:
+        """h_u(x, u), W, shape (N,), for x of shape (n, N) and u of shape (m, N)."""
+        return self._margin(x, u).reshape(-1)
+
+    def flow(self, x: FloatArray, u: FloatArray, duration_s: float) -> FloatArray:
+        """State ``duration_s`` after x with u held, shape (n, N), for x (n, N) and u (m, N)."""
+        return self._flow(duration_s)(x, u)
+
+    def _derive_flow(self, duration_s: float) -> Elementwise:
+        x_next, _, _ = held_flow(self._system, duration_s)
+        return Elementwise("flow", [self._system.x, self._system.u], x_next)

@@ -1,0 +1,91 @@
+"""What the filter sent and claimed, as arrays: from a log, or from a loop that is not logged."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from math import inf
+from typing import Final, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from passafe_protocol.messages import FilterStatus, FilterTick, PlantInput, Vector
+
+from passafe_services.tools.review.plant_evaluator import FloatArray
+
+IntArray = NDArray[np.int64]
+
+ANSWERED: Final = (FilterStatus.PASSED, FilterStatus.MODIFIED, FilterStatus.RELAXED)
+"""Statuses that claim a certified answer; every other is a defined fallback and claims none."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Inputs:
+    """Every input that was sent, in order.
+
+    Attributes:
+        largest: Largest |u_i| of each, shape (K,).
+        at_ns: Plant time at which each takes effect, ns, shape (K,).
+    """
+
+    largest: FloatArray
+    at_ns: IntArray
+
+    @classmethod
+    def of(cls, sent: Iterable[PlantInput]) -> Self:
+        """Take it from the messages."""
+        inputs = list(sent)
+        return cls(
+            largest=np.array([_largest(one.u) for one in inputs], dtype=np.float64),
+            at_ns=np.array([one.effective_plant_ns for one in inputs], dtype=np.int64),
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Answers:
+    """Every tick of the filter, in order.
+
+    Attributes:
+        status: Its status, shape (K,).
+        residual: Largest of its certificate's residuals and gap; +∞ where the certificate was not accepted; shape (K,).
+        at_ns: Plant time of its decision, ns, shape (K,).
+        command_age_ns: Age of the newest command, ns, −1 where there was none; shape (K,).
+        state_age_ns: Age of the newest state, likewise.
+    """
+
+    status: IntArray
+    residual: FloatArray
+    at_ns: IntArray
+    command_age_ns: IntArray
+    state_age_ns: IntArray
+
+    @classmethod
+    def of(cls, ticks: Sequence[FilterTick]) -> Self:
+        """Take it from the messages."""
+        return cls(
+            status=np.array([tick.status for tick in ticks], dtype=np.int64),
+            residual=np.array([_residual(tick) for tick in ticks], dtype=np.float64),
+            at_ns=np.array([tick.effective_plant_ns for tick in ticks], dtype=np.int64),
+            command_age_ns=np.array([tick.command_age_ns for tick in ticks], dtype=np.int64),
+            state_age_ns=np.array([tick.state_age_ns for tick in ticks], dtype=np.int64),
+        )
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Ticks of each status that occurs, in the order in which they first do."""
+        seen, first, counts = np.unique(self.status, return_index=True, return_counts=True)
+        return {FilterStatus(int(seen[k])).name: int(counts[k]) for k in np.argsort(first)}
+
+    def uncertified(self, limit: float) -> NDArray[np.bool_]:
+        """Which ticks claim an answer without a certificate within ``limit``, shape (K,)."""
+        kept = self.residual <= limit  # a NaN is not
+        return np.isin(self.status, ANSWERED) & ~kept
+
+
+def _largest(u: Vector) -> float:
+    return max(map(abs, u), default=0.0)
+
+
+def _residual(tick: FilterTick) -> float:
+    certificate = tick.certificate
+    if not certificate.accepted:
+        return inf
+    return float(np.max((certificate.primal_residual, certificate.dual_residual, certificate.gap)))

@@ -1,0 +1,203 @@
+"""What a run must keep, and whether it did."""
+
+from collections.abc import Sequence
+from typing import Final
+
+from passafe_protocol.messages import PlantPhase, PlantState
+from passafe_protocol.topics import COMMAND, INPUT, STATE, TICK
+from pydantic import BaseModel, ConfigDict
+
+from passafe_services.scenarios.schema import Scenario
+from passafe_services.tools.review.between_samples import Extremum, RecomputedMargins
+from passafe_services.tools.review.filter_claims import Answers, Inputs
+from passafe_services.tools.review.link_accounts import LinkAccount
+from passafe_services.tools.review.run_log import RunLog
+from passafe_services.tools.review.trajectory import NS_PER_S, Trajectory
+
+CONTROL_TOPICS: Final = (COMMAND, INPUT, STATE, TICK)
+
+
+class Tolerances(BaseModel):
+    """How far below its limit a recomputed figure may lie and still count as kept.
+
+    They cover what the recomputation adds (rounding, the sampled law's own margin between samples), are the
+    same for every scenario and mode, and are printed with the verdict.
+
+    Attributes:
+        h: Of a barrier value, in the barrier's own unit.
+        power_margin_w: Of the power margin, W.
+        tank_j: Of the tank's ledger, J.
+        input_relative: Of the bound of the input, relative to it.
+        mismatch_relative: Distance of a logged state from where the model goes, relative to 1 + ‖x‖∞.
+        certificate: Of each residual and the gap of a certificate, relative as the certificate states them.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    h: float = 1e-3
+    power_margin_w: float = 0.05
+    tank_j: float = 1e-9
+    input_relative: float = 1e-9
+    mismatch_relative: float = 1e-6
+    certificate: float = 1e-6
+
+
+class Property(BaseModel):
+    """One thing that a run must keep.
+
+    Attributes:
+        holds: Whether it did; ``None`` if the log holds nothing to judge it by.
+        required: Whether the scenario's mode asks for it; if not it is reported and decides nothing.
+        worst: The worst value found, of what ``demand`` names.
+        at_s: Plant time of the worst value, s; of the first one where values are counted.
+        demand: What is demanded, in words.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    holds: bool | None
+    required: bool
+    worst: float | None
+    at_s: float | None
+    demand: str
+
+
+def judge_properties(
+    scenario: Scenario,
+    inputs: Inputs,
+    answers: Answers,
+    trajectory: Trajectory,
+    margins: RecomputedMargins,
+    tolerances: Tolerances,
+) -> dict[str, Property]:
+    """Judge every property that is one of the run, not of its log, by name.
+
+    Args:
+        scenario: What was run.
+        inputs: What the filter sent.
+        answers: What it claimed.
+        trajectory: What the plant did.
+        margins: How near it came to its limits.
+        tolerances: What still counts as kept.
+    """
+    return {
+        "safe": _safe(margins, scenario, tolerances),
+        "passive": _passive(margins, scenario, tolerances),
+        "bounded": _bounded(inputs, trajectory, scenario.filter.input_bound, tolerances),
+        "certified": _certified(answers, tolerances.certificate, required=scenario.filter.mode != "off"),
+        "consistent": _at_most(
+            margins.mismatch_max,
+            tolerances.mismatch_relative,
+            required=True,
+            what="distance of each state from where the model goes from the state before, relative",
+        ),
+    }
+
+
+def judge_completeness(log: RunLog, trajectory: Trajectory) -> Property:
+    """Judge whether a log shows the whole run."""
+    missing = sum(log.counts[topic.name].gaps for topic in CONTROL_TOPICS)
+    return Property(
+        holds=missing == 0 and log.finished and _shows_the_start(log, trajectory),
+        required=True,
+        worst=float(missing),
+        at_s=_first_gap_s(log),
+        demand="messages of command, input, state and tick missing = 0, from the first state to the end",
+    )
+
+
+def _at_least(worst: Extremum | None, limit: float, *, required: bool, what: str) -> Property:
+    return Property(
+        holds=None if worst is None else worst.value >= limit,
+        required=required,
+        worst=None if worst is None else worst.value,
+        at_s=None if worst is None else worst.at_s,
+        demand=f"{what} ≥ {limit:g}",
+    )
+
+
+def _at_most(worst: Extremum | None, limit: float, *, required: bool, what: str) -> Property:
+    return Property(
+        holds=None if worst is None else worst.value <= limit,
+        required=required,
+        worst=None if worst is None else worst.value,
+        at_s=None if worst is None else worst.at_s,
+        demand=f"{what} ≤ {limit:g}",
+    )
+
+
+def _safe(margins: RecomputedMargins, scenario: Scenario, tolerances: Tolerances) -> Property:
+    return _at_least(
+        margins.h_min,
+        -tolerances.h,
+        required=scenario.filter.mode in ("safe", "both") and bool(scenario.filter.barriers),
+        what="smallest barrier value h(x), also between samples",
+    )
+
+
+def _passive(margins: RecomputedMargins, scenario: Scenario, tolerances: Tolerances) -> Property:
+    required = scenario.filter.mode in ("passive", "both")
+    if scenario.filter.passivity.kind == "tank":
+        return _at_least(margins.tank_min_j, -tolerances.tank_j, required=required, what="energy of the tank, J,")
+    return _at_least(
+        margins.power_margin_min,
+        -tolerances.power_margin_w,
+        required=required,
+        what="power margin h_u(x, u), W, also between samples",
+    )
+
+
+def _bounded(inputs: Inputs, trajectory: Trajectory, bound: float, tolerances: Tolerances) -> Property:
+    found = []
+    if trajectory.samples:
+        found.append(Extremum.highest(abs(trajectory.u).max(axis=0), trajectory.t_s))
+    if inputs.largest.size:
+        found.append(Extremum.highest(inputs.largest, inputs.at_ns / NS_PER_S))
+    worst = max(found, key=lambda extremum: extremum.value, default=None)
+    limit = bound * (1 + tolerances.input_relative)
+    return _at_most(worst, limit, required=True, what="largest |u_i| sent or applied")
+
+
+def _certified(answers: Answers, limit: float, *, required: bool) -> Property:
+    uncertified = answers.uncertified(limit)
+    judged, count = uncertified.size > 0, int(uncertified.sum())
+    return Property(
+        holds=count == 0 if judged else None,
+        required=required,
+        worst=float(count) if judged else None,
+        at_s=float(answers.at_ns[uncertified.argmax()] / NS_PER_S) if count else None,
+        demand=f"ticks that claim an answer without a certificate accepted within {limit:g} = 0",
+    )
+
+
+def judge_links(accounts: Sequence[LinkAccount]) -> Property:
+    """Judge whether the log accounts for every message of every link; required of logs that tell of their links.
+
+    Args:
+        accounts: What the log tells of each link; none if it is older than they are.
+    """
+    worst = max((max(account.differences.values(), default=0) for account in accounts), default=None)
+    return Property(
+        holds=None if worst is None else worst == 0,
+        required=bool(accounts),
+        worst=None if worst is None else float(worst),
+        at_s=None,
+        demand="messages of a link that its states, its events and the log tell differently = 0",
+    )
+
+
+def _shows_the_start(log: RunLog, trajectory: Trajectory) -> bool:
+    """Whether the log has the plant before its first input, or at the latest one period after it."""
+    states = log.of(PlantState)
+    waited = bool(states) and states[0].body.phase is PlantPhase.WAITING
+    return trajectory.samples > 0 and (waited or bool(trajectory.t_s[0] <= log.identity.scenario.dt_s))
+
+
+def _first_gap_s(log: RunLog) -> float | None:
+    """Plant time of the last state before the first gap, s."""
+    walls = [log.counts[topic.name].first_gap_wall_ns for topic in CONTROL_TOPICS]
+    first_ns = min((wall_ns for wall_ns in walls if wall_ns is not None), default=None)
+    if first_ns is None:
+        return None
+    before = [state for state in log.of(PlantState) if state.header.wall_ns <= first_ns]
+    return before[-1].body.plant_ns / NS_PER_S if before else None

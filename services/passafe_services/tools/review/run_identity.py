@@ -1,0 +1,60 @@
+"""What run a log is of: scenario, driver and versions."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Literal
+
+from passafe_protocol.messages import ScenarioInfo
+from pydantic import BaseModel, ConfigDict, Json, ValidationError
+
+from passafe_services.log.log_writer import DRIVER_RECORD, SCENARIO_RECORD, VERSIONS_RECORD
+from passafe_services.scenarios.schema import Scenario
+from passafe_services.tools.review.errors import ScenarioRecordError
+
+Driver = Literal["live", "lockstep"]
+
+
+class RunIdentity(BaseModel):
+    """What run a log is of.
+
+    Attributes:
+        scenario: The effective configuration.
+        driver: What ran the nodes.
+        versions: Version of passafe and of what it computed with, by name.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    scenario: Json[Scenario]
+    driver: Driver
+    versions: Json[dict[str, str]]
+
+
+def identify(path: Path, metadata: Mapping[str, Mapping[str, str]], info: ScenarioInfo | None) -> RunIdentity:
+    """Say what run a log is of: from its metadata, else from the ScenarioInfo that was published.
+
+    Args:
+        path: The log.
+        metadata: Its metadata records, by name.
+        info: The first ScenarioInfo in it, if there is one.
+
+    Raises:
+        ScenarioRecordError: The log does not say it, or not in a way that this build reads.
+    """
+    if SCENARIO_RECORD in metadata:
+        fields = {
+            "scenario": metadata[SCENARIO_RECORD].get("json", ""),
+            "driver": metadata.get(DRIVER_RECORD, {}).get("kind", ""),
+            "versions": json.dumps(dict(metadata.get(VERSIONS_RECORD, {}))),
+        }
+    elif info is not None:
+        fields = {"scenario": info.scenario_json, "driver": info.driver, "versions": info.versions_json}
+    else:
+        raise ScenarioRecordError(path, "does not say which scenario it is of")
+    try:
+        return RunIdentity.model_validate(fields)
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(str(part) for part in first["loc"])
+        raise ScenarioRecordError(path, f"its {where} cannot be read: {first['msg']}") from error

@@ -1,0 +1,127 @@
+"""A run's log in memory: decoded messages, what is missing among them, and what the run was."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Self, TypeVar, cast
+
+from mcap.records import Channel, Metadata
+from mcap.records import Message as Record
+from passafe_protocol import codec
+from passafe_protocol.errors import ProtocolError
+from passafe_protocol.messages import Message, ScenarioInfo
+from passafe_protocol.topics import KEY_ROOT, SCENARIO, TOPIC_OF_BODY, TOPICS, Topic
+
+from passafe_services.log.errors import LogReadError
+from passafe_services.log.log_reader import LogReader
+from passafe_services.log.log_writer import SCENARIO_RECORD, topic_of_key
+from passafe_services.tools.recover import RECOVERED_RECORD
+from passafe_services.tools.review.continuity import Logged, TopicCount, in_order
+from passafe_services.tools.review.errors import ForeignLogError, UnreadableLogError
+from passafe_services.tools.review.run_identity import RunIdentity, identify
+
+B = TypeVar("B", bound=Message)
+
+
+@dataclass
+class _Contents:
+    """What the file holds, before it is put in order."""
+
+    metadata: dict[str, dict[str, str]] = field(default_factory=dict)
+    messages: dict[str, list[Logged[Message]]] = field(default_factory=dict)  # by the topic's name
+    undecodable: dict[str, int] = field(default_factory=dict)
+    foreign_keys: list[str] = field(default_factory=list)
+
+    @property
+    def is_of_passafe(self) -> bool:
+        return bool(self.messages or self.undecodable or SCENARIO_RECORD in self.metadata)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunLog:
+    """The log of one run.
+
+    Attributes:
+        path: The file.
+        finished: Its writer finished it and nothing was torn off, also not before a recovery.
+        tear: Where and why reading stopped; empty if the end was reached.
+        identity: Scenario, driver and versions of the run.
+        counts: How much of each topic there is, by the topic's name; every topic is there.
+        foreign_keys: Channels that are none of passafe's.
+        messages: Its messages by the topic's name; see ``of``.
+    """
+
+    path: Path
+    finished: bool
+    tear: str
+    identity: RunIdentity
+    counts: Mapping[str, TopicCount]
+    foreign_keys: tuple[str, ...]
+    messages: Mapping[str, list[Logged[Message]]] = field(repr=False)
+
+    def of(self, body: type[B]) -> list[Logged[B]]:
+        """Every message with this body, by source and session, each in order of sequence."""
+        topic = TOPIC_OF_BODY[cast("type[Message]", body)]
+        # The codec gives every message of a topic that topic's body.
+        return cast("list[Logged[B]]", self.messages.get(topic.name, []))
+
+    @classmethod
+    def read(cls, path: Path) -> Self:
+        """Read a finished or torn log; of a torn one, what comes before the tear.
+
+        Raises:
+            UnreadableLogError: The file is missing, empty or no MCAP file.
+            ForeignLogError: It has no channel of passafe.
+            ScenarioRecordError: It does not say which scenario it is of, or this build cannot read that.
+        """
+        try:
+            reader = LogReader(path)
+            contents = _contents(reader)
+        except LogReadError as error:
+            raise UnreadableLogError(path, error.reason) from error
+        if not contents.is_of_passafe:
+            found = ", ".join(contents.foreign_keys[:3]) or "none"
+            raise ForeignLogError(path, f"is no log of passafe: got channels {found}, allowed {KEY_ROOT}/…")
+        counts = {topic.name: TopicCount() for topic in TOPICS}
+        for name, number in contents.undecodable.items():
+            counts[name].undecodable = number
+        messages = {name: in_order(found, counts[name]) for name, found in contents.messages.items()}
+        info = next((message.body for message in messages.get(SCENARIO.name, ())), None)
+        return cls(
+            path=path,
+            finished=reader.finished and RECOVERED_RECORD not in contents.metadata,
+            tear=reader.tear or contents.metadata.get(RECOVERED_RECORD, {}).get("tear", ""),
+            identity=identify(path, contents.metadata, info if isinstance(info, ScenarioInfo) else None),
+            counts=counts,
+            foreign_keys=tuple(contents.foreign_keys),
+            messages=messages,
+        )
+
+
+def _contents(reader: LogReader) -> _Contents:
+    contents = _Contents()
+    topics: dict[int, Topic | None] = {}
+    for record in reader.records():
+        match record:
+            case Record():
+                topic = topics.get(record.channel_id)
+                if topic is not None:
+                    _decode(topic, record.data, contents)
+            case Channel() if record.id not in topics:
+                topics[record.id] = topic = topic_of_key(record.topic)
+                if topic is None:
+                    contents.foreign_keys.append(record.topic)
+            case Metadata():
+                contents.metadata[record.name] = record.metadata
+            case _:
+                pass  # schemas: the codec knows them; indexes and statistics: not needed
+    return contents
+
+
+def _decode(topic: Topic, data: bytes, contents: _Contents) -> None:
+    try:
+        header, body = codec.decode(topic, data)
+    except ProtocolError:
+        contents.undecodable[topic.name] = contents.undecodable.get(topic.name, 0) + 1
+    else:
+        contents.messages.setdefault(topic.name, []).append(Logged(header, body))

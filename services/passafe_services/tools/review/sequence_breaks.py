@@ -1,0 +1,69 @@
+"""When a plant ran out of inputs, and when it was armed again."""
+
+from collections.abc import Iterable, Sequence
+from itertools import groupby
+from typing import NamedTuple
+
+from passafe_protocol.messages import PlantPhase, PlantState
+
+from passafe_services.tools.review.continuity import Logged
+
+RUNNING, FAIL_SAFE, WAITING = PlantPhase.RUNNING, PlantPhase.FAIL_SAFE, PlantPhase.WAITING
+
+
+class SequenceBreak(NamedTuple):
+    """A stretch of time in which a plant that had run applied no input of the filter.
+
+    Times are those of the first state that shows it; ``None`` where no state of the log does.
+
+    Attributes:
+        at_s: Plant time at which an input was missing, s.
+        wall_ns: Wall time then, Unix, ns.
+        fail_safe_wall_ns: Wall time at which the fail-safe law was in force.
+        armed_wall_ns: Wall time at which an input was applied again.
+        armed_s: Plant time then, s.
+    """
+
+    at_s: float
+    wall_ns: int
+    fail_safe_wall_ns: int | None
+    armed_wall_ns: int | None
+    armed_s: float | None
+
+    def length_s(self, end_s: float) -> float:
+        """How long it was, s; one that the log does not see the end of lasts until its own end at ``end_s``."""
+        return (end_s if self.armed_s is None else self.armed_s) - self.at_s
+
+
+def sequence_breaks(states: Sequence[Logged[PlantState]]) -> list[SequenceBreak]:
+    """Every disarming in a log, in order.
+
+    Args:
+        states: All its plant states, by session and in order of sequence.
+    """
+    found: list[SequenceBreak] = []
+    for _, session in groupby(states, key=lambda state: state.header.epoch):
+        found += _of_session(session)
+    return found
+
+
+def _of_session(states: Iterable[Logged[PlantState]]) -> list[SequenceBreak]:
+    moving = (state for state in states if state.body.phase is not WAITING)
+    stretches = [(runs, list(of)) for runs, of in groupby(moving, key=lambda state: state.body.phase is RUNNING)]
+    found = []
+    for index, (runs, without) in enumerate(stretches):
+        if runs:
+            continue
+        begun = without[0]
+        law = next((state.header.wall_ns for state in without if state.body.phase is FAIL_SAFE), None)
+        again = stretches[index + 1][1][0] if index + 1 < len(stretches) else None
+        found.append(
+            SequenceBreak(
+                at_s=begun.body.plant_ns / 1e9,
+                wall_ns=begun.header.wall_ns,
+                fail_safe_wall_ns=law,
+                armed_wall_ns=None if again is None else again.header.wall_ns,
+                armed_s=None if again is None else again.body.plant_ns / 1e9,
+            )
+        )
+    return found

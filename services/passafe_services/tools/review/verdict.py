@@ -1,0 +1,240 @@
+"""The verdict on one run: what ``passafe review --json`` prints."""
+
+from collections.abc import Mapping
+from typing import Final, Literal, Self
+
+from passafe_protocol.messages import FilterTick, PlantInput, PlantState
+from passafe_protocol.topics import COMMAND, STATE, TICK
+from pydantic import BaseModel, ConfigDict
+
+from passafe_services.scenarios.schema import Scenario
+from passafe_services.tools.review.between_samples import Extremum, RecomputedMargins
+from passafe_services.tools.review.errors import MismatchedLogError
+from passafe_services.tools.review.filter_claims import Answers, Inputs
+from passafe_services.tools.review.link_accounts import LinkAccount, link_accounts
+from passafe_services.tools.review.plant_evaluator import PlantEvaluator
+from passafe_services.tools.review.properties import (
+    Property,
+    Tolerances,
+    judge_completeness,
+    judge_links,
+    judge_properties,
+)
+from passafe_services.tools.review.run_identity import Driver
+from passafe_services.tools.review.run_log import RunLog
+from passafe_services.tools.review.sequence_breaks import sequence_breaks
+from passafe_services.tools.review.steering import Steering
+from passafe_services.tools.review.steering_of_log import steering_of
+from passafe_services.tools.review.timing import Percentiles, Timing, ticks_missed
+from passafe_services.tools.review.trajectory import NS_PER_S, Trajectory
+
+POINTS_PER_PERIOD: Final = 10
+"""Instants judged in every period, besides the samples themselves."""
+
+CONTROL_LOOP: Final = {"operator": COMMAND, "filter": TICK, "plant": STATE}
+"""What each process of the loop publishes in every step."""
+
+EVIDENCE: Final = ("complete", "links-reconciled")
+"""Properties of the log rather than of the robot: without them nothing is shown to be broken, nor kept."""
+
+Outcome = Literal["holds", "fails", "unproven"]
+
+
+class Verdict(BaseModel):
+    """Everything a review finds in one log; figures that the log does not give are ``None``.
+
+    ``h_min`` and ``power_margin_min`` are recomputed from the plant's states and the inputs in force, at
+    every sample and at ``points_per_period`` instants between it and the next; what the filter said of
+    itself is not read for them.
+
+    Attributes:
+        scenario: Name of the scenario.
+        mode: Mode of the filter: off, safe, passive or both.
+        law: Law of the filter: sampled or continuous.
+        driver: What ran the nodes: live or lockstep.
+        finished: The log is whole.
+        duration_s: Plant time from the first sample to the last, s.
+        ticks: Filter ticks in the log.
+        ticks_missed: Filter steps skipped to catch up.
+        sessions: Sessions of operator, filter and plant; more than one where it was started again.
+        disarmings: How often the plant ran out of inputs.
+        disarmed_s: How long it was without, s of plant time.
+        gaps: Messages missing between others, by topic.
+        missed_at_start: Messages missing before the first one, by topic.
+        undecodable: Messages in the log that are not valid for their topic, by topic.
+        h_min: Smallest barrier value.
+        h_min_barrier: Name of the barrier that it is of.
+        h_min_at_samples: The same at samples only.
+        power_margin_min: Smallest power margin h_u(x, u), W.
+        power_margin_min_at_samples: The same at samples only.
+        tank_min_j: Smallest energy of the tank's ledger, J, at samples.
+        u_norm_max: Largest ‖u‖₂ in force.
+        status_counts: Ticks by the filter's status.
+        solve_us_p50: Filter step from its beginning to its input being sent, messages decoded, solved and
+            certified; median, µs; live logs only.
+        solve_us_p99: The same, 99th percentile.
+        late_us_p50: How long after its time a filter step began, median, µs; live logs only.
+        late_us_p99: The same, 99th percentile.
+        command_age_ms_p50: Age of the newest operator command at a filter tick, median, ms.
+        command_age_ms_p99: The same, 99th percentile.
+        timing: More percentiles of these, of every process, and of the way from operator to plant.
+        final_x: Last state of the plant.
+        steering: How well the robot was steered; ``None`` where no simulated person did.
+        links: What became of the messages of every link, by session of the process that reads it.
+        points_per_period: Instants judged in every period, besides the samples.
+        tolerances: What still counts as kept.
+        properties: What the run must keep, by name.
+        verdict: ``holds`` if every required property does; ``fails`` if the log shows one that does not;
+            ``unproven`` if it shows none, but does not show the whole run either.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    scenario: str
+    mode: str
+    law: str
+    driver: Driver
+    finished: bool
+    duration_s: float
+    ticks: int
+    ticks_missed: int
+    sessions: dict[str, int]
+    disarmings: int
+    disarmed_s: float
+    gaps: dict[str, int]
+    missed_at_start: dict[str, int]
+    undecodable: dict[str, int]
+    h_min: float | None
+    h_min_barrier: str | None
+    h_min_at_samples: float | None
+    power_margin_min: float | None
+    power_margin_min_at_samples: float | None
+    tank_min_j: float | None
+    u_norm_max: float | None
+    status_counts: dict[str, int]
+    solve_us_p50: float | None
+    solve_us_p99: float | None
+    late_us_p50: float | None
+    late_us_p99: float | None
+    command_age_ms_p50: float | None
+    command_age_ms_p99: float | None
+    timing: Timing
+    final_x: tuple[float, ...] | None
+    steering: Steering | None
+    links: list[LinkAccount]
+    points_per_period: int
+    tolerances: Tolerances
+    properties: dict[str, Property]
+    verdict: Outcome
+
+    @classmethod
+    def of(
+        cls,
+        log: RunLog,
+        mathematics: PlantEvaluator,
+        *,
+        tolerances: Tolerances | None = None,
+        points_per_period: int = POINTS_PER_PERIOD,
+    ) -> Self:
+        """Judge a run.
+
+        Args:
+            log: Its log.
+            mathematics: Functions of the log's scenario.
+            tolerances: What still counts as kept; the defaults if not given.
+            points_per_period: Instants to judge between two samples, the end of the period among them.
+
+        Raises:
+            MismatchedLogError: The states in the log have not as many numbers as the scenario's.
+        """
+        scenario = log.identity.scenario
+        tolerances = Tolerances() if tolerances is None else tolerances
+        trajectory = trajectory_of(log)
+        margins = RecomputedMargins.of(trajectory, mathematics, scenario.filter.passivity, points_per_period)
+        ticks = log.of(FilterTick)
+        inputs = Inputs.of(sent.body for sent in log.of(PlantInput))
+        answers = Answers.of([tick.body for tick in ticks])
+        properties = judge_properties(scenario, inputs, answers, trajectory, margins, tolerances)
+        properties["complete"] = judge_completeness(log, trajectory)
+        accounts = link_accounts(log)
+        properties["links-reconciled"] = judge_links(accounts)
+        timing = Timing.of(log)
+        without_input = sequence_breaks(log.of(PlantState))
+        solve_us_p50, solve_us_p99 = _percentiles(timing.solve_us)
+        late_us_p50, late_us_p99 = _percentiles((timing.late_us or {}).get("filter"))
+        command_age_ms_p50, command_age_ms_p99 = _percentiles(timing.command_age_ms)
+        return cls(
+            scenario=scenario.name,
+            mode=scenario.filter.mode,
+            law=scenario.filter.law,
+            driver=log.identity.driver,
+            finished=log.finished,
+            duration_s=float(trajectory.t_s[-1] - trajectory.t_s[0]) if trajectory.samples else 0.0,
+            ticks=len(ticks),
+            ticks_missed=ticks_missed(ticks, scenario.dt_s * NS_PER_S),
+            sessions={process: log.counts[topic.name].sessions for process, topic in CONTROL_LOOP.items()},
+            disarmings=len(without_input),
+            disarmed_s=sum(one.length_s(float(trajectory.t_s[-1])) for one in without_input),
+            gaps={name: count.gaps for name, count in log.counts.items()},
+            missed_at_start={name: count.missed_at_start for name, count in log.counts.items()},
+            undecodable={name: count.undecodable for name, count in log.counts.items()},
+            h_min=_value(margins.h_min),
+            h_min_barrier=barrier_named(scenario, margins.h_min_barrier),
+            h_min_at_samples=_value(margins.h_min_at_samples),
+            power_margin_min=_value(margins.power_margin_min),
+            power_margin_min_at_samples=_value(margins.power_margin_min_at_samples),
+            tank_min_j=_value(margins.tank_min_j),
+            u_norm_max=_value(margins.u_norm_max),
+            status_counts=answers.counts,
+            solve_us_p50=solve_us_p50,
+            solve_us_p99=solve_us_p99,
+            late_us_p50=late_us_p50,
+            late_us_p99=late_us_p99,
+            command_age_ms_p50=command_age_ms_p50,
+            command_age_ms_p99=command_age_ms_p99,
+            timing=timing,
+            final_x=tuple(trajectory.x[:, -1].tolist()) if trajectory.samples else None,
+            steering=steering_of(log, trajectory, mathematics),
+            links=accounts,
+            points_per_period=points_per_period,
+            tolerances=tolerances,
+            properties=properties,
+            verdict=decide(properties),
+        )
+
+
+def trajectory_of(log: RunLog) -> Trajectory:
+    """Motion of the plant in a log.
+
+    Raises:
+        MismatchedLogError: Its states have not as many numbers as the scenario's.
+    """
+    states = log.of(PlantState)
+    allowed = len(log.identity.scenario.plant.x0)
+    for state in states:
+        if len(state.body.x) != allowed:
+            where = f"state {state.header.sequence}"
+            got = f"{len(state.body.x)} numbers, allowed {allowed} as in the scenario"
+            raise MismatchedLogError(log.path, f"{where}: got {got}")
+    return Trajectory.of(states)
+
+
+def barrier_named(scenario: Scenario, number: int | None) -> str | None:
+    """Return the name of a barrier of a scenario by its number, counted in the order of the file."""
+    return None if number is None else scenario.barriers[number].name
+
+
+def decide(properties: Mapping[str, Property]) -> Outcome:
+    """Outcome of a run from its properties; see ``Verdict.verdict``."""
+    required = {name: entry for name, entry in properties.items() if entry.required}
+    if any(entry.holds is False for name, entry in required.items() if name not in EVIDENCE):
+        return "fails"
+    return "holds" if all(entry.holds for entry in required.values()) else "unproven"
+
+
+def _value(extremum: Extremum | None) -> float | None:
+    return None if extremum is None else extremum.value
+
+
+def _percentiles(spread: Percentiles | None) -> tuple[float | None, float | None]:
+    return (None, None) if spread is None else (spread.p50, spread.p99)
