@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from one_by_one import rollout
 from passafe_services.scenarios.load import load_scenario, shipped_scenarios
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.campaign.adversaries import ADVERSARIES
@@ -11,6 +10,7 @@ from passafe_services.tools.campaign.rollout import Rollouts
 from passafe_services.tools.campaign.rollout_result import RolloutResult
 from passafe_services.tools.campaign.workers import BATCH, _batches
 from passafe_services.tools.review.core_evaluator import CoreEvaluator
+from scalar_rollouts import rollout
 
 DURATION_S = 0.6
 AGREEMENT = {"h_min": 1e-4, "tank_min_j": 1e-4, "overreach": 1e-3}

@@ -10,9 +10,9 @@ from random import Random
 
 import numpy as np
 import pytest
-from arming_run import COMMANDS, INPUTS, RATE_HZ, SLOW, STATES, ArmingRun, bad_links
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from input_sequence_run import COMMANDS, INPUTS, RATE_HZ, SLOW, STATES, ArmingRun, bad_links
 from passafe_protocol.messages import FilterTick, PlantInput, PlantPhase
 from passafe_services.log.log_writer import LogWriter, run_metadata
 from passafe_services.recorder.lockstep_log import LockstepLog
