@@ -1,6 +1,31 @@
-"""``python -m passafe_services.cli``: the same as the console script ``passafe``."""
+"""Starts the command line: the console script ``passafe``, and ``python -m passafe_services.cli``."""
 
-from passafe_services.cli.app import main
+import os
+import sys
+
+from passafe_services.cli.failure import REFUSED
+from passafe_services.cli.version import version_text
+
+
+def main() -> None:
+    """Run the command line and exit with its code; without the packages of ``passafe[service]``, print what to install.
+
+    Child processes inherit PYTHONSAFEPATH: no folder or module of the working directory can shadow what they import,
+    also in those that ``multiprocessing`` starts without ``-P``.
+    """
+    if sys.argv[1:] == ["--version"]:  # needs no package beyond the base install
+        sys.stdout.write(f"{version_text()}\n")
+        return
+    os.environ["PYTHONSAFEPATH"] = "1"
+    try:
+        from passafe_services.cli.app import main as run_commands  # noqa: PLC0415 - a base install lacks its packages
+    except ModuleNotFoundError as error:
+        if error.name is None or error.name.startswith("passafe"):
+            raise
+        sys.stderr.write(f"passafe: no module {error.name!r}: install the commands: pip install 'passafe[service]'\n")
+        sys.exit(REFUSED)
+    run_commands()
+
 
 if __name__ == "__main__":
     main()

@@ -24,7 +24,7 @@ def awake_specs() -> tuple[ProcessSpec, ...]:
     if sys.platform != "linux":
         return ()
     return tuple(
-        ProcessSpec(name=f"{_NAME}-{cpu}", argv=(sys.executable, "-m", __name__, str(cpu)), grace_s=_GRACE_S)
+        ProcessSpec(name=f"{_NAME}-{cpu}", argv=(sys.executable, "-P", "-m", __name__, str(cpu)), grace_s=_GRACE_S)
         for cpu in sorted(os.sched_getaffinity(0))
     )
 
