@@ -53,13 +53,13 @@ def tick_costs_us(name: str, horizon: int, ticks: int, error: float) -> Iterator
             phase=PlantPhase.RUNNING,
             energy_in_j=0.0,
             energy_stored_j=sample.stored_j,
-            input_slack_ns=0,
+            input_lead_ns=0,
             inputs_late=0,
             inputs_refused=0,
             integration_error=0.0,
             received_tick=k,
             sequence_break_ns=UNSEQUENCED,
-            since_ns=k * dt_ns,
+            input_since_ns=k * dt_ns,
         )
         begun_ns = perf_counter_ns()
         predictor.confirm(state)

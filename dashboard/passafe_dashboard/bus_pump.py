@@ -73,7 +73,7 @@ class BusPump:
             rate_hz=(pace.steps - self._told_steps) * 1e9 / (now_ns - before_ns),
             steps=pace.steps,
             overruns=pace.overruns,
-            ticks_missed=pace.missed,
+            steps_skipped=pace.missed,
             late_us_max=pace.take_worst_late_ns() / 1e3,
             topics=self._feed.health,
         )

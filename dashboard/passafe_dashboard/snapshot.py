@@ -209,7 +209,7 @@ def link_json(feed: Feed, name: str, now_ns: int) -> Json:
             "outages": [(outage.start_s, outage.end_s) for outage in heard.state.parameters.outages],
             "trace_opportunities": heard.state.trace_opportunities,
         },
-        "counts": {field: state[field] for field in (*LinkCounts._fields, "refused_corrupted", "refused_repeated")},
+        "counts": {field: state[field] for field in (*LinkCounts._fields, "refused_corrupted", "refused_duplicate")},
     }
 
 
@@ -226,7 +226,7 @@ def _process_json(feed: Feed, name: str, now_ns: int) -> Json:
         "rate_hz": health.rate_hz,
         "steps": health.steps,
         "overruns": health.overruns,
-        "ticks_missed": health.ticks_missed,
+        "steps_skipped": health.steps_skipped,
         "late_us_max": health.late_us_max,
         "topics": [
             {"topic": topic.topic, "received": topic.received, "gaps": topic.gaps, "refused": topic.refused}

@@ -101,7 +101,7 @@ def thin_state(data: bytes) -> TickPeek | None:
         phase=phase,
         energy_in_j=0.0,
         energy_stored_j=0.0,
-        input_slack_ns=0,
+        input_lead_ns=0,
         inputs_late=0,
         inputs_refused=0,
         integration_error=0.0,

@@ -68,7 +68,7 @@ class TraceSchedule:
             self._zero_ns = now_ns
         times_ns, since_ns = self._times_ns, now_ns - self._zero_ns
         count, period_ns = len(times_ns), times_ns[-1]
-        # The last time of one round is time zero of the next, so it is looked for in the earlier one.
+        # The last time of one round is time zero of the next, so it is looked for in the previous_u one.
         rounds = max(0, -(-since_ns // period_ns) - 1)
         first = rounds * count + bisect_left(times_ns, since_ns - rounds * period_ns)
         at = max(first, self._next)

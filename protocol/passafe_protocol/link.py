@@ -54,7 +54,7 @@ class Link(Generic[T]):
         self.name = name
         self._damage = damage or _leave_as_is
         self._under_way: list[tuple[int, float, T]] = []
-        self._put = self._delivered = self._duplicated = self._corrupted = 0
+        self._entered = self._delivered = self._duplicated = self._corrupted = 0
         self._lost = self._overflowed = self._cut = 0
         self._in_order = False
         self._last_ns = 0  # arrival of the last one put in, while the order is kept
@@ -80,40 +80,40 @@ class Link(Generic[T]):
     def counts(self) -> LinkCounts:
         """What became of the messages so far."""
         return LinkCounts(
-            put=self._put,
+            entered=self._entered,
             delivered=self._delivered,
             dropped_loss=self._lost,
             dropped_queue=self._overflowed,
             dropped_outage=self._cut,
             duplicated=self._duplicated,
             corrupted=self._corrupted,
-            under_way=len(self._under_way),
+            in_flight=len(self._under_way),
         )
 
     def pass_on(self, number: int) -> None:
         """Count messages that were handed over without the link, because its settings do nothing."""
-        self._put += number
+        self._entered += number
         self._delivered += number
 
     def take(self, now_ns: int) -> list[tuple[int, T]]:
         """What arrived by ``now_ns`` as (arrival_ns, item): by arrival, then in the order of ``put``."""
-        under_way = self._under_way
+        in_flight = self._under_way
         arrived: list[tuple[int, T]] = []
-        while under_way and under_way[0][0] <= now_ns:
-            arrival_ns, _, item = heappop(under_way)
+        while in_flight and in_flight[0][0] <= now_ns:
+            arrival_ns, _, item = heappop(in_flight)
             arrived.append((arrival_ns, item))
         self._delivered += len(arrived)
         return arrived
 
     def _put_on_time(self, now_ns: int, item: T) -> Effects:
         """Let a message enter a link with a constant delay and nothing else."""
-        self._put = number = self._put + 1
+        self._entered = number = self._entered + 1
         heappush(self._under_way, (now_ns + self._constant_ns, number, item))
         return UNHARMED
 
     def _put_plain(self, now_ns: int, item: T) -> Effects:
         """Let a message enter a link with uniform delays and independent loss at most."""
-        self._put = number = self._put + 1
+        self._entered = number = self._entered + 1
         delay_ns = round(self._base_ns + self._jitter_ns * (2.0 * self._draw_delay() - 1.0))
         if self._draw_loss() < self._loss:
             self._lost += 1
@@ -123,7 +123,7 @@ class Link(Generic[T]):
 
     def _put_through(self, now_ns: int, item: T) -> Effects:
         """Let a message enter a link with any effects."""
-        self._put = number = self._put + 1
+        self._entered = number = self._entered + 1
         cut = self._outages.cover(now_ns)
         lost = self._is_lost()
         delay_ns = self._delay_ns()

@@ -29,27 +29,27 @@ CAUSES: Final = ("loss", "queue", "outage")
 
 
 class LinkCounts(NamedTuple):
-    """Messages of a link since its start: put + duplicated = delivered + dropped + under way, at any moment.
+    """Messages of a link since its start: entered + duplicated = delivered + dropped + under way, at any moment.
 
     Attributes:
-        put: Messages put in.
+        entered: Messages that entered the link.
         delivered: Messages and copies that came out.
         dropped_loss: Messages lost at random.
         dropped_queue: Messages that found the queue full.
         dropped_outage: Messages that came during an outage.
         duplicated: Copies made.
         corrupted: Messages and copies with a bit flipped; they are delivered, or under way, like others.
-        under_way: Messages and copies that have not come out yet.
+        in_flight: Messages and copies that have not come out yet.
     """
 
-    put: int
+    entered: int
     delivered: int
     dropped_loss: int
     dropped_queue: int
     dropped_outage: int
     duplicated: int
     corrupted: int
-    under_way: int
+    in_flight: int
 
     @property
     def dropped(self) -> int:

@@ -28,7 +28,7 @@ class MessageLink(Link[Carried]):
     Attributes:
         topic: The topic.
         refused_corrupted: Of the messages that came out, those that the decoder refused.
-        refused_repeated: Those that had come out before.
+        refused_duplicate: Those that had come out before.
     """
 
     def __init__(self, name: str, settings: LinkSettings) -> None:
@@ -40,7 +40,7 @@ class MessageLink(Link[Carried]):
         """
         super().__init__(name, settings, _flip_bit)
         self.topic = LINKS[name].topic
-        self.refused_corrupted = self.refused_repeated = 0
+        self.refused_corrupted = self.refused_duplicate = 0
         self._guards: dict[str, SequenceGuard] = {}
         self._judges = self._may_spoil()
         self._asked = ("", 0, 0)
@@ -80,11 +80,11 @@ class MessageLink(Link[Carried]):
         """What ``put`` did to the message with this header, as messages."""
         return [LinkEvent(self.name, done, self.topic.name, header.sequence, cause) for done, cause in effects]
 
-    def state(self, occasion: str, sources: tuple[LinkSource, ...]) -> LinkState:
+    def state(self, trigger: str, sources: tuple[LinkSource, ...]) -> LinkState:
         """The link as it is.
 
         Args:
-            occasion: Why it is told: ``start``, ``period``, ``scheduled``, ``asked`` or ``end``.
+            trigger: Why it is told: ``start``, ``period``, ``scheduled``, ``asked`` or ``end``.
             sources: Which messages were put in.
         """
         return LinkState(
@@ -94,8 +94,8 @@ class MessageLink(Link[Carried]):
             len(self.settings.trace_s),
             *self.counts,
             self.refused_corrupted,
-            self.refused_repeated,
-            occasion,
+            self.refused_duplicate,
+            trigger,
             *self._asked,
             self._refusal,
             sources,
@@ -113,7 +113,7 @@ class MessageLink(Link[Carried]):
                 self.refused_corrupted += 1
                 return None
         if self._guards.setdefault(header.source, SequenceGuard()).judge(header) in _REPEATED:
-            self.refused_repeated += 1
+            self.refused_duplicate += 1
             return None
         return header, body
 

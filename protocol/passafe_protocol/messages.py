@@ -70,7 +70,7 @@ class PlantInput(Record, frozen=True):
     """What the filter lets the robot do, from ``effective_plant_ns`` on.
 
     An *input sequence* is unbroken: one input for every period from ``input_sequence_start_ns`` on, each made for
-    the state to which the ones before it lead. ``earlier`` repeats the newest of those, so that one lost message
+    the state to which the ones before it lead. ``previous_u`` repeats the newest of those, so that one lost message
     does not break the sequence.
     """
 
@@ -80,7 +80,7 @@ class PlantInput(Record, frozen=True):
     hold_ns: int
     input_sequence_start_ns: int = UNSEQUENCED
     known_break_ns: int = UNSEQUENCED
-    earlier: Vector = ()
+    previous_u: Vector = ()
 
 
 class PlantState(Record, frozen=True):
@@ -94,13 +94,13 @@ class PlantState(Record, frozen=True):
     phase: PlantPhase
     energy_in_j: float
     energy_stored_j: float
-    input_slack_ns: int
+    input_lead_ns: int
     inputs_late: int
     inputs_refused: int
     integration_error: float
     received_tick: int
     sequence_break_ns: int = UNSEQUENCED
-    since_ns: int = 0
+    input_since_ns: int = 0
     input_transit_ns: int = 0
     input_epoch: int = 0
 
@@ -243,17 +243,17 @@ class LinkState(Record, frozen=True):
     topic: str
     parameters: LinkParameters
     trace_opportunities: int
-    put: int
+    entered: int
     delivered: int
     dropped_loss: int
     dropped_queue: int
     dropped_outage: int
     duplicated: int
     corrupted: int
-    under_way: int
+    in_flight: int
     refused_corrupted: int
-    refused_repeated: int
-    occasion: str
+    refused_duplicate: int
+    trigger: str
     config_source: str
     config_epoch: int
     config_sequence: int
@@ -276,7 +276,7 @@ class Health(Record, frozen=True):
     rate_hz: float
     steps: int
     overruns: int
-    ticks_missed: int
+    steps_skipped: int
     late_us_max: float
     topics: tuple[TopicHealth, ...]
 

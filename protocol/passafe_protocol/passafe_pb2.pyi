@@ -74,7 +74,7 @@ class OperatorCommand(_message.Message):
     def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., u_h: _Optional[_Iterable[float]] = ..., u_h_rate: _Optional[_Iterable[float]] = ..., enabled: _Optional[bool] = ..., device: _Optional[str] = ..., checksum: _Optional[int] = ...) -> None: ...
 
 class PlantInput(_message.Message):
-    __slots__ = ("header", "tick", "u", "effective_plant_ns", "hold_ns", "input_sequence_start_ns", "known_break_ns", "earlier", "checksum")
+    __slots__ = ("header", "tick", "u", "effective_plant_ns", "hold_ns", "input_sequence_start_ns", "known_break_ns", "previous_u", "checksum")
     HEADER_FIELD_NUMBER: _ClassVar[int]
     TICK_FIELD_NUMBER: _ClassVar[int]
     U_FIELD_NUMBER: _ClassVar[int]
@@ -82,7 +82,7 @@ class PlantInput(_message.Message):
     HOLD_NS_FIELD_NUMBER: _ClassVar[int]
     INPUT_SEQUENCE_START_NS_FIELD_NUMBER: _ClassVar[int]
     KNOWN_BREAK_NS_FIELD_NUMBER: _ClassVar[int]
-    EARLIER_FIELD_NUMBER: _ClassVar[int]
+    PREVIOUS_U_FIELD_NUMBER: _ClassVar[int]
     CHECKSUM_FIELD_NUMBER: _ClassVar[int]
     header: Header
     tick: int
@@ -91,12 +91,12 @@ class PlantInput(_message.Message):
     hold_ns: int
     input_sequence_start_ns: int
     known_break_ns: int
-    earlier: _containers.RepeatedScalarFieldContainer[float]
+    previous_u: _containers.RepeatedScalarFieldContainer[float]
     checksum: int
-    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., tick: _Optional[int] = ..., u: _Optional[_Iterable[float]] = ..., effective_plant_ns: _Optional[int] = ..., hold_ns: _Optional[int] = ..., input_sequence_start_ns: _Optional[int] = ..., known_break_ns: _Optional[int] = ..., earlier: _Optional[_Iterable[float]] = ..., checksum: _Optional[int] = ...) -> None: ...
+    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., tick: _Optional[int] = ..., u: _Optional[_Iterable[float]] = ..., effective_plant_ns: _Optional[int] = ..., hold_ns: _Optional[int] = ..., input_sequence_start_ns: _Optional[int] = ..., known_break_ns: _Optional[int] = ..., previous_u: _Optional[_Iterable[float]] = ..., checksum: _Optional[int] = ...) -> None: ...
 
 class PlantState(_message.Message):
-    __slots__ = ("header", "plant_ns", "x", "y", "u", "applied_tick", "phase", "energy_in_j", "energy_stored_j", "input_slack_ns", "inputs_late", "inputs_refused", "integration_error", "received_tick", "sequence_break_ns", "since_ns", "input_transit_ns", "input_epoch", "checksum")
+    __slots__ = ("header", "plant_ns", "x", "y", "u", "applied_tick", "phase", "energy_in_j", "energy_stored_j", "input_lead_ns", "inputs_late", "inputs_refused", "integration_error", "received_tick", "sequence_break_ns", "input_since_ns", "input_transit_ns", "input_epoch", "checksum")
     HEADER_FIELD_NUMBER: _ClassVar[int]
     PLANT_NS_FIELD_NUMBER: _ClassVar[int]
     X_FIELD_NUMBER: _ClassVar[int]
@@ -106,13 +106,13 @@ class PlantState(_message.Message):
     PHASE_FIELD_NUMBER: _ClassVar[int]
     ENERGY_IN_J_FIELD_NUMBER: _ClassVar[int]
     ENERGY_STORED_J_FIELD_NUMBER: _ClassVar[int]
-    INPUT_SLACK_NS_FIELD_NUMBER: _ClassVar[int]
+    INPUT_LEAD_NS_FIELD_NUMBER: _ClassVar[int]
     INPUTS_LATE_FIELD_NUMBER: _ClassVar[int]
     INPUTS_REFUSED_FIELD_NUMBER: _ClassVar[int]
     INTEGRATION_ERROR_FIELD_NUMBER: _ClassVar[int]
     RECEIVED_TICK_FIELD_NUMBER: _ClassVar[int]
     SEQUENCE_BREAK_NS_FIELD_NUMBER: _ClassVar[int]
-    SINCE_NS_FIELD_NUMBER: _ClassVar[int]
+    INPUT_SINCE_NS_FIELD_NUMBER: _ClassVar[int]
     INPUT_TRANSIT_NS_FIELD_NUMBER: _ClassVar[int]
     INPUT_EPOCH_FIELD_NUMBER: _ClassVar[int]
     CHECKSUM_FIELD_NUMBER: _ClassVar[int]
@@ -125,17 +125,17 @@ class PlantState(_message.Message):
     phase: PlantPhase
     energy_in_j: float
     energy_stored_j: float
-    input_slack_ns: int
+    input_lead_ns: int
     inputs_late: int
     inputs_refused: int
     integration_error: float
     received_tick: int
     sequence_break_ns: int
-    since_ns: int
+    input_since_ns: int
     input_transit_ns: int
     input_epoch: int
     checksum: int
-    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., plant_ns: _Optional[int] = ..., x: _Optional[_Iterable[float]] = ..., y: _Optional[_Iterable[float]] = ..., u: _Optional[_Iterable[float]] = ..., applied_tick: _Optional[int] = ..., phase: _Optional[_Union[PlantPhase, str]] = ..., energy_in_j: _Optional[float] = ..., energy_stored_j: _Optional[float] = ..., input_slack_ns: _Optional[int] = ..., inputs_late: _Optional[int] = ..., inputs_refused: _Optional[int] = ..., integration_error: _Optional[float] = ..., received_tick: _Optional[int] = ..., sequence_break_ns: _Optional[int] = ..., since_ns: _Optional[int] = ..., input_transit_ns: _Optional[int] = ..., input_epoch: _Optional[int] = ..., checksum: _Optional[int] = ...) -> None: ...
+    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., plant_ns: _Optional[int] = ..., x: _Optional[_Iterable[float]] = ..., y: _Optional[_Iterable[float]] = ..., u: _Optional[_Iterable[float]] = ..., applied_tick: _Optional[int] = ..., phase: _Optional[_Union[PlantPhase, str]] = ..., energy_in_j: _Optional[float] = ..., energy_stored_j: _Optional[float] = ..., input_lead_ns: _Optional[int] = ..., inputs_late: _Optional[int] = ..., inputs_refused: _Optional[int] = ..., integration_error: _Optional[float] = ..., received_tick: _Optional[int] = ..., sequence_break_ns: _Optional[int] = ..., input_since_ns: _Optional[int] = ..., input_transit_ns: _Optional[int] = ..., input_epoch: _Optional[int] = ..., checksum: _Optional[int] = ...) -> None: ...
 
 class BarrierReport(_message.Message):
     __slots__ = ("name", "psi", "eps")
@@ -332,23 +332,23 @@ class LinkEvent(_message.Message):
     def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., link: _Optional[str] = ..., effect: _Optional[str] = ..., topic: _Optional[str] = ..., sequence: _Optional[int] = ..., cause: _Optional[str] = ..., checksum: _Optional[int] = ...) -> None: ...
 
 class LinkState(_message.Message):
-    __slots__ = ("header", "link", "topic", "parameters", "trace_opportunities", "put", "delivered", "dropped_loss", "dropped_queue", "dropped_outage", "duplicated", "corrupted", "under_way", "refused_corrupted", "refused_repeated", "occasion", "config_source", "config_epoch", "config_sequence", "refusal", "sources", "checksum")
+    __slots__ = ("header", "link", "topic", "parameters", "trace_opportunities", "entered", "delivered", "dropped_loss", "dropped_queue", "dropped_outage", "duplicated", "corrupted", "in_flight", "refused_corrupted", "refused_duplicate", "trigger", "config_source", "config_epoch", "config_sequence", "refusal", "sources", "checksum")
     HEADER_FIELD_NUMBER: _ClassVar[int]
     LINK_FIELD_NUMBER: _ClassVar[int]
     TOPIC_FIELD_NUMBER: _ClassVar[int]
     PARAMETERS_FIELD_NUMBER: _ClassVar[int]
     TRACE_OPPORTUNITIES_FIELD_NUMBER: _ClassVar[int]
-    PUT_FIELD_NUMBER: _ClassVar[int]
+    ENTERED_FIELD_NUMBER: _ClassVar[int]
     DELIVERED_FIELD_NUMBER: _ClassVar[int]
     DROPPED_LOSS_FIELD_NUMBER: _ClassVar[int]
     DROPPED_QUEUE_FIELD_NUMBER: _ClassVar[int]
     DROPPED_OUTAGE_FIELD_NUMBER: _ClassVar[int]
     DUPLICATED_FIELD_NUMBER: _ClassVar[int]
     CORRUPTED_FIELD_NUMBER: _ClassVar[int]
-    UNDER_WAY_FIELD_NUMBER: _ClassVar[int]
+    IN_FLIGHT_FIELD_NUMBER: _ClassVar[int]
     REFUSED_CORRUPTED_FIELD_NUMBER: _ClassVar[int]
-    REFUSED_REPEATED_FIELD_NUMBER: _ClassVar[int]
-    OCCASION_FIELD_NUMBER: _ClassVar[int]
+    REFUSED_DUPLICATE_FIELD_NUMBER: _ClassVar[int]
+    TRIGGER_FIELD_NUMBER: _ClassVar[int]
     CONFIG_SOURCE_FIELD_NUMBER: _ClassVar[int]
     CONFIG_EPOCH_FIELD_NUMBER: _ClassVar[int]
     CONFIG_SEQUENCE_FIELD_NUMBER: _ClassVar[int]
@@ -360,24 +360,24 @@ class LinkState(_message.Message):
     topic: str
     parameters: LinkParameters
     trace_opportunities: int
-    put: int
+    entered: int
     delivered: int
     dropped_loss: int
     dropped_queue: int
     dropped_outage: int
     duplicated: int
     corrupted: int
-    under_way: int
+    in_flight: int
     refused_corrupted: int
-    refused_repeated: int
-    occasion: str
+    refused_duplicate: int
+    trigger: str
     config_source: str
     config_epoch: int
     config_sequence: int
     refusal: str
     sources: _containers.RepeatedCompositeFieldContainer[LinkSource]
     checksum: int
-    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., link: _Optional[str] = ..., topic: _Optional[str] = ..., parameters: _Optional[_Union[LinkParameters, _Mapping]] = ..., trace_opportunities: _Optional[int] = ..., put: _Optional[int] = ..., delivered: _Optional[int] = ..., dropped_loss: _Optional[int] = ..., dropped_queue: _Optional[int] = ..., dropped_outage: _Optional[int] = ..., duplicated: _Optional[int] = ..., corrupted: _Optional[int] = ..., under_way: _Optional[int] = ..., refused_corrupted: _Optional[int] = ..., refused_repeated: _Optional[int] = ..., occasion: _Optional[str] = ..., config_source: _Optional[str] = ..., config_epoch: _Optional[int] = ..., config_sequence: _Optional[int] = ..., refusal: _Optional[str] = ..., sources: _Optional[_Iterable[_Union[LinkSource, _Mapping]]] = ..., checksum: _Optional[int] = ...) -> None: ...
+    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., link: _Optional[str] = ..., topic: _Optional[str] = ..., parameters: _Optional[_Union[LinkParameters, _Mapping]] = ..., trace_opportunities: _Optional[int] = ..., entered: _Optional[int] = ..., delivered: _Optional[int] = ..., dropped_loss: _Optional[int] = ..., dropped_queue: _Optional[int] = ..., dropped_outage: _Optional[int] = ..., duplicated: _Optional[int] = ..., corrupted: _Optional[int] = ..., in_flight: _Optional[int] = ..., refused_corrupted: _Optional[int] = ..., refused_duplicate: _Optional[int] = ..., trigger: _Optional[str] = ..., config_source: _Optional[str] = ..., config_epoch: _Optional[int] = ..., config_sequence: _Optional[int] = ..., refusal: _Optional[str] = ..., sources: _Optional[_Iterable[_Union[LinkSource, _Mapping]]] = ..., checksum: _Optional[int] = ...) -> None: ...
 
 class LinkSource(_message.Message):
     __slots__ = ("source", "epoch", "first", "newest", "received")
@@ -394,12 +394,12 @@ class LinkSource(_message.Message):
     def __init__(self, source: _Optional[str] = ..., epoch: _Optional[int] = ..., first: _Optional[int] = ..., newest: _Optional[int] = ..., received: _Optional[int] = ...) -> None: ...
 
 class Health(_message.Message):
-    __slots__ = ("header", "rate_hz", "steps", "overruns", "ticks_missed", "late_us_max", "topics", "checksum")
+    __slots__ = ("header", "rate_hz", "steps", "overruns", "steps_skipped", "late_us_max", "topics", "checksum")
     HEADER_FIELD_NUMBER: _ClassVar[int]
     RATE_HZ_FIELD_NUMBER: _ClassVar[int]
     STEPS_FIELD_NUMBER: _ClassVar[int]
     OVERRUNS_FIELD_NUMBER: _ClassVar[int]
-    TICKS_MISSED_FIELD_NUMBER: _ClassVar[int]
+    STEPS_SKIPPED_FIELD_NUMBER: _ClassVar[int]
     LATE_US_MAX_FIELD_NUMBER: _ClassVar[int]
     TOPICS_FIELD_NUMBER: _ClassVar[int]
     CHECKSUM_FIELD_NUMBER: _ClassVar[int]
@@ -407,11 +407,11 @@ class Health(_message.Message):
     rate_hz: float
     steps: int
     overruns: int
-    ticks_missed: int
+    steps_skipped: int
     late_us_max: float
     topics: _containers.RepeatedCompositeFieldContainer[TopicHealth]
     checksum: int
-    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., rate_hz: _Optional[float] = ..., steps: _Optional[int] = ..., overruns: _Optional[int] = ..., ticks_missed: _Optional[int] = ..., late_us_max: _Optional[float] = ..., topics: _Optional[_Iterable[_Union[TopicHealth, _Mapping]]] = ..., checksum: _Optional[int] = ...) -> None: ...
+    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., rate_hz: _Optional[float] = ..., steps: _Optional[int] = ..., overruns: _Optional[int] = ..., steps_skipped: _Optional[int] = ..., late_us_max: _Optional[float] = ..., topics: _Optional[_Iterable[_Union[TopicHealth, _Mapping]]] = ..., checksum: _Optional[int] = ...) -> None: ...
 
 class TopicHealth(_message.Message):
     __slots__ = ("topic", "received", "gaps", "refused")

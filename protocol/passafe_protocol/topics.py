@@ -40,7 +40,7 @@ class Topic:
         name: Last chunk of the key expression, unique.
         body: Message type carried.
         publishers: Processes that may publish it.
-        rate_hz: Nominal rate; ``None`` where it is the scenario's ``rate_hz``, 0 for on occasion.
+        rate_hz: Nominal rate; ``None`` where it is the scenario's ``rate_hz``, 0 for on trigger.
         deadline_s: A reader calls the topic late when nothing arrived for that long; ``None``: never.
         congestion: What the publisher does on congestion.
         queue: Capacity of a reader's ring; the oldest is dropped when it is full.

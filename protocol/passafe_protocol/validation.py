@@ -105,7 +105,7 @@ RULES: Final[dict[RecordType, tuple[Rule, ...]]] = {
         _vector("u"),
         _plant_time("input_sequence_start_ns"),
         _plant_time("known_break_ns"),
-        Rule("earlier", "as many numbers as u, or a multiple", lambda m: len(m.earlier) % len(m.u) == 0),
+        Rule("previous_u", "as many numbers as u, or a multiple", lambda m: len(m.previous_u) % len(m.u) == 0),
     ),
     PlantState: (
         _vector("x"),
@@ -158,7 +158,7 @@ RULES: Final[dict[RecordType, tuple[Rule, ...]]] = {
     LinkState: (
         _one_of("link", *LINKS),
         _text("topic"),
-        _one_of("occasion", "start", "period", "scheduled", "asked", "end"),
+        _one_of("trigger", "start", "period", "scheduled", "requested", "end"),
     ),
     TopicHealth: (_text("topic"),),
     Health: (_not_negative("rate_hz"), _not_negative("late_us_max")),

@@ -35,11 +35,11 @@ class AnsweringLinks:
         self._waiting.append((Header("dashboard", EPOCH, number, 0, 0, 0, 0), config))
         return "dashboard", EPOCH, number
 
-    def tell(self, now_ns: int, occasion: str = "period", *names: str) -> None:
+    def tell(self, now_ns: int, trigger: str = "period", *names: str) -> None:
         """Tell the states of links, all if none is named."""
         for name in names or LINKS:
             head = header(LINKS[name].reader, next(self._numbers), epoch=1)
-            self._feed.push(head, self.links[name].state(occasion, ()), now_ns)
+            self._feed.push(head, self.links[name].state(trigger, ()), now_ns)
 
     def pump(self, now_ns: int) -> None:
         """Answer what was asked."""
@@ -48,4 +48,4 @@ class AnsweringLinks:
         waiting, self._waiting = self._waiting, []
         for head, config in waiting:
             self.links[config.link].configure(head, config)
-            self.tell(now_ns, "asked", config.link)
+            self.tell(now_ns, "requested", config.link)

@@ -100,7 +100,7 @@ def state(k: int, **changes: Any) -> PlantState:  # noqa: ANN401 - any field
         "phase": PlantPhase.RUNNING,
         "energy_in_j": 0.5,
         "energy_stored_j": 0.25,
-        "input_slack_ns": 4 * MS,
+        "input_lead_ns": 4 * MS,
         "inputs_late": 0,
         "inputs_refused": 0,
         "integration_error": 0.0,

@@ -34,7 +34,7 @@ def verdict(**changes: Any) -> dict[str, Any]:  # noqa: ANN401 - any field
         "driver": "live",
         "duration_s": 9.999,
         "ticks": 10_000,
-        "ticks_missed": 3,
+        "steps_skipped": 3,
         "gaps": {"state": 0, "tick": 2},
         "h_min": 0.44,
         "power_margin_min": 0.1,

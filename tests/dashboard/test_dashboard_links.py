@@ -38,7 +38,7 @@ def test_every_link_is_shown_with_settings_and_counts(page: ServedPage) -> None:
 
     assert [link["link"] for link in links] == list(LINKS)
     assert {link["link"]: link["reader"] for link in links} == {name: place.reader for name, place in LINKS.items()}
-    assert links[0]["counts"]["put"] == 0
+    assert links[0]["counts"]["entered"] == 0
     assert links[0]["settings"]["delay_s"] == 0.0
     assert page.get("/api/status").json()["link_states"][0]["link"] == "operator-to-filter"
 

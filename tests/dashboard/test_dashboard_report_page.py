@@ -140,7 +140,7 @@ def test_the_account_of_every_link_is_told() -> None:
         "duplicated": 4,
         "delivered": 90,
         "dropped": {"loss": 10, "queue": 2, "outage": 0},
-        "under_way": 1,
+        "in_flight": 1,
         "corrupted": 3,
         "differences": {},
     }

@@ -113,7 +113,7 @@ def test_a_tick_sends_the_input_that_it_tells_of() -> None:
     assert isinstance(plant_input, PlantInput)
     assert isinstance(tick, FilterTick)
     assert (plant_input.tick, plant_input.u, plant_input.effective_plant_ns) == (1, tick.u, 0)
-    assert (plant_input.input_sequence_start_ns, plant_input.known_break_ns, plant_input.earlier) == (0, -1, ())
+    assert (plant_input.input_sequence_start_ns, plant_input.known_break_ns, plant_input.previous_u) == (0, -1, ())
     assert tick.u_h == (-3.0, 0.5)
     assert tick.x_hat == (2.0, 2.0, -1.0, -1.0)
     assert [chain.name for chain in tick.barriers] == ["disk"]
@@ -263,7 +263,9 @@ def test_while_the_plant_runs_on_anothers_inputs_nothing_is_sent_and_the_first_t
     for k in range(1, 4):
         assert sent(list(node.step(k * MS, [plant_state(k, k, phase=PlantPhase.RUNNING)])), FilterTick) == []
 
-    tick = tick_of(node, 4, plant_state(4, 4, phase=PlantPhase.HOLDING, sequence_break_ns=4 * MS, since_ns=3 * MS))
+    tick = tick_of(
+        node, 4, plant_state(4, 4, phase=PlantPhase.HOLDING, sequence_break_ns=4 * MS, input_since_ns=3 * MS)
+    )
 
     assert [each.sequence for each in tick.consumed] == [1, 2, 3, 4]
     assert tick.effective_plant_ns == (4 + 1 + 5) * MS
@@ -276,7 +278,9 @@ def test_a_wait_without_end_fills_no_memory_and_no_message() -> None:
         node.step(k * MS, [plant_state(k, k, phase=PlantPhase.RUNNING), command(k)])
         held = max(held, len(node._unaccounted))
     at_ms = MOST_UNACCOUNTED + 500
-    broken = plant_state(at_ms, at_ms, phase=PlantPhase.HOLDING, sequence_break_ns=at_ms * MS, since_ns=at_ms * MS)
+    broken = plant_state(
+        at_ms, at_ms, phase=PlantPhase.HOLDING, sequence_break_ns=at_ms * MS, input_since_ns=at_ms * MS
+    )
     tick = tick_of(node, at_ms, broken)
 
     assert held <= MOST_UNACCOUNTED + 2

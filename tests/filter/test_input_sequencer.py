@@ -42,7 +42,7 @@ def test_messages_tell_of_their_arming_and_repeat_the_newest_earlier_inputs() ->
     series.begins_with(state(40, FAIL_SAFE, 31), 50 * MS)
     sent = send(series, 50, 51, 52, 53)
 
-    assert [each.earlier for each in sent] == [
+    assert [each.previous_u for each in sent] == [
         (),
         (50.0, -1.0),
         (51.0, -1.0, 50.0, -1.0),
@@ -58,7 +58,7 @@ def test_without_repeats_messages_hold_their_own_input_alone() -> None:
     series = arming(repeats=0)
     series.begins_with(state(0, WAITING), 0)
 
-    assert [each.earlier for each in send(series, 0, 1)] == [(), ()]
+    assert [each.previous_u for each in send(series, 0, 1)] == [(), ()]
 
 
 @pytest.mark.parametrize("phase", [HOLDING, FAIL_SAFE])
@@ -69,7 +69,7 @@ def test_a_break_ends_the_series_and_the_next_one_rests_on_it(phase: PlantPhase)
 
     assert series.begins_with(state(2, phase, 2), 9 * MS) == (9 * MS, True)
     [message] = send(series, 9)
-    assert (message.input_sequence_start_ns, message.known_break_ns, message.earlier) == (9 * MS, 2 * MS, ())
+    assert (message.input_sequence_start_ns, message.known_break_ns, message.previous_u) == (9 * MS, 2 * MS, ())
 
 
 def test_a_series_that_can_still_begin_is_kept() -> None:
@@ -126,7 +126,7 @@ def test_after_a_restart_a_new_series_begins_with_whatever_plant_there_is() -> N
     series.restart()
 
     assert series.begins_with(state(0, WAITING), 0) == (0, True)
-    assert send(series, 0)[0].earlier == ()
+    assert send(series, 0)[0].previous_u == ()
 
 
 def test_loose_inputs_are_of_no_arming_and_never_for_a_time_that_was_decided() -> None:

@@ -89,7 +89,7 @@ def test_a_run_says_why_it_holds_back_at_most_once_a_second() -> None:
 
     told = [(at_ns, text) for at_ns, text in heard if text.startswith("held back")]
     assert any("m/s²: obstacle `disk`, " in text for _, text in told)
-    assert all(later - earlier >= 1_000_000_000 for (earlier, _), (later, _) in pairwise(told))
+    assert all(later - previous_u >= 1_000_000_000 for (previous_u, _), (later, _) in pairwise(told))
 
 
 def test_a_model_of_unknown_unit_has_units_of_u() -> None:

@@ -75,13 +75,13 @@ class TruePlant:
             phase=phase or self.phase,
             energy_in_j=self.energy_in_j,
             energy_stored_j=sample.stored_j,
-            input_slack_ns=0,
+            input_lead_ns=0,
             inputs_late=0,
             inputs_refused=0,
             integration_error=0.0,
             received_tick=self.k,
             sequence_break_ns=self.sequence_break_ns,
-            since_ns=self.since * MS,
+            input_since_ns=self.since * MS,
         )
 
 

@@ -18,11 +18,11 @@ def control(*changes: LinkChange) -> tuple[LinkControl, dict[str, MessageLink]]:
 
 
 def step(links: LinkControl, now_ns: int) -> list[tuple[str, str]]:
-    """What a driver does each step: link and occasion of the states told."""
+    """What a driver does each step: link and trigger of the states told."""
     if now_ns < links.due_ns:
         return []
     links.advance(now_ns)
-    return [(state.link, state.occasion) for state in links.due_states(now_ns)]
+    return [(state.link, state.trigger) for state in links.due_states(now_ns)]
 
 
 def test_states_are_told_at_the_start_once_a_second_and_at_the_end() -> None:
@@ -36,7 +36,7 @@ def test_states_are_told_at_the_start_once_a_second_and_at_the_end() -> None:
         10: [(name, "period") for name in both],
         20: [(name, "period") for name in both],
     }
-    assert [(state.link, state.occasion) for state in last] == [(name, "end") for name in both]
+    assert [(state.link, state.trigger) for state in last] == [(name, "end") for name in both]
     assert all(state.sources == SOURCES for state in last)
 
 
@@ -69,6 +69,6 @@ def test_what_is_asked_for_is_done_at_once_and_told_at_the_next_step() -> None:
     assert links.due_ns <= START + 1
     links.advance(START + 1)
     (state,) = links.due_states(START + 1)
-    assert (state.link, state.occasion, state.config_source) == ("plant-to-filter", "asked", "console")
+    assert (state.link, state.trigger, state.config_source) == ("plant-to-filter", "requested", "console")
     assert (state.config_epoch, state.config_sequence) == (9, 3)
     assert links.due_ns == START + S

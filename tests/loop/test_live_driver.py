@@ -149,9 +149,9 @@ def test_health_is_told_once_a_second(start: Callable, port: int, log: Log) -> N
     healths = [health for _, health in logged]
     assert all(isinstance(health, Health) for health in healths)
     assert healths[-1].steps == said["steps"]
-    assert healths[-1].ticks_missed == said["missed"]
+    assert healths[-1].steps_skipped == said["missed"]
     assert healths[0].rate_hz == pytest.approx(
-        200.0 * healths[0].steps / (healths[0].steps + healths[0].ticks_missed), rel=0.05
+        200.0 * healths[0].steps / (healths[0].steps + healths[0].steps_skipped), rel=0.05
     )
     events = log.wait_for("passafe/operator/event", lambda logged: any("ended by" in e.text for _, e in logged))
     assert Event("info", f"ended by end of its duration after {said['steps']} steps") in [e for _, e in events]

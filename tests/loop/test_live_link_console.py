@@ -79,10 +79,10 @@ def test_a_link_is_changed_while_it_runs_and_answers_with_what_is_in_force(
 
     assert settings_of(before.parameters) == LinkSettings()
     assert answer.parameters == wanted
-    assert (answer.occasion, answer.config_source, answer.refusal) == ("asked", "console", "")
+    assert (answer.trigger, answer.config_source, answer.refusal) == ("requested", "console", "")
     ear.until(lambda _: any(_lag_s(body) >= 0.09 for _, body in ear.of(INPUT.body)))
     (asked_header, _), *_ = ear.of(LinkConfig)
-    (told_header, told), *_ = [(h, s) for h, s in ear.of(LinkState) if s.occasion == "asked"]
+    (told_header, told), *_ = [(h, s) for h, s in ear.of(LinkState) if s.trigger == "requested"]
     assert (told.config_epoch, told.config_sequence) == (asked_header.epoch, asked_header.sequence)
     lags = [(header.sent_ns, _lag_s(body)) for header, body in ear.of(INPUT.body)]
     assert min(lag for sent_ns, lag in lags if sent_ns < asked_header.sent_ns) < 0.05
@@ -102,13 +102,13 @@ def test_the_last_state_accounts_for_every_message(start: Callable, port: int, e
     start("operator", "--port", port, "--steps", 300).wait_ready("operator")
     ear.until(lambda _: len(ear.of(INPUT.body)) >= 150)
     os.kill(filtering.pid, signal.SIGTERM)
-    ear.until(lambda _: any(state.occasion == "end" for _, state in ear.of(LinkState)))
+    ear.until(lambda _: any(state.trigger == "end" for _, state in ear.of(LinkState)))
     end = ear.of(LinkState)[-1][1]
 
-    assert end.put + end.duplicated == end.delivered + end.dropped_loss + end.under_way
+    assert end.entered + end.duplicated == end.delivered + end.dropped_loss + end.in_flight
     assert end.dropped_loss == len(ear.of(LINK_EVENT.body)) > 0
     (source,) = end.sources
-    assert source.received == end.put == source.newest - source.first + 1
+    assert source.received == end.entered == source.newest - source.first + 1
 
 
 def test_contradictions_are_refused_with_the_reason(

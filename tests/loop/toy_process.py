@@ -91,7 +91,7 @@ def live(options: argparse.Namespace) -> None:
         lifeline=options.lifeline,
         finished=None if steps_wanted is None else lambda: node.steps >= steps_wanted,
     )
-    say(steps=report.steps, missed=report.ticks_missed, withheld=report.withheld, reason=report.reason.name)
+    say(steps=report.steps, missed=report.steps_skipped, withheld=report.withheld, reason=report.reason.name)
 
 
 def record(options: argparse.Namespace) -> None:

@@ -48,14 +48,14 @@ def armed(
     *,
     first: int = 0,
     basis: int | None = None,
-    earlier: tuple[float, ...] = (),
+    previous_u: tuple[float, ...] = (),
     epoch: int = 1,
     made_ms: int = 0,
     hold_ns: int = 10 * MS,
 ) -> Received:
     """An input of the arming that begins at ``first``; its tick is the one that made the input of that period."""
     known_break_ns = UNSEQUENCED if basis is None else basis * MS
-    body = PlantInput(due_ms + 1, u, due_ms * MS, hold_ns, first * MS, known_break_ns, earlier)
+    body = PlantInput(due_ms + 1, u, due_ms * MS, hold_ns, first * MS, known_break_ns, previous_u)
     return Received(head(epoch, made_ms * MS), body, at_ms * MS)
 
 
@@ -83,7 +83,7 @@ def test_plant_time_begins_one_playout_after_the_first_input_arrived(kind: Calla
 
     assert (first.phase, first.plant_ns, first.u, first.x) == (RUNNING, 0, (1.0, 0.0), X0)
     assert second.plant_ns == MS
-    assert first.input_slack_ns == 5 * MS
+    assert first.input_lead_ns == 5 * MS
 
 
 def test_plant_time_begins_with_the_arming_that_came_last_before_it_did() -> None:
@@ -99,7 +99,7 @@ def test_plant_time_begins_with_the_arming_that_came_last_before_it_did() -> Non
 
 def test_a_first_input_that_is_none_after_all_leaves_the_plant_at_rest() -> None:
     node = make_node(playout_ns=2 * MS)
-    states(node, 1, armed(1, 1, earlier=(float("nan"), 0.0)))
+    states(node, 1, armed(1, 1, previous_u=(float("nan"), 0.0)))
 
     found = [states(node, k)[-1] for k in range(2, 9)]
     assert {(state.phase, state.plant_ns, state.x) for state in found} == {(WAITING, 0, X0)}
@@ -130,7 +130,7 @@ def test_a_driver_that_skipped_steps_gets_one_state_for_every_period() -> None:
 
     assert [state.plant_ns // MS for state in found] == [1, 2, 3, 4, 5]
     assert [state.applied_tick for state in found] == [2, 3, 4, 5, 6]
-    assert [state.since_ns // MS for state in found] == [1, 2, 3, 4, 5]
+    assert [state.input_since_ns // MS for state in found] == [1, 2, 3, 4, 5]
 
 
 def test_a_missing_input_is_held_then_the_fail_safe_takes_over_until_an_arming_that_knows_of_it_begins() -> None:
@@ -146,7 +146,7 @@ def test_a_missing_input_is_held_then_the_fail_safe_takes_over_until_an_arming_t
 
     assert [state.phase for state in found] == [RUNNING, HOLDING, HOLDING]
     assert [state.sequence_break_ns for state in found] == [UNSEQUENCED, 2 * MS, 2 * MS]
-    assert {state.since_ns for state in found} == {MS}
+    assert {state.input_since_ns for state in found} == {MS}
     assert (failed.phase, failed.sequence_break_ns) == (FAIL_SAFE, 2 * MS)
     assert failed.u == pytest.approx([-9.0 * value for value in failed.x[2:]])
     assert "fail-safe" in event.text
@@ -179,7 +179,7 @@ def test_what_came_late_or_never_leaves_the_arming_broken_whatever_else_of_it_co
 
 def test_one_lost_message_is_none_missing_if_the_next_repeats_it_in_time() -> None:
     node = make_node()
-    states(node, 1, armed(0, 1), armed(3, 1, (4.0, 4.0), earlier=(3.0, 3.0, 2.0, 2.0)))
+    states(node, 1, armed(0, 1), armed(3, 1, (4.0, 4.0), previous_u=(3.0, 3.0, 2.0, 2.0)))
 
     found = [states(node, k)[-1] for k in range(2, 6)]
 
@@ -217,15 +217,15 @@ def test_an_input_that_cannot_be_applied_is_refused_and_counted(
 @pytest.mark.parametrize("u", [(3.0, 4.1), (-5.2, 0.0)])
 def test_an_input_beyond_the_norm_is_refused_also_among_the_repeated_ones(u: tuple[float, ...]) -> None:
     node = make_node(norm=5.0)
-    states(node, 1, armed(0, 1, (3.0, 4.0)), armed(2, 1, (3.0, -4.0), earlier=(*u, 0.0, 0.0)))
+    states(node, 1, armed(0, 1, (3.0, 4.0)), armed(2, 1, (3.0, -4.0), previous_u=(*u, 0.0, 0.0)))
 
     assert states(node, 1, armed(1, 1, u))[-1].inputs_refused == 1
     assert states(node, 2)[-1].phase is HOLDING
 
 
-@pytest.mark.parametrize("earlier", [(1.0,), (1.0, 2.0, 3.0)])
-def test_repeats_of_the_wrong_shape_are_refused(earlier: tuple[float, ...]) -> None:
-    assert states(make_node(), 1, armed(1, 1, earlier=earlier))[-1].inputs_refused == 1
+@pytest.mark.parametrize("previous_u", [(1.0,), (1.0, 2.0, 3.0)])
+def test_repeats_of_the_wrong_shape_are_refused(previous_u: tuple[float, ...]) -> None:
+    assert states(make_node(), 1, armed(1, 1, previous_u=previous_u))[-1].inputs_refused == 1
 
 
 @pytest.mark.parametrize(
@@ -269,7 +269,7 @@ def test_it_tells_the_largest_transit_in_its_time_minus_the_filters_clock() -> N
 def test_a_lost_input_counts_as_having_come_with_the_message_that_repeats_it() -> None:
     node = make_node(playout_ns=5 * MS)
     states(node, 10, armed(0, 10, made_ms=10))
-    states(node, 13, armed(3, 13, made_ms=13, earlier=(3.0, 3.0, 2.0, 2.0)))
+    states(node, 13, armed(3, 13, made_ms=13, previous_u=(3.0, 3.0, 2.0, 2.0)))
 
     assert states(node, 14)[-1].input_transit_ns == (-2 - 13 + 2) * MS
 
@@ -278,8 +278,8 @@ def test_so_does_one_whose_loss_broke_the_arming_but_the_first_such_message_alon
     node = make_node()
     states(node, 10, armed(0, 10, made_ms=10))
     states(node, 12)
-    first = states(node, 13, armed(3, 13, made_ms=13, earlier=(3.0, 3.0, 2.0, 2.0)))[-1]
-    second = states(node, 14, armed(4, 14, made_ms=14, earlier=(4.0, 4.0, 3.0, 3.0, 2.0, 2.0)))[-1]
+    first = states(node, 13, armed(3, 13, made_ms=13, previous_u=(3.0, 3.0, 2.0, 2.0)))[-1]
+    second = states(node, 14, armed(4, 14, made_ms=14, previous_u=(4.0, 4.0, 3.0, 3.0, 2.0, 2.0)))[-1]
 
     assert (first.sequence_break_ns, first.input_transit_ns) == (MS, (3 - 13 + 2) * MS)
     assert second.input_transit_ns == first.input_transit_ns
@@ -295,8 +295,8 @@ class TestLoose:
 
         state = states(node, 5, loose(2, 1, 5, u=(7.0, 0.0)))[-1]
 
-        assert (state.applied_tick, state.u, state.inputs_late, state.since_ns) == (2, (7.0, 0.0), 1, MS)
-        assert state.input_slack_ns == -3 * MS
+        assert (state.applied_tick, state.u, state.inputs_late, state.input_since_ns) == (2, (7.0, 0.0), 1, MS)
+        assert state.input_lead_ns == -3 * MS
         assert state.received_tick == 2
 
     def test_an_older_one_never_replaces_a_newer_one(self) -> None:
@@ -348,7 +348,7 @@ plant_input = st.builds(
     hold_ns=st.sampled_from([0, MS, 2**64 - 1]),
     input_sequence_start_ns=time_ns.filter(lambda ns: ns >= UNSEQUENCED),
     known_break_ns=time_ns.filter(lambda ns: ns >= UNSEQUENCED),
-    earlier=st.one_of(vector, st.lists(pair, max_size=6).map(lambda pairs: sum(pairs, ()))),
+    previous_u=st.one_of(vector, st.lists(pair, max_size=6).map(lambda pairs: sum(pairs, ()))),
 )
 
 
@@ -387,9 +387,9 @@ def test_while_armed_every_input_is_the_next_of_the_same_arming(data: st.DataObj
             first, basis = armings[which]
             due = first + data.draw(st.integers(0, 12))
             count = data.draw(st.integers(0, min(due - first, 4)))
-            earlier = sum(((float(which), float(due - i)) for i in range(1, count + 1)), ())
+            previous_u = sum(((float(which), float(due - i)) for i in range(1, count + 1)), ())
             u = (float(which), float(due))
-            inbox.append(armed(due, at_ms, u, first=first, basis=basis, earlier=earlier, epoch=1 + which % 2))
+            inbox.append(armed(due, at_ms, u, first=first, basis=basis, previous_u=previous_u, epoch=1 + which % 2))
         for state in states(node, at_ms, *inbox):
             if state.phase is RUNNING:
                 which = int(state.u[0])

@@ -32,13 +32,13 @@ def put(
     basis: int = UNSEQUENCED,
     repeats: int = 0,
     epoch: int = 1,
-    earlier: tuple[float, ...] | None = None,
+    previous_u: tuple[float, ...] | None = None,
 ) -> int:
     """Put in the message of one period with what it repeats; times in periods."""
-    if earlier is None:
-        earlier = tuple(value(due - i, first, basis) for i in range(1, min(repeats, due - first) + 1))
+    if previous_u is None:
+        previous_u = tuple(value(due - i, first, basis) for i in range(1, min(repeats, due - first) + 1))
     known_break_ns = UNSEQUENCED if basis == UNSEQUENCED else basis * MS
-    body = PlantInput(due + 1, (value(due, first, basis),), due * MS, 5 * MS, first * MS, known_break_ns, earlier)
+    body = PlantInput(due + 1, (value(due, first, basis),), due * MS, 5 * MS, first * MS, known_break_ns, previous_u)
     return held.put(Header("filter", epoch, 0, 0, 0, 0, 0), body)
 
 
@@ -129,7 +129,7 @@ def test_repeats_fill_holes_up_to_their_number(lost: int) -> None:
 def test_repeats_reach_back_to_the_first_input_and_no_further() -> None:
     held = armed_inputs()
 
-    assert put(held, 7, first=5, earlier=(1.0, 2.0, 3.0, 4.0)) == 2
+    assert put(held, 7, first=5, previous_u=(1.0, 2.0, 3.0, 4.0)) == 2
     assert take(held, 5, 6, 7) == [2.0, 1.0, value(7, 5)]
 
 
@@ -164,8 +164,8 @@ def test_what_is_known_or_has_passed_is_repetition() -> None:
 
 def test_a_known_input_is_not_replaced() -> None:
     held = armed_inputs()
-    put(held, 1, earlier=(40.0,))
-    put(held, 2, earlier=(41.0, 42.0))
+    put(held, 1, previous_u=(40.0,))
+    put(held, 2, previous_u=(41.0, 42.0))
 
     assert take(held, 0, 1, 2) == [40.0, value(1), value(2)]
 
@@ -245,7 +245,7 @@ def test_a_repeated_input_that_cannot_be_applied_is_a_hole(bad: float) -> None:
     held = armed_inputs()
     put(held, 0)
 
-    assert put(held, 3, earlier=(value(2), bad)) == 1
+    assert put(held, 3, previous_u=(value(2), bad)) == 1
     assert take(held, *range(4)) == [value(0), None, None, None]
 
 
@@ -264,9 +264,9 @@ def test_an_input_of_no_arming_breaks_off_what_waits() -> None:
 
 
 def missed(held: SequencedInputs, due: int, *, repeats: int, first: int = 0, basis: int = UNSEQUENCED) -> int:
-    earlier = (0.0,) * min(repeats, due - first)
+    previous_u = (0.0,) * min(repeats, due - first)
     known_break_ns = UNSEQUENCED if basis == UNSEQUENCED else basis * MS
-    body = PlantInput(due + 1, (0.0,), due * MS, 0, first * MS, known_break_ns, earlier)
+    body = PlantInput(due + 1, (0.0,), due * MS, 0, first * MS, known_break_ns, previous_u)
     header = Header("filter", 1, 0, 0, 0, 0, 0)
     assert held.put(header, body) == REFUSED
     return held.missed(header, body)

@@ -83,7 +83,7 @@ def test_bytes_are_ordinary_protobuf(header: Header, body_of: dict[type, Message
     assert message.header.wall_ns == 1_763_800_005_000_060_000
     assert list(message.x) == [1.0, 2.0, 3.0, 4.0]
     assert message.phase == passafe_pb2.RUNNING
-    assert message.input_slack_ns == -4_000_000
+    assert message.input_lead_ns == -4_000_000
     assert message.integration_error == 1e-12
 
 
@@ -197,7 +197,7 @@ BAD: list[tuple[type, dict[str, Any], str]] = [
     (LinkConfig, {"parameters": replace(PARAMETERS, outages=(LinkOutage(0.0, 1e9),))}, "parameters.outages[0].end_s"),
     (LinkEvent, {"effect": "eaten"}, "effect"),
     (LinkEvent, {"cause": "hunger"}, "cause"),
-    (LinkState, {"occasion": "never"}, "occasion"),
+    (LinkState, {"trigger": "never"}, "trigger"),
 ]
 
 

@@ -150,13 +150,13 @@ def test_without_overtaking_messages_come_out_in_order_also_those_under_way_befo
     link: Link[int] = Link("a-to-b", LinkSettings(delay_s=0.5, jitter_s=0.5))
     for i in range(50):
         link.put(i * MS, i)
-    under_way = link.counts.under_way
+    in_flight = link.counts.in_flight
     link.reconfigure(LinkSettings(delay_s=0.01, jitter_s=0.01, reorder=False, duplicate=0.3))
     for i in range(50, 100):
         link.put(i * MS, i)
     out = link.take(20 * S)
 
-    assert under_way == 50
+    assert in_flight == 50
     assert sorted(i for _, i in out[:50]) == list(range(50))
     assert [i for _, i in out[50:]] == sorted(i for _, i in out[50:])
 
@@ -296,13 +296,13 @@ def test_every_message_is_accounted_for_at_any_moment(
             out += link.take(now_ns)
             assert all(arrival_ns <= now_ns for arrival_ns, _ in out)
         counts = link.counts
-        assert counts.put == i + 1
-        assert counts.put + counts.duplicated == counts.delivered + counts.dropped + counts.under_way
+        assert counts.entered == i + 1
+        assert counts.entered + counts.duplicated == counts.delivered + counts.dropped + counts.in_flight
         assert counts.delivered == len(out)
     everything = out + link.take(now_ns + 10**15)
     counts = link.counts
 
-    assert counts.under_way == 0
+    assert counts.in_flight == 0
     assert all(arrival_ns >= put_ns for arrival_ns, (_, put_ns) in everything)
     assert told.count(LOST[0]) == counts.dropped_loss
     assert told.count(CUT[0]) == counts.dropped_outage

@@ -111,7 +111,7 @@ def test_a_copy_is_refused_wherever_it_comes() -> None:
     came = [received.header.sequence for received in link.arrived(10**12)]
 
     assert sorted(came) == list(range(100))
-    assert link.refused_repeated == link.counts.duplicated > 0
+    assert link.refused_duplicate == link.counts.duplicated > 0
     assert link.counts.delivered == 100 + link.counts.duplicated
 
 
@@ -122,7 +122,7 @@ def test_a_link_that_never_spoils_anything_does_not_judge_and_one_that_did_goes_
     link.reconfigure(LinkSettings(delay_s=1.0))
 
     assert len(link.arrived(10**10)) == 1
-    assert link.refused_repeated == 1
+    assert link.refused_duplicate == 1
 
 
 def test_effects_are_told_as_messages() -> None:
@@ -143,9 +143,9 @@ def test_its_state_says_settings_counts_and_who_asked(header: Header) -> None:
     wanted = LinkConfig("operator-to-filter", parameters_of(replace(FULL, loss=0.0, trace_s=())))
     before = link.state("start", ())
     link.configure(header, wanted)
-    after = link.state("asked", (LinkSource("operator", 1, 0, 9, 10),))
+    after = link.state("requested", (LinkSource("operator", 1, 0, 9, 10),))
 
-    assert (before.link, before.topic, before.occasion) == ("operator-to-filter", COMMAND.name, "start")
+    assert (before.link, before.topic, before.trigger) == ("operator-to-filter", COMMAND.name, "start")
     assert before.parameters == parameters_of(FULL)
     assert before.trace_opportunities == after.trace_opportunities == 2
     assert (before.config_source, before.config_epoch, before.config_sequence) == ("", 0, 0)
@@ -159,12 +159,12 @@ def test_its_state_says_settings_counts_and_who_asked(header: Header) -> None:
 def test_what_contradicts_itself_is_refused_and_the_state_says_why(header: Header) -> None:
     link = MessageLink("operator-to-filter", FULL)
     link.configure(header, LinkConfig("operator-to-filter", parameters_of(replace(FULL, trace_s=(), rate_hz=5.0))))
-    refused = link.state("asked", ())
+    refused = link.state("requested", ())
     link.configure(header, LinkConfig("operator-to-filter", parameters_of(replace(FULL, trace_s=()))))
 
     assert refused.parameters == parameters_of(FULL)
     assert refused.refusal == "link rate_hz: got 5.0, allowed 0 where there is a trace"
-    assert link.state("asked", ()).refusal == ""
+    assert link.state("requested", ()).refusal == ""
 
 
 def test_counts_of_the_state_are_those_of_the_link(body_of: dict[type, Message]) -> None:
@@ -175,5 +175,5 @@ def test_counts_of_the_state_are_those_of_the_link(body_of: dict[type, Message])
     link.arrived(100 * MS)
     state = link.state("period", ())
 
-    assert (state.put, state.delivered, state.dropped_queue, state.under_way) == (8, 4, 3, 1)
+    assert (state.entered, state.delivered, state.dropped_queue, state.in_flight) == (8, 4, 3, 1)
     assert INPUT.links == {"plant": "filter-to-plant"}

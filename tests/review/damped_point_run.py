@@ -87,7 +87,7 @@ def state(step: int, x: Iterable[float], u: Iterable[float], **keys: object) -> 
         "phase": PlantPhase.RUNNING,
         "energy_in_j": 0.0,
         "energy_stored_j": sum(value * value for value in x),
-        "input_slack_ns": 0,
+        "input_lead_ns": 0,
         "inputs_late": 0,
         "inputs_refused": 0,
         "integration_error": 0.0,

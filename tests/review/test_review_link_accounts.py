@@ -103,9 +103,9 @@ def test_every_link_of_a_bad_run_is_accounted_for_exactly(run: Simulated, driver
         assert each.final
         assert each.epoch == (1 if driver == "live" else None)
         assert each.sent - each.lost_on_bus + each.duplicated == (
-            each.delivered + sum(each.dropped.values()) + each.under_way
+            each.delivered + sum(each.dropped.values()) + each.in_flight
         )
-        assert min(each.duplicated, each.corrupted, each.under_way, *each.dropped.values()) > 0
+        assert min(each.duplicated, each.corrupted, each.in_flight, *each.dropped.values()) > 0
         assert each.text.startswith(f"{each.link}: {each.sent} sent − 0 lost on the bus + {each.duplicated} copies = ")
         assert "differs" not in each.text
 
@@ -140,9 +140,9 @@ def end_of(run: Simulated) -> LinkState:
 @pytest.mark.parametrize(
     ("field", "by", "named"),
     [
-        ("put", 1, {"put and sent": 1}),
+        ("entered", 1, {"entered and sent": 1}),
         ("delivered", 2, {"balance": 2}),
-        ("under_way", 1, {"balance": 1}),
+        ("in_flight", 1, {"balance": 1}),
     ],
 )
 def test_a_count_that_is_another_is_found(run: Simulated, field: str, by: int, named: dict[str, int]) -> None:
@@ -182,7 +182,7 @@ def test_what_the_bus_lost_is_told_by_the_reader(run: Simulated) -> None:
     end = end_of(run)
     (source,) = end.sources
     fewer = LinkSource(source.source, source.epoch, source.first, source.newest, source.received - 3)
-    log = run.log(changed(LinkState, -1, sources=(fewer,), put=end.put - 3, delivered=end.delivered - 3))
+    log = run.log(changed(LinkState, -1, sources=(fewer,), entered=end.entered - 3, delivered=end.delivered - 3))
 
     assert account(log).differences == {}
     assert account(log).lost_on_bus == 3
@@ -191,7 +191,7 @@ def test_what_the_bus_lost_is_told_by_the_reader(run: Simulated) -> None:
 
 def test_a_killed_reader_is_accounted_for_up_to_its_last_state(run: Simulated) -> None:
     def killed(sent: list[Sent]) -> list[Sent]:
-        return [each for each in sent if not (isinstance(each[2], LinkState) and each[2].occasion == "end")]
+        return [each for each in sent if not (isinstance(each[2], LinkState) and each[2].trigger == "end")]
 
     found = account(run.log(killed, driver="live"))
     assert found.differences == {}

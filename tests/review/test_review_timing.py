@@ -9,7 +9,7 @@ from msgspec.structs import replace
 from passafe_protocol.messages import FilterTick, OperatorCommand, PlantInput, PlantState
 from passafe_services.tools.review.continuity import Logged
 from passafe_services.tools.review.run_log import RunLog
-from passafe_services.tools.review.timing import Percentiles, Timing, ticks_missed
+from passafe_services.tools.review.timing import Percentiles, Timing, steps_skipped
 
 US = 1_000
 STEPS = 101
@@ -107,11 +107,11 @@ def test_ticks_missed_are_holes_in_the_schedule_and_not_in_the_log() -> None:
         return Logged(header("filter", sequence, step=step), tick(sequence, (0.0, 0.0)))
 
     on_time = [logged(k, k) for k in range(5)]
-    assert ticks_missed(on_time, PERIOD_NS) == 0
+    assert steps_skipped(on_time, PERIOD_NS) == 0
     skipped_two = [logged(0, 0), logged(1, 3), logged(2, 4)]
-    assert ticks_missed(skipped_two, PERIOD_NS) == 2
+    assert steps_skipped(skipped_two, PERIOD_NS) == 2
     two_not_logged = [logged(0, 0), logged(3, 3), logged(4, 4)]
-    assert ticks_missed(two_not_logged, PERIOD_NS) == 0
+    assert steps_skipped(two_not_logged, PERIOD_NS) == 0
 
 
 def test_inputs_alone_are_enough_for_the_solve_time(tmp_path: Path) -> None:

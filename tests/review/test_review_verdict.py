@@ -36,7 +36,7 @@ def test_a_run_that_keeps_everything_holds(tmp_path: Path) -> None:
     assert verdict.scenario == "notomista-cai-2020"
     assert (verdict.mode, verdict.law, verdict.driver, verdict.finished) == ("both", "sampled", "live", True)
     assert verdict.ticks == 200
-    assert verdict.ticks_missed == 0
+    assert verdict.steps_skipped == 0
     assert verdict.duration_s == pytest.approx(0.199)
     assert verdict.status_counts == {"MODIFIED": 200}
     reach = 1 - math.exp(-0.199)
@@ -301,7 +301,7 @@ def test_a_state_that_overflows_is_a_violation(tmp_path: Path) -> None:
 def test_the_json_holds_what_the_command_line_promises(tmp_path: Path) -> None:
     content = json.loads(judged(coasting(Run()), tmp_path).model_dump_json())
     promised = (
-        "scenario mode duration_s ticks ticks_missed gaps h_min power_margin_min tank_min_j u_norm_max "
+        "scenario mode duration_s ticks steps_skipped gaps h_min power_margin_min tank_min_j u_norm_max "
         "status_counts solve_us_p50 solve_us_p99 late_us_p50 late_us_p99 command_age_ms_p50 "
         "command_age_ms_p99 final_x properties verdict"
     )

@@ -272,7 +272,7 @@ def test_a_filter_that_does_not_predict_sends_inputs_of_no_arming_and_decides_on
     inputs = [body for _, _, body in run.sent if isinstance(body, PlantInput)]
     states = {state.x for state in run.trajectory()}
 
-    assert {(each.input_sequence_start_ns, each.known_break_ns, each.earlier) for each in inputs} == {(-1, -1, ())}
+    assert {(each.input_sequence_start_ns, each.known_break_ns, each.previous_u) for each in inputs} == {(-1, -1, ())}
     assert {tick.x_hat for tick in run.ticks()} <= states
     assert {tick.horizon_ns for tick in run.ticks()} == {0}
     assert PlantPhase.RUNNING in {state.phase for state in run.trajectory()}

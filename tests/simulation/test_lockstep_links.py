@@ -70,7 +70,7 @@ def sent(tape: Tape, link: str) -> int:
 
 def balances(state: LinkState) -> bool:
     dropped = state.dropped_loss + state.dropped_queue + state.dropped_outage
-    return state.put + state.duplicated == state.delivered + dropped + state.under_way
+    return state.entered + state.duplicated == state.delivered + dropped + state.in_flight
 
 
 def test_every_effect_is_told_one_by_one_and_the_account_balances() -> None:
@@ -80,16 +80,16 @@ def test_every_effect_is_told_one_by_one_and_the_account_balances() -> None:
 
     assert set(states) == set(LINKS)
     for name, state in states.items():
-        assert state.occasion == "end"
+        assert state.trigger == "end"
         assert balances(state)
-        assert state.put == sent(tape, name) == state.sources[0].received
+        assert state.entered == sent(tape, name) == state.sources[0].received
         assert (state.dropped_loss, state.dropped_queue, state.dropped_outage) == tuple(
             events[name, "dropped", cause] for cause in ("loss", "queue", "outage")
         )
         assert state.duplicated == events[name, "duplicated", ""] > 0
         assert state.corrupted == events[name, "corrupted", ""] > 0
         assert 0 < state.refused_corrupted <= state.corrupted
-        assert state.refused_repeated > 0
+        assert state.refused_duplicate > 0
         assert state.dropped_queue > 0
     assert {header.source for header, body in tape.of(LinkEvent) if body.link == "plant-to-operator"} == {"operator"}
 
@@ -101,7 +101,7 @@ def test_what_the_filter_consumed_is_what_came_out_and_was_not_refused() -> None
 
     for name in ("operator-to-filter", "plant-to-filter"):
         state = tape.last_states()[name]
-        assert consumed[state.topic] == state.delivered - state.refused_corrupted - state.refused_repeated
+        assert consumed[state.topic] == state.delivered - state.refused_corrupted - state.refused_duplicate
 
 
 def test_links_that_do_nothing_are_accounted_for_too() -> None:
@@ -109,18 +109,16 @@ def test_links_that_do_nothing_are_accounted_for_too() -> None:
     states = tape.last_states()
 
     for name in ("operator-to-filter", "filter-to-plant", "plant-to-operator"):
-        assert states[name].put == states[name].delivered == sent(tape, name) > 0
-        assert states[name].under_way == 0
-    assert states["plant-to-filter"].under_way == 10
+        assert states[name].entered == states[name].delivered == sent(tape, name) > 0
+        assert states[name].in_flight == 0
+    assert states["plant-to-filter"].in_flight == 10
     assert balances(states["plant-to-filter"])
 
 
 def test_states_are_told_at_the_start_every_second_and_at_the_end() -> None:
-    told = [
-        (body.occasion, header.sent_ns) for header, body in run(2.2).of(LinkState) if body.link == "filter-to-plant"
-    ]
+    told = [(body.trigger, header.sent_ns) for header, body in run(2.2).of(LinkState) if body.link == "filter-to-plant"]
 
-    assert [occasion for occasion, _ in told] == ["start", "period", "period", "end"]
+    assert [trigger for trigger, _ in told] == ["start", "period", "period", "end"]
     assert [(at_ns - told[0][1]) / 1e9 for _, at_ns in told[:3]] == [0.0, 1.0, 2.0]
 
 
@@ -134,7 +132,7 @@ def test_planned_changes_take_effect_on_time() -> None:
     start_ns = tape.of(OperatorCommand)[0][0].sent_ns
     lost = [e.sequence for _, e in tape.of(LinkEvent) if isinstance(e, LinkEvent)]
     told = [
-        (body.occasion, (header.sent_ns - start_ns) / 1e9, body.parameters.delay_s, body.parameters.loss)
+        (body.trigger, (header.sent_ns - start_ns) / 1e9, body.parameters.delay_s, body.parameters.loss)
         for header, body in tape.of(LinkState)
         if body.link == "operator-to-filter"
     ]

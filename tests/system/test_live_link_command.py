@@ -70,7 +70,7 @@ def test_show_tells_settings_and_counts_of_every_link(changed: Changed) -> None:
     assert list(states) == list(LINKS)
     assert states["operator-to-filter"]["parameters"]["loss"] == 0.2
     assert states["operator-to-filter"]["dropped_loss"] > 0
-    assert states["plant-to-operator"]["put"] == states["plant-to-operator"]["delivered"] > 0
+    assert states["plant-to-operator"]["entered"] == states["plant-to-operator"]["delivered"] > 0
 
 
 def test_set_returns_with_the_value_in_force_and_the_states_are_late_from_then_on(changed: Changed) -> None:
@@ -98,7 +98,7 @@ def test_set_returns_with_the_value_in_force_and_the_states_are_late_from_then_o
 def test_the_log_ends_with_the_state_of_every_link(changed: Changed) -> None:
     last = {state.body.link: state.body for state in changed.log.of(LinkState)}
 
-    assert {name: state.occasion for name, state in last.items()} == dict.fromkeys(LINKS, "end")
+    assert {name: state.trigger for name, state in last.items()} == dict.fromkeys(LINKS, "end")
 
 
 def test_the_page_s_server_changes_a_link_and_answers_with_what_is_in_force(changed: Changed) -> None:

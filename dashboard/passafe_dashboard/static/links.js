@@ -28,8 +28,8 @@ function besides(settings) {
 
 function row({ link, settings, counts }) {
   if (!settings) return [link, ...Array(12).fill("–")];
-  const { put, delivered, dropped_loss, dropped_queue, dropped_outage, duplicated, corrupted, under_way } = counts;
-  const numbers = [put, delivered, dropped_loss, dropped_queue, dropped_outage, duplicated, corrupted, under_way];
+  const { entered, delivered, dropped_loss, dropped_queue, dropped_outage, duplicated, corrupted, in_flight } = counts;
+  const numbers = [entered, delivered, dropped_loss, dropped_queue, dropped_outage, duplicated, corrupted, in_flight];
   return [
     link,
     short(1e3 * settings.delay_s),

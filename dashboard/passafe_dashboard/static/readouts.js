@@ -136,7 +136,7 @@ function showTraffic(now) {
   const processes = now.processes.map((p) =>
     p.state === "not heard from"
       ? [p.process, p.state, "–", "–", "–", "–", "–"]
-      : [p.process, p.state, p.rate_hz.toFixed(1), `${p.overruns}`, `${p.ticks_missed}`, p.late_us_max.toFixed(0), p.age_s.toFixed(1)],
+      : [p.process, p.state, p.rate_hz.toFixed(1), `${p.overruns}`, `${p.steps_skipped}`, p.late_us_max.toFixed(0), p.age_s.toFixed(1)],
   );
   fill("processes", processes, (row, r) => row.classList.toggle("bad", now.processes[r].state === "silent"));
   const topics = now.topics.map((t) => [

@@ -76,14 +76,14 @@ def _json(states: dict[str, LinkState]) -> str:
 
 def _lines(state: LinkState) -> str:
     counts = {
-        "put": state.put,
+        "entered": state.entered,
         "delivered": state.delivered,
         "lost": state.dropped_loss,
         "queue full": state.dropped_queue,
         "outage": state.dropped_outage,
         "copies": state.duplicated,
         "corrupted": state.corrupted,
-        "under way": state.under_way,
+        "under way": state.in_flight,
     }
     text = ", ".join(f"{name} {count}" for name, count in counts.items())
     return f"{state.link}: {settings_text(state)}\n    {text}"

@@ -33,7 +33,7 @@ def print_verdict(verdict: Verdict, log: Path) -> None:
     final = "none" if verdict.final_x is None else ", ".join(f"{value:.4f}" for value in verdict.final_x)
     counts = ", ".join(f"{name} {count}" for name, count in verdict.status_counts.items())
     console.print(f"final x   {final}")
-    console.print(f"ticks     {verdict.ticks} ({counts}), {verdict.ticks_missed} missed", highlight=False)
+    console.print(f"ticks     {verdict.ticks} ({counts}), {verdict.steps_skipped} missed", highlight=False)
     again = ", ".join(f"{name} {count}" for name, count in verdict.sessions.items() if count > 1)
     if again:
         console.print(f"sessions  {again}", highlight=False)

@@ -53,7 +53,7 @@ class InputSequencer:
         self._from_ns: int | None = None
         self._basis_ns = UNSEQUENCED
         self._next_ns = 0
-        self._earlier: Vector = ()
+        self._previous_u: Vector = ()
 
     def restart(self) -> None:
         """Forget the series: the plant is another one."""
@@ -68,14 +68,14 @@ class InputSequencer:
             return target_ns + self._period_ns, False
         self._from_ns = self._next_ns = target_ns
         self._basis_ns = state.sequence_break_ns
-        self._earlier = ()
+        self._previous_u = ()
         return target_ns, True
 
     def message(self, tick: int, u: Vector, effective_ns: int) -> PlantInput:
         """See ``InputSeries``."""
         from_ns = effective_ns if self._from_ns is None else self._from_ns
-        made = PlantInput(tick, u, effective_ns, self._hold_ns, from_ns, self._basis_ns, self._earlier)
-        self._earlier = (u + self._earlier)[: self._repeats * len(u)]
+        made = PlantInput(tick, u, effective_ns, self._hold_ns, from_ns, self._basis_ns, self._previous_u)
+        self._previous_u = (u + self._previous_u)[: self._repeats * len(u)]
         self._next_ns = effective_ns + self._period_ns
         return made
 

@@ -23,7 +23,7 @@ class Predicted(Struct, gc=False):
         tank_j: Energy in the tank then.
         u: Input in force from then on, as far as it is known: the one before until another is sent.
         phase: What decides it.
-        since_ns: Plant time from which the last input has been in force.
+        input_since_ns: Plant time from which the last input has been in force.
         sequence_break_ns: Plant time at which an input was missing last.
     """
 
@@ -32,7 +32,7 @@ class Predicted(Struct, gc=False):
     tank_j: float
     u: Vector
     phase: PlantPhase
-    since_ns: int
+    input_since_ns: int
     sequence_break_ns: int
 
 
@@ -135,7 +135,7 @@ class Predictor:
         if state is not None:
             self._start_from(state)
             if state.phase is WAITING:  # the first input sets plant time
-                self._path[0].plant_ns = self._path[0].since_ns = first_ns
+                self._path[0].plant_ns = self._path[0].input_since_ns = first_ns
                 self._open = True
 
     def sent(self, effective_plant_ns: int, u: Vector) -> None:
@@ -143,7 +143,7 @@ class Predictor:
         self._sent[effective_plant_ns] = u
         last = self._path[-1]
         if last.plant_ns == effective_plant_ns:
-            last.u, last.phase, last.since_ns = u, RUNNING, effective_plant_ns
+            last.u, last.phase, last.input_since_ns = u, RUNNING, effective_plant_ns
             self._open = False
 
     def at(self, plant_ns: int) -> Predicted:
@@ -161,7 +161,13 @@ class Predictor:
             sample = self._plant.advance(before.x, last.u)
             tank_j = self._tank.balance(last.tank_j, sample.energy_in_j, sample.stored_j - before.stored_j)
             last = Predicted(
-                last.plant_ns + period_ns, sample, tank_j, last.u, last.phase, last.since_ns, last.sequence_break_ns
+                last.plant_ns + period_ns,
+                sample,
+                tank_j,
+                last.u,
+                last.phase,
+                last.input_since_ns,
+                last.sequence_break_ns,
             )
             path.append(last)
             self._open = True
@@ -172,11 +178,11 @@ class Predictor:
         now_ns = last.plant_ns
         u = self._sent.get(now_ns)
         if u is not None and (last.phase is RUNNING or now_ns == self._first_ns):
-            last.u, last.phase, last.since_ns = u, RUNNING, now_ns
+            last.u, last.phase, last.input_since_ns = u, RUNNING, now_ns
             return
         if last.phase is RUNNING:
             last.sequence_break_ns = now_ns
-        last.phase, last.u = self._fail_safe.without_input(last.u, last.since_ns, now_ns, last.sample.x)
+        last.phase, last.u = self._fail_safe.without_input(last.u, last.input_since_ns, now_ns, last.sample.x)
 
     def _start_from(self, state: PlantState) -> None:
         self._path.clear()
@@ -185,7 +191,13 @@ class Predictor:
         sample = Sample(state.x, state.y, state.energy_stored_j, 0.0, state.integration_error)
         self._path.append(
             Predicted(
-                state.plant_ns, sample, self._tank_j, state.u, state.phase, state.since_ns, state.sequence_break_ns
+                state.plant_ns,
+                sample,
+                self._tank_j,
+                state.u,
+                state.phase,
+                state.input_since_ns,
+                state.sequence_break_ns,
             )
         )
         self._open = False
@@ -241,7 +253,7 @@ class NoPrediction:
             raise RuntimeError("at: got no plant state, allowed only after confirm")
         sample = Sample(state.x, state.y, state.energy_stored_j, 0.0, state.integration_error)
         u = state.u if self._u is None else self._u
-        return Predicted(plant_ns, sample, self._tank_j, u, state.phase, state.since_ns, UNSEQUENCED)
+        return Predicted(plant_ns, sample, self._tank_j, u, state.phase, state.input_since_ns, UNSEQUENCED)
 
     def sent(self, effective_plant_ns: int, u: Vector) -> None:
         """See ``StatePrediction``."""

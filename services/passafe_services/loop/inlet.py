@@ -104,7 +104,7 @@ class Inlet:
         guards = self._guards.values()
         refused = self.undecodable + self.foreign
         if self.link is not None:
-            refused += self.link.refused_corrupted + self.link.refused_repeated
+            refused += self.link.refused_corrupted + self.link.refused_duplicate
         return TopicHealth(
             topic=self.topic.name,
             received=sum(guard.received for guard in guards),

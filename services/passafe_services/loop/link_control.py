@@ -39,34 +39,34 @@ class LinkControl:
         self._sources = sources
         self._zero_ns: int | None = None
         self._tell_ns = 0
-        self._occasions: dict[str, str] = {}
+        self._triggers: dict[str, str] = {}
 
     def configure(self, header: Header, config: LinkConfig) -> None:
         """Do what a message asks for, if it is about a link of this process."""
         link = self._links.get(config.link)
         if link is not None:
             link.configure(header, config)
-            self._occasions[link.name] = "asked"
+            self._triggers[link.name] = "requested"
             self.due_ns = 0
 
     def advance(self, now_ns: int) -> None:
         """Make the changes that are due; before the messages of a step are put in."""
         if self._zero_ns is None:
             self._zero_ns = self._tell_ns = now_ns
-            self._occasions = dict.fromkeys(self._links, "start")
+            self._triggers = dict.fromkeys(self._links, "start")
         while self._planned and self._at_ns(self._planned[-1]) <= now_ns:
             change = self._planned.pop()
             self._links[change.link].reconfigure(change.settings)
-            self._occasions[change.link] = "scheduled"
+            self._triggers[change.link] = "scheduled"
 
     def due_states(self, now_ns: int) -> Sequence[LinkState]:
         """States that are to be told; after the messages of a step were put in."""
         if now_ns >= self._tell_ns:
             self._tell_ns = now_ns + STATE_PERIOD_NS
-            self._occasions = dict.fromkeys(self._links, "period") | self._occasions
-        occasions, self._occasions = self._occasions, {}
+            self._triggers = dict.fromkeys(self._links, "period") | self._triggers
+        triggers, self._triggers = self._triggers, {}
         self.due_ns = min([self._tell_ns, *map(self._at_ns, self._planned[-1:])])
-        return [self._state(name, occasion) for name, occasion in occasions.items()]
+        return [self._state(name, trigger) for name, trigger in triggers.items()]
 
     def last_states(self) -> Sequence[LinkState]:
         """States of all links at the end of the run."""
@@ -75,6 +75,6 @@ class LinkControl:
     def _at_ns(self, change: LinkChange) -> int:
         return (self._zero_ns or 0) + round(change.at_s * _NS_PER_S)
 
-    def _state(self, name: str, occasion: str) -> LinkState:
+    def _state(self, name: str, trigger: str) -> LinkState:
         link = self._links[name]
-        return link.state(occasion, self._sources(link))
+        return link.state(trigger, self._sources(link))

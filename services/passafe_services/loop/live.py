@@ -30,14 +30,14 @@ class LiveReport:
     Attributes:
         steps: Steps made.
         overruns: Steps that ended after the next was due.
-        ticks_missed: Steps left out because the loop had fallen behind.
+        steps_skipped: Steps left out because the loop had fallen behind.
         withheld: Messages that the node made and that were not valid.
         reason: Why it ended.
     """
 
     steps: int
     overruns: int
-    ticks_missed: int
+    steps_skipped: int
     withheld: int
     reason: StopReason
 
@@ -98,7 +98,7 @@ def run_live(
         return LiveReport(
             steps=pace.steps,
             overruns=pace.overruns,
-            ticks_missed=pace.missed,
+            steps_skipped=pace.missed,
             withheld=driver.withheld,
             reason=reason,
         )

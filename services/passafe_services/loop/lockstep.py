@@ -160,7 +160,7 @@ class Lockstep:
     def _count_open_links(self) -> None:
         for seat in self._seats:
             for link in seat.open_links:
-                link.pass_on(sum(source.received for source in self._sources(link)) - link.counts.put)
+                link.pass_on(sum(source.received for source in self._sources(link)) - link.counts.entered)
 
     def _sources(self, link: MessageLink) -> tuple[LinkSource, ...]:
         """Which messages were put into a link: all that were sent."""

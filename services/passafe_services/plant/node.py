@@ -168,9 +168,9 @@ class PlantNode:
 
     def _is_plausible(self, header: Header, plant_input: PlantInput) -> bool:
         """Tell whether the numbers beside u could be a filter's; what the plant says of them has to fit a message."""
-        earlier, rest = divmod(len(plant_input.earlier), self._m)
+        repeated, rest = divmod(len(plant_input.previous_u), self._m)
         is_timely = 0 <= plant_input.effective_plant_ns <= FAR_NS and -FAR_NS <= header.scheduled_ns <= FAR_NS
-        return is_timely and not rest and earlier <= plant_input.tick
+        return is_timely and not rest and repeated <= plant_input.tick
 
     def _is_applicable(self, u: Vector) -> bool:
         """Tell whether an input has the plant's shape and lies within the limits; a NaN does not."""

@@ -125,7 +125,7 @@ class SequencedInputs:
         else:
             return 0
         periods = (body.effective_plant_ns - missing_ns) // self._period_ns
-        if identity == self._told or not 0 <= periods <= len(body.earlier) // len(body.u):
+        if identity == self._told or not 0 <= periods <= len(body.previous_u) // len(body.u):
             return 0
         self._told = identity
         return periods
@@ -162,7 +162,7 @@ class SequencedInputs:
             return False
         if self._taken_ns is None:
             # Plant time has not begun, and will with this arming's first input: the message has to hold that one.
-            if body.effective_plant_ns - first_ns > len(body.earlier) // len(body.u) * self._period_ns:
+            if body.effective_plant_ns - first_ns > len(body.previous_u) // len(body.u) * self._period_ns:
                 return False
         elif self._is_over(first_ns):
             return False
@@ -184,12 +184,12 @@ class SequencedInputs:
         least_ns, due_ns = self.first_ns, body.effective_plant_ns
         if self._taken_ns is not None:
             least_ns = max(least_ns, self._taken_ns + 1)
-        for i in range(1, len(body.earlier) // m + 1):
+        for i in range(1, len(body.previous_u) // m + 1):
             due_ns -= self._period_ns
             if due_ns < least_ns:
                 break
             if due_ns not in waiting:
-                u = body.earlier[(i - 1) * m : i * m]
+                u = body.previous_u[(i - 1) * m : i * m]
                 if self._is_applicable(u):
                     waiting[due_ns] = SequencedInput(u, body.tick - i, body.hold_ns)
                     oldest = i

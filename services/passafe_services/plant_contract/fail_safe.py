@@ -47,18 +47,18 @@ class FailSafe:
         return self._give(self._space.memory, self._offset)
 
     def without_input(
-        self, u: Vector, since_ns: int, now_ns: int, x: Vector, hold_ns: int | None = None
+        self, u: Vector, input_since_ns: int, now_ns: int, x: Vector, hold_ns: int | None = None
     ) -> tuple[PlantPhase, Vector]:
         """Return what is in force for the coming period if no input is due.
 
         Args:
             u: What was in force until now.
-            since_ns: Plant time from which the last input has been in force.
+            input_since_ns: Plant time from which the last input has been in force.
             now_ns: Plant time.
             x: State now.
             hold_ns: How long that input may be in force, if it says so itself.
         """
         longest_ns = self._hold_ns if hold_ns is None or hold_ns > self._hold_ns else hold_ns
-        if now_ns - since_ns + self._period_ns <= longest_ns:
+        if now_ns - input_since_ns + self._period_ns <= longest_ns:
             return HOLDING, u
         return FAIL_SAFE, self.law(x)

@@ -141,7 +141,7 @@ class _Loop:
             rate_hz=(self.pace.steps - self._steps_reported) / elapsed_s,
             steps=self.pace.steps,
             overruns=self.pace.overruns,
-            ticks_missed=self.pace.missed,
+            steps_skipped=self.pace.missed,
             late_us_max=self.pace.take_worst_late_ns() / 1e3,
             topics=self.recording.health(),
         )

@@ -144,7 +144,7 @@ def metrics_of(
     held_s, fail_safe_s = (_spent_s(phases, phase, trajectory) for phase in (PlantPhase.HOLDING, PlantPhase.FAIL_SAFE))
     moved = trajectory.samples > 0
     duration_s = float(trajectory.t_s[-1] - trajectory.t_s[0]) if moved else 0.0
-    slack = _percentiles(tape.input_slack_ns(), 50, 0)
+    slack = _percentiles(tape.input_lead_ns(), 50, 0)
     command_age, state_age = (_percentiles(a[a >= 0], 50, 99) for a in (answers.command_age_ns, answers.state_age_ns))
     deviation = None if reference is None else reference.deviation(motion.of(trajectory))
     return Metrics(

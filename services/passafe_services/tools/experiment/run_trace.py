@@ -113,7 +113,7 @@ class RunTrace:
         """Phase of the plant at every sample of the trajectory, shape (N,)."""
         return np.array(self._states.all()["phase"])
 
-    def input_slack_ns(self) -> IntArray:
+    def input_lead_ns(self) -> IntArray:
         """By how much the newest input came before its time, at every sample of the trajectory, ns, shape (N,)."""
         return np.array(self._states.all()["slack_ns"])
 
@@ -151,7 +151,7 @@ class RunTrace:
             self._states.packed += self._states.pack(
                 state.plant_ns,
                 state.phase,
-                state.input_slack_ns,
+                state.input_lead_ns,
                 state.energy_in_j,
                 state.energy_stored_j,
                 *state.x,

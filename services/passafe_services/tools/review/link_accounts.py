@@ -39,14 +39,14 @@ class LinkAccount(BaseModel):
         sent: Messages from the first to the newest that the reader had of each session of a sender, by their numbers;
             the log must hold them all.
         lost_on_bus: Of them, those that never reached the reader.
-        put: Messages put into the link.
+        entered: Messages that entered the link.
         duplicated: Copies that it made.
         corrupted: Messages and copies with a bit flipped; delivered or under way like others.
         delivered: Messages and copies that came out.
         dropped: Messages that never did, by cause.
-        under_way: Messages and copies not come out yet.
+        in_flight: Messages and copies not come out yet.
         refused_corrupted: Of those delivered, those that the decoder refused.
-        refused_repeated: Of those delivered, those that the reader had before.
+        refused_duplicate: Of those delivered, those that the reader had before.
         differences: Messages that two sources tell differently, by what they differ in; empty if all is exact.
     """
 
@@ -58,14 +58,14 @@ class LinkAccount(BaseModel):
     final: bool
     sent: int
     lost_on_bus: int
-    put: int
+    entered: int
     duplicated: int
     corrupted: int
     delivered: int
     dropped: dict[str, int]
-    under_way: int
+    in_flight: int
     refused_corrupted: int
-    refused_repeated: int
+    refused_duplicate: int
     differences: dict[str, int]
 
     @property
@@ -76,7 +76,7 @@ class LinkAccount(BaseModel):
         told = "".join(f"; differs in {what} by {number}" for what, number in self.differences.items())
         return (
             f"{self.link}: {self.sent} sent − {self.lost_on_bus} lost on the bus + {self.duplicated} copies = "
-            f"{self.delivered} delivered + {dropped} + {self.under_way} under way{told}"
+            f"{self.delivered} delivered + {dropped} + {self.in_flight} under way{told}"
         )
 
     @classmethod
@@ -94,12 +94,12 @@ class LinkAccount(BaseModel):
         lost_on_bus = offered - sum(source.received for source in state.sources)
         dropped = dict(zip(CAUSES, (state.dropped_loss, state.dropped_queue, state.dropped_outage), strict=True))
         told, untold = _told(state, events)
-        came_out = state.delivered + sum(dropped.values()) + state.under_way
+        came_out = state.delivered + sum(dropped.values()) + state.in_flight
         compared = {
             "messages missing in the log": offered - logged,
             "events missing in the log": untold,
             "events of messages that were not sent": sum(not _is_offered(event, state) for event in told),
-            "put and sent": abs(offered - lost_on_bus - state.put),
+            "entered and sent": abs(offered - lost_on_bus - state.entered),
             "balance": abs(offered - lost_on_bus + state.duplicated - came_out),
             **_compared(state, dropped, told),
         }
@@ -107,17 +107,17 @@ class LinkAccount(BaseModel):
             link=key[0],
             reader=key[1],
             epoch=key[2],
-            final=state.occasion == "end",
+            final=state.trigger == "end",
             sent=offered,
             lost_on_bus=lost_on_bus,
-            put=state.put,
+            entered=state.entered,
             duplicated=state.duplicated,
             corrupted=state.corrupted,
             delivered=state.delivered,
             dropped=dropped,
-            under_way=state.under_way,
+            in_flight=state.in_flight,
             refused_corrupted=state.refused_corrupted,
-            refused_repeated=state.refused_repeated,
+            refused_duplicate=state.refused_duplicate,
             differences={what: number for what, number in compared.items() if number},
         )
 

@@ -80,7 +80,7 @@ class Timing(BaseModel):
         )
 
 
-def ticks_missed(ticks: Sequence[Logged[FilterTick]], period_ns: float) -> int:
+def steps_skipped(ticks: Sequence[Logged[FilterTick]], period_ns: float) -> int:
     """Filter steps that were skipped to catch up: holes in the times at which steps were due.
 
     Counted between ticks that follow one another, so that a message missing in the log counts for nothing.

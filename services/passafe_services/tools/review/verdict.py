@@ -25,7 +25,7 @@ from passafe_services.tools.review.run_log import RunLog
 from passafe_services.tools.review.sequence_breaks import sequence_breaks
 from passafe_services.tools.review.steering import Steering
 from passafe_services.tools.review.steering_of_log import steering_of
-from passafe_services.tools.review.timing import Percentiles, Timing, ticks_missed
+from passafe_services.tools.review.timing import Percentiles, Timing, steps_skipped
 from passafe_services.tools.review.trajectory import NS_PER_S, Trajectory
 
 POINTS_PER_PERIOD: Final = 10
@@ -55,7 +55,7 @@ class Verdict(BaseModel):
         finished: The log is whole.
         duration_s: Plant time from the first sample to the last, s.
         ticks: Filter ticks in the log.
-        ticks_missed: Filter steps skipped to catch up.
+        steps_skipped: Filter steps skipped to catch up.
         sessions: Sessions of operator, filter and plant; more than one where it was started again.
         disarmings: How often the plant ran out of inputs.
         disarmed_s: How long it was without, s of plant time.
@@ -97,7 +97,7 @@ class Verdict(BaseModel):
     finished: bool
     duration_s: float
     ticks: int
-    ticks_missed: int
+    steps_skipped: int
     sessions: dict[str, int]
     disarmings: int
     disarmed_s: float
@@ -171,7 +171,7 @@ class Verdict(BaseModel):
             finished=log.finished,
             duration_s=float(trajectory.t_s[-1] - trajectory.t_s[0]) if trajectory.samples else 0.0,
             ticks=len(ticks),
-            ticks_missed=ticks_missed(ticks, scenario.dt_s * NS_PER_S),
+            steps_skipped=steps_skipped(ticks, scenario.dt_s * NS_PER_S),
             sessions={process: log.counts[topic.name].sessions for process, topic in CONTROL_LOOP.items()},
             disarmings=len(without_input),
             disarmed_s=sum(one.length_s(float(trajectory.t_s[-1])) for one in without_input),
