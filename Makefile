@@ -6,9 +6,10 @@ STAMP := $(VENV)/.installed
 PROTO := passafe_protocol/passafe.proto
 GENERATE := $(BIN)/python -m grpc_tools.protoc -I protocol
 DEMO ?=
+PYTHONS ?= python3.12 python3.13
 CAMPAIGN ?= $(basename $(notdir $(wildcard services/passafe_services/scenarios/*.toml)))
 
-.PHONY: help demo test check fast proto lock docs pictures bench campaign atlas delay-atlas mutation wheel clean
+.PHONY: help demo test check fast proto lock docs pictures bench campaign atlas delay-atlas mutation wheel wheel-test clean
 
 help:  ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 13
@@ -79,6 +80,9 @@ wheel: $(STAMP)  ## dist/: a wheel with the loop compiled, for long sweeps; take
 	@echo "compiling twice, with loops run in between: 2½ minutes"
 	HATCH_BUILD_HOOK_ENABLE_CUSTOM=true $(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --no-build-isolation --wheel-dir dist .
 	@ls dist/passafe-*
+
+wheel-test: $(STAMP)  ## the wheel and all that it requires, installed fresh for each of PYTHONS='python3.12 python3.13'
+	@for python in $(PYTHONS); do $(BIN)/python -m pytest tests/system/test_wheel.py --interpreter $$python -o timeout=900 || exit 1; done
 
 lock: $(STAMP)  ## pin what is installed now
 	$(BIN)/python -m pip freeze --all --exclude pip --exclude-editable | grep -v ' @ ' > constraints.txt
