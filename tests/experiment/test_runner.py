@@ -140,7 +140,7 @@ def test_a_tape_costs_no_telemetry_and_changes_nothing() -> None:
 
     for seat in loop._seats:
         if seat.name == "filter":
-            seat.node._telemetry.message = refuse  # type: ignore[attr-defined]
+            seat.node._decisions._telemetry.message = refuse  # type: ignore[attr-defined]
     loop.run(60)
 
     assert not made

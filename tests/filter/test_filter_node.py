@@ -17,9 +17,8 @@ from passafe_protocol.messages import (
 )
 from passafe_protocol.topics import TICK
 from passafe_services.filter.build import filter_node
-from passafe_services.filter.input_sequencer import MOST_AT_ONCE
-from passafe_services.filter.node import MOST_UNACCOUNTED, FilterNode
-from passafe_services.node import Outgoing
+from passafe_services.filter.decision_loop import MOST_AT_ONCE, MOST_UNACCOUNTED
+from passafe_services.node import Node, Outgoing
 from passafe_services.scenarios.design import design_of, robot_of
 from passafe_services.scenarios.load import load_scenario
 
@@ -30,7 +29,7 @@ SCENARIO = load_scenario("notomista-cai-2020")
 X0 = (2.0, 2.0, -1.0, -1.0)
 
 
-def make_node() -> FilterNode:
+def make_node() -> Node:
     return filter_node(SCENARIO, "lockstep", 1)
 
 
@@ -71,16 +70,16 @@ def sent(outgoing: list[Outgoing], kind: type) -> list[object]:
     return [body for body in made if isinstance(body, kind)]
 
 
-def ticks_of(node: FilterNode, at_ms: int, *inbox: Received) -> list[FilterTick]:
+def ticks_of(node: Node, at_ms: int, *inbox: Received) -> list[FilterTick]:
     return [tick for tick in sent(list(node.step(at_ms * MS, inbox)), FilterTick) if isinstance(tick, FilterTick)]
 
 
-def tick_of(node: FilterNode, at_ms: int, *inbox: Received) -> FilterTick:
+def tick_of(node: Node, at_ms: int, *inbox: Received) -> FilterTick:
     [tick] = ticks_of(node, at_ms, *inbox)
     return tick
 
 
-def inputs_of(node: FilterNode, at_ms: int, *inbox: Received) -> list[PlantInput]:
+def inputs_of(node: Node, at_ms: int, *inbox: Received) -> list[PlantInput]:
     return [made for made in sent(list(node.step(at_ms * MS, inbox)), PlantInput) if isinstance(made, PlantInput)]
 
 
@@ -276,7 +275,7 @@ def test_a_wait_without_end_fills_no_memory_and_no_message() -> None:
     held = 0
     for k in range(1, MOST_UNACCOUNTED + 500):
         node.step(k * MS, [plant_state(k, k, phase=PlantPhase.RUNNING), command(k)])
-        held = max(held, len(node._unaccounted))
+        held = max(held, len(node._decisions._unaccounted))
     at_ms = MOST_UNACCOUNTED + 500
     broken = plant_state(
         at_ms, at_ms, phase=PlantPhase.HOLDING, sequence_break_ns=at_ms * MS, input_since_ns=at_ms * MS

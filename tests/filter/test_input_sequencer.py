@@ -2,7 +2,7 @@
 
 import pytest
 from passafe_protocol.messages import UNSEQUENCED, PlantInput, PlantPhase, PlantState
-from passafe_services.filter.input_sequencer import WAITING_NS, InputSequencer, UnsequencedInputs
+from passafe_services.filter.input_sequencer import WAITING_NS, InputSequencer
 
 MS = 1_000_000
 WAITING, RUNNING, HOLDING, FAIL_SAFE = PlantPhase
@@ -19,7 +19,7 @@ def arming(repeats: int = 2) -> InputSequencer:
     return InputSequencer(period_ns=MS, hold_ns=10 * MS, repeats=repeats)
 
 
-def send(series: InputSequencer | UnsequencedInputs, *times_ms: int) -> list[PlantInput]:
+def send(series: InputSequencer, *times_ms: int) -> list[PlantInput]:
     return [series.message(at_ms + 1, (float(at_ms), -1.0), at_ms * MS) for at_ms in times_ms]
 
 
@@ -127,15 +127,3 @@ def test_after_a_restart_a_new_series_begins_with_whatever_plant_there_is() -> N
 
     assert series.begins_with(state(0, WAITING), 0) == (0, True)
     assert send(series, 0)[0].previous_u == ()
-
-
-def test_loose_inputs_are_of_no_arming_and_never_for_a_time_that_was_decided() -> None:
-    series = UnsequencedInputs(period_ns=MS, hold_ns=10 * MS)
-    assert series.begins_with(state(0, WAITING), 4 * MS) == (4 * MS, False)
-    [sent] = send(series, 4)
-
-    assert sent == PlantInput(5, (4.0, -1.0), 4 * MS, 10 * MS, UNSEQUENCED, UNSEQUENCED, ())
-    assert series.begins_with(state(0, RUNNING), 4 * MS) == (5 * MS, False)
-    assert series.begins_with(state(0, RUNNING), 7 * MS) == (7 * MS, False)
-    series.restart()
-    assert series.begins_with(state(0, RUNNING), 2 * MS) == (2 * MS, False)

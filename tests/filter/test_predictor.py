@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from passafe_protocol.messages import UNSEQUENCED, PlantPhase, PlantState, Vector
-from passafe_services.filter.predictor import NoPrediction, Predictor
+from passafe_services.filter.predictor import Predictor
 from passafe_services.plant_contract.fail_safe import FailSafe
 
 from passafe import SampledPlant, Tank, damped_point
@@ -240,16 +240,15 @@ def test_the_tank_follows_the_plants_energies() -> None:
         predictor.confirm(truth.state())
 
 
-@pytest.mark.parametrize("blind", [False, True])
 @pytest.mark.parametrize("phase", PlantPhase)
-def test_only_a_plant_that_nobody_has_driven_yet_has_a_full_tank(phase: PlantPhase, blind: bool) -> None:
+def test_only_a_plant_that_nobody_has_driven_yet_has_a_full_tank(phase: PlantPhase) -> None:
     """What another filter left in the tank is not known: no more than the reserve, which only safety draws on."""
     tank = Tank(initial_j=3.0, reserve_j=0.5)
-    foresight = NoPrediction(tank) if blind else make_predictor(tank)
+    predictor = make_predictor(tank)
     for _ in range(2):  # a plant, and the next one
-        foresight.confirm(TruePlant().state(phase))
-        assert foresight.at(0).tank_j == (3.0 if phase is PlantPhase.WAITING else 0.5)
-        foresight.restart()
+        predictor.confirm(TruePlant().state(phase))
+        assert predictor.at(0).tank_j == (3.0 if phase is PlantPhase.WAITING else 0.5)
+        predictor.restart()
 
 
 def test_after_a_break_the_tank_is_what_the_plants_own_energies_say() -> None:
@@ -310,32 +309,3 @@ def test_a_restart_forgets_everything() -> None:
 
     assert predictor.at(0).sample.x == truth.sample.x
     assert predictor._sent == {}
-
-
-class TestNoPrediction:
-    def test_it_tells_the_newest_state_whatever_the_time_and_the_input_that_was_sent_last(self) -> None:
-        truth, blind = TruePlant(), NoPrediction(Tank(initial_j=7.0, reserve_j=5.0, max_j=1000.0))
-        blind.confirm(truth.state())
-        blind.begin(0)
-        at_first = blind.at(50 * MS)
-        blind.sent(50 * MS, (4.0, 2.0))
-        old = truth.state()
-        truth.advance((1.0, 2.0))
-        truth.advance((3.0, 0.0))
-        blind.confirm(truth.state())
-        blind.confirm(old)
-
-        assert (at_first.u, at_first.sample.x) == ((0.0, 0.0), old.x)
-        found = blind.at(51 * MS)
-        assert (found.sample.x, found.u, found.plant_ns) == (truth.sample.x, (4.0, 2.0), 51 * MS)
-        gained = truth.energy_in_j - (truth.sample.stored_j - old.energy_stored_j)
-        assert found.tank_j == pytest.approx(5.0 + gained, abs=1e-12)
-        assert blind.horizon_ns == 0
-
-    def test_without_a_state_it_has_nothing_to_tell(self) -> None:
-        blind = NoPrediction(Tank())
-        blind.confirm(TruePlant().state())
-        blind.restart()
-
-        with pytest.raises(RuntimeError, match="no plant state"):
-            blind.at(0)

@@ -1,12 +1,11 @@
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from passafe_protocol.codec import encode
 from passafe_protocol.messages import UNSEQUENCED, Event, Header, PlantInput, PlantPhase, PlantState, Received
-from passafe_services.plant.node import FAR_NS, PlantNode
+from passafe_services.plant.input_check import FAR_NS
+from passafe_services.plant.node import PlantNode
 from passafe_services.plant_contract.fail_safe import FailSafe
 
 from passafe import SampledPlant, damped_point
@@ -72,11 +71,10 @@ def test_it_rests_at_x0_until_an_input_comes() -> None:
     assert {(state.plant_ns, state.x, state.sequence_break_ns) for state in found} == {(0, X0, UNSEQUENCED)}
 
 
-@pytest.mark.parametrize("kind", [armed, lambda due_ms, at_ms: loose(1, due_ms, at_ms)])
-def test_plant_time_begins_one_playout_after_the_first_input_arrived(kind: Callable[[int, int], Received]) -> None:
+def test_plant_time_begins_one_playout_after_the_first_input_arrived() -> None:
     node = make_node(playout_ns=5 * MS)
 
-    assert states(node, 10, kind(0, 10))[0].phase is WAITING
+    assert states(node, 10, armed(0, 10))[0].phase is WAITING
     assert states(node, 14)[0].phase is WAITING
     [first] = states(node, 15)
     [second] = states(node, 16)
@@ -203,13 +201,10 @@ def test_one_lost_message_is_none_missing_if_the_next_repeats_it_in_time() -> No
         (),
     ],
 )
-@pytest.mark.parametrize("kind", [armed, lambda due_ms, at_ms, u: loose(1, due_ms, at_ms, u)])
-def test_an_input_that_cannot_be_applied_is_refused_and_counted(
-    kind: Callable[[int, int, tuple[float, ...]], Received], u: tuple[float, ...]
-) -> None:
+def test_an_input_that_cannot_be_applied_is_refused_and_counted(u: tuple[float, ...]) -> None:
     node = make_node()
 
-    state = states(node, 1, kind(0, 1, u))[-1]
+    state = states(node, 1, armed(0, 1, u))[-1]
 
     assert (state.phase, state.inputs_refused, state.input_epoch) == (WAITING, 1, 0)
 
@@ -231,10 +226,10 @@ def test_repeats_of_the_wrong_shape_are_refused(previous_u: tuple[float, ...]) -
 @pytest.mark.parametrize(
     ("body", "scheduled_ns"),
     [
-        (PlantInput(1, U, FAR_NS + 1, 0), 0),
-        (PlantInput(1, U, -1, 0), 0),  # plant time is never negative: −1 stands for none
-        (PlantInput(1, U, 0, 0), FAR_NS + 1),
-        (PlantInput(1, U, 0, 0), -FAR_NS - 1),
+        (PlantInput(1, U, FAR_NS + 1, 0, (FAR_NS + 1) % MS), 0),
+        (PlantInput(1, U, -1, 0, 0), 0),  # plant time is never negative: −1 stands for none
+        (PlantInput(1, U, 0, 0, 0), FAR_NS + 1),
+        (PlantInput(1, U, 0, 0, 0), -FAR_NS - 1),
         (PlantInput(1, U, 2 * MS, 0, 0, UNSEQUENCED, (0.0,) * 4), 0),  # repeats inputs of ticks before the first
     ],
 )
@@ -285,53 +280,15 @@ def test_so_does_one_whose_loss_broke_the_arming_but_the_first_such_message_alon
     assert second.input_transit_ns == first.input_transit_ns
 
 
-class TestLoose:
-    """Inputs of no arming, from a filter that does not predict."""
+def test_an_unsequenced_input_is_refused() -> None:
+    node = make_node()
 
-    def test_a_late_one_is_applied_at_once_and_counted(self) -> None:
-        node = make_node()
-        states(node, 1, loose(1, 0, 1))
-        states(node, 4)
+    resting = states(node, 1, loose(1, 0, 1))[-1]
+    states(node, 2, armed(0, 2), armed(1, 2))
+    running = states(node, 3, loose(9, 1, 3, u=(9.0, 9.0)))[-1]
 
-        state = states(node, 5, loose(2, 1, 5, u=(7.0, 0.0)))[-1]
-
-        assert (state.applied_tick, state.u, state.inputs_late, state.input_since_ns) == (2, (7.0, 0.0), 1, MS)
-        assert state.input_lead_ns == -3 * MS
-        assert state.received_tick == 2
-
-    def test_an_older_one_never_replaces_a_newer_one(self) -> None:
-        node = make_node()
-        states(node, 1, loose(5, 0, 1, u=(5.0, 0.0)))
-
-        state = states(node, 2, loose(4, 1, 2, u=(4.0, 0.0)))[-1]
-
-        assert (state.u, state.applied_tick) == ((5.0, 0.0), 5)
-
-    def test_it_is_held_and_fails_safe_as_any_other(self) -> None:
-        node = make_node(hold_ns=2 * MS)
-        states(node, 1, loose(1, 0, 1))
-
-        assert [states(node, k)[-1].phase for k in (2, 3, 4)] == [HOLDING, FAIL_SAFE, FAIL_SAFE]
-        assert states(node, 5, loose(2, 4, 5))[-1].phase is RUNNING
-
-    def test_none_is_taken_while_one_of_an_arming_is_in_force(self) -> None:
-        node = make_node()
-        states(node, 1, armed(0, 1), armed(1, 1))
-
-        state = states(node, 2, loose(9, 1, 2, u=(9.0, 9.0)))[-1]
-
-        assert (state.u, state.inputs_refused) == (U, 1)
-
-    def test_one_that_takes_effect_voids_an_arming_that_was_not_made_for_it(self) -> None:
-        node = make_node(hold_ns=MS)
-        states(node, 1, loose(1, 0, 1))
-        states(node, 3, armed(5, 3, first=5), armed(6, 3, first=5))
-        resumed = states(node, 4, loose(2, 3, 4))[-1]
-
-        assert (resumed.phase, resumed.sequence_break_ns) == (RUNNING, 3 * MS)
-        assert [states(node, k)[-1].phase for k in (5, 6, 7)] == [FAIL_SAFE] * 3
-        states(node, 8, armed(8, 8, first=8, basis=3))
-        assert states(node, 9)[-1].phase is RUNNING
+    assert (resting.phase, resting.inputs_refused, resting.input_epoch) == (WAITING, 1, 0)
+    assert (running.phase, running.u, running.inputs_refused) == (RUNNING, U, 2)
 
 
 number = st.one_of(st.floats(-120, 120), st.sampled_from([float("nan"), float("inf"), BOUND, -BOUND]))
@@ -371,7 +328,7 @@ def test_no_messages_make_it_apply_anything_unbounded_or_say_what_does_not_fit_a
             assert len(state.u) == 2
             assert np.isfinite(state.x).all()
             assert encode(head(), state)
-        assert len(node._armed._waiting) <= 7 * len(steps) * 4
+        assert len(node._inputs._waiting) <= 7 * len(steps) * 4
 
 
 @settings(max_examples=40)

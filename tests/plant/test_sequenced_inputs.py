@@ -249,20 +249,6 @@ def test_a_repeated_input_that_cannot_be_applied_is_a_hole(bad: float) -> None:
     assert take(held, *range(4)) == [value(0), None, None, None]
 
 
-def test_an_input_of_no_arming_breaks_off_what_waits() -> None:
-    held = armed_inputs()
-    put(held, 0)
-    take(held, 0, 1)
-    put(held, 5, first=5, basis=1)
-
-    held.break_off(3 * MS)
-
-    assert put(held, 6, first=5, basis=1) == REFUSED
-    assert put(held, 8, first=8, basis=1) == REFUSED
-    assert put(held, 8, first=8, basis=3) == 0
-    assert (held.armed, held.sequence_break_ns) == (False, 3 * MS)
-
-
 def missed(held: SequencedInputs, due: int, *, repeats: int, first: int = 0, basis: int = UNSEQUENCED) -> int:
     previous_u = (0.0,) * min(repeats, due - first)
     known_break_ns = UNSEQUENCED if basis == UNSEQUENCED else basis * MS

@@ -233,7 +233,7 @@ def test_what_is_remembered_of_inputs_sent_is_bounded() -> None:
     run = ArmingRun(**bad_links(delay_s=0.1, jitter_s=0.05, loss=0.3, seed=1)).run(2.0)
     run.filter.severed = {STATES}
     run.run(3.0)
-    predictor, held = run.filter.node._foresight, run.plant.node._armed._waiting
+    predictor, held = run.filter.node._predictor, run.plant.node._inputs._waiting
 
     at_most = (0.5 + 0.2) * RATE_HZ
     assert len(predictor._sent) <= at_most

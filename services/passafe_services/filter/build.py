@@ -9,12 +9,15 @@ from passafe.filter import SafetyPassivityFilter
 from passafe.human_input import HandModel, HumanInputEstimator
 from passafe.models.robot import Robot
 from passafe.override import Explainer
-from passafe_services.filter.input_sequencer import InputSequencer, UnsequencedInputs
+from passafe_services.filter.decision_loop import DecisionLoop
+from passafe_services.filter.input_sequencer import InputSequencer
 from passafe_services.filter.node import FilterNode
 from passafe_services.filter.operator_request import EstimatedRequest, PassThroughRequest
 from passafe_services.filter.override_text import OverrideText
 from passafe_services.filter.playout_schedule import EffectSchedule
-from passafe_services.filter.predictor import NoPrediction, Predictor
+from passafe_services.filter.predictor import Predictor
+from passafe_services.filter.unpredicted_node import UnpredictedFilterNode
+from passafe_services.filter.unpredicted_state import UnpredictedState
 from passafe_services.plant_contract.plant_model import PlantModel
 from passafe_services.scenarios.design import design_of, tank_of
 from passafe_services.scenarios.info import scenario_info
@@ -57,8 +60,8 @@ def filter_node(
     epoch: int,
     model: PlantModel | None = None,
     compiled: CompiledFilter | None = None,
-) -> FilterNode:
-    """Return the filter of a scenario.
+) -> FilterNode | UnpredictedFilterNode:
+    """Return the filter of a scenario, with or without prediction.
 
     Args:
         scenario: What to build.
@@ -69,33 +72,25 @@ def filter_node(
     """
     model = PlantModel.of(scenario) if model is None else model
     compiled = CompiledFilter.of(scenario, model.robot) if compiled is None else compiled
-    predictor, sequencer = _predictor_of(scenario, model)
-    return FilterNode(
+    decisions = DecisionLoop(
         compiled.core,
         period_ns=model.period_ns,
-        foresight=predictor,
-        series=sequencer,
         schedule=EffectSchedule(period_ns=model.period_ns, playout_ns=model.playout_ns, epoch=epoch),
         request=request_of(scenario, model.robot.system.m),
         state_stale_ns=round(scenario.filter.stale_s * 1e9),
         starts_nearest=scenario.filter.start == "nearest",
         explainer=compiled.explainer,
-        wording=compiled.override_text,
+        override_text=compiled.override_text,
         info=scenario_info(scenario, driver),
     )
-
-
-def _predictor_of(
-    scenario: Scenario, model: PlantModel
-) -> tuple[Predictor | NoPrediction, InputSequencer | UnsequencedInputs]:
-    """Return what predicts the state for which an input is made, and how inputs are sent."""
-    tank, tick_ns, hold_ns = tank_of(scenario), model.period_ns, model.hold_ns
+    tank, period_ns, hold_ns = tank_of(scenario), model.period_ns, model.hold_ns
     if not scenario.filter.prediction:
-        return NoPrediction(tank), UnsequencedInputs(period_ns=tick_ns, hold_ns=hold_ns)
+        return UnpredictedFilterNode(decisions, UnpredictedState(tank), period_ns=period_ns, hold_ns=hold_ns)
     repeats = min(scenario.filter.repeats, MAX_VECTOR // model.robot.system.m)
-    return (
-        Predictor(model.dynamics, model.fail_safe, tank, tick_ns),
-        InputSequencer(period_ns=tick_ns, hold_ns=hold_ns, repeats=repeats),
+    return FilterNode(
+        decisions,
+        Predictor(model.dynamics, model.fail_safe, tank, period_ns),
+        InputSequencer(period_ns=period_ns, hold_ns=hold_ns, repeats=repeats),
     )
 
 

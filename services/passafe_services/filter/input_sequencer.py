@@ -1,35 +1,14 @@
 """The filter's side of an arming: an unbroken series of inputs, each made for what the ones before it lead to."""
 
-from typing import Final, Protocol
+from typing import Final
 
 from passafe_protocol.messages import UNSEQUENCED, PlantInput, PlantPhase, PlantState, Vector
-
-MOST_AT_ONCE: Final = 64
-"""Inputs that one step makes at most, where the schedule moved forward."""
 
 WAITING_NS: Final = 3_000_000_000
 """How long a plant may seem to wait for the first input before a new arming begins: that input may be lost."""
 
 WAITING: Final = PlantPhase.WAITING
 RUNNING: Final = PlantPhase.RUNNING
-
-
-class InputSeries(Protocol):
-    """Which inputs the next step makes, and how they are sent."""
-
-    def begins_with(self, state: PlantState, target_ns: int) -> tuple[int, bool]:
-        """Return the plant time of the next input to be made, and whether a new series begins with it.
-
-        Args:
-            state: The newest plant state.
-            target_ns: Plant time of the input that is to be made now, by the schedule. A next time beyond it means
-                that nothing is to be made.
-        """
-        ...
-
-    def message(self, tick: int, u: Vector, effective_ns: int) -> PlantInput:
-        """Return the message of the next input."""
-        ...
 
 
 class InputSequencer:
@@ -60,7 +39,13 @@ class InputSequencer:
         self._from_ns = None
 
     def begins_with(self, state: PlantState, target_ns: int) -> tuple[int, bool]:
-        """See ``InputSeries``."""
+        """Return the plant time of the next input to be made, and whether a new sequence begins with it.
+
+        Args:
+            state: The newest plant state.
+            target_ns: Plant time of the input that is to be made now, by the schedule. A next time beyond it means
+                that nothing is to be made.
+        """
         if self._holds(state):
             return self._next_ns, False
         self._from_ns = None
@@ -72,7 +57,7 @@ class InputSequencer:
         return target_ns, True
 
     def message(self, tick: int, u: Vector, effective_ns: int) -> PlantInput:
-        """See ``InputSeries``."""
+        """Return the message of the next input."""
         from_ns = effective_ns if self._from_ns is None else self._from_ns
         made = PlantInput(tick, u, effective_ns, self._hold_ns, from_ns, self._basis_ns, self._previous_u)
         self._previous_u = (u + self._previous_u)[: self._repeats * len(u)]
@@ -88,34 +73,3 @@ class InputSequencer:
         if state.phase is WAITING:
             return self._next_ns - self._from_ns < WAITING_NS
         return state.plant_ns < self._from_ns
-
-
-class UnsequencedInputs:
-    """Inputs of no series, one a step: what a filter that does not predict sends."""
-
-    def __init__(self, *, period_ns: int, hold_ns: int) -> None:
-        """Start with nothing sent.
-
-        Args:
-            period_ns: Period of the plant, ns.
-            hold_ns: How long an input may be in force, ns.
-        """
-        self._period_ns = period_ns
-        self._hold_ns = hold_ns
-        self._next_ns: int | None = None
-
-    def restart(self) -> None:
-        """Forget what was sent."""
-        self._next_ns = None
-
-    def begins_with(self, state: PlantState, target_ns: int) -> tuple[int, bool]:
-        """See ``InputSeries``; the schedule never goes back for a plant time that was decided."""
-        del state
-        if self._next_ns is None or target_ns >= self._next_ns:
-            return target_ns, False
-        return self._next_ns, False
-
-    def message(self, tick: int, u: Vector, effective_ns: int) -> PlantInput:
-        """See ``InputSeries``."""
-        self._next_ns = effective_ns + self._period_ns
-        return PlantInput(tick, u, effective_ns, self._hold_ns)

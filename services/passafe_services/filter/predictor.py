@@ -1,10 +1,10 @@
 """The state that the plant will have when the next input takes effect."""
 
 from collections import deque
-from typing import Final, Protocol
+from typing import Final
 
 from msgspec import Struct
-from passafe_protocol.messages import UNSEQUENCED, PlantPhase, PlantState, Vector
+from passafe_protocol.messages import PlantPhase, PlantState, Vector
 
 from passafe.sampled_plant import Sample, SampledPlant
 from passafe.tank import Tank
@@ -34,26 +34,6 @@ class Predicted(Struct, gc=False):
     phase: PlantPhase
     input_since_ns: int
     sequence_break_ns: int
-
-
-class StatePrediction(Protocol):
-    """What a filter knows of the plant at the time of its next input."""
-
-    def confirm(self, state: PlantState) -> None:
-        """Take a plant state in; one older than the newest changes nothing."""
-        ...
-
-    def begin(self, first_ns: int) -> None:
-        """Note that a new series of inputs begins at a plant time; those sent before are void."""
-        ...
-
-    def at(self, plant_ns: int) -> Predicted:
-        """Return the plant at a time, and what is in force until then."""
-        ...
-
-    def sent(self, effective_plant_ns: int, u: Vector) -> None:
-        """Note an input that was sent for the time that ``at`` was asked about last."""
-        ...
 
 
 class Predictor:
@@ -99,12 +79,12 @@ class Predictor:
         self._confirmed = None
 
     def confirm(self, state: PlantState) -> None:
-        """See ``StatePrediction``."""
+        """Compare the prediction with a plant state; one older than the newest changes nothing."""
         before = self._confirmed
         if before is not None and state.plant_ns < before.plant_ns:
             return
         if before is None:
-            self._tank_j = _opening_j(self._tank, state)
+            self._tank_j = opening_tank_j(self._tank, state)
         self._confirmed = state
         path, plant_ns = self._path, state.plant_ns
         if state.phase is WAITING and path:
@@ -128,7 +108,7 @@ class Predictor:
         self._start_from(state)
 
     def begin(self, first_ns: int) -> None:
-        """See ``StatePrediction``."""
+        """Note that a new input sequence begins at a plant time; inputs sent before are void."""
         self._sent.clear()
         self._first_ns = first_ns
         state = self._confirmed
@@ -139,7 +119,7 @@ class Predictor:
                 self._open = True
 
     def sent(self, effective_plant_ns: int, u: Vector) -> None:
-        """See ``StatePrediction``."""
+        """Note an input that was sent for the time that ``at`` was asked about last."""
         self._sent[effective_plant_ns] = u
         last = self._path[-1]
         if last.plant_ns == effective_plant_ns:
@@ -147,7 +127,7 @@ class Predictor:
             self._open = False
 
     def at(self, plant_ns: int) -> Predicted:
-        """See ``StatePrediction``.
+        """Return the plant at a time, and what is in force until then.
 
         Args:
             plant_ns: Plant time, a whole number of periods after the newest state's.
@@ -203,66 +183,8 @@ class Predictor:
         self._open = False
 
 
-class NoPrediction:
-    """The newest plant state, as old as it is: what a filter acts on that does not know of delay."""
-
-    def __init__(self, tank: Tank) -> None:
-        """Start with nothing heard.
-
-        Args:
-            tank: Energy ledger.
-        """
-        self._tank = tank
-        self.restart()
-
-    def restart(self) -> None:
-        """Forget everything: the plant is another one."""
-        self._confirmed: PlantState | None = None
-        self._tank_j = 0.0
-        self._u: Vector | None = None
-
-    @property
-    def horizon_ns(self) -> int:
-        """Zero: it looks no further than the newest plant state."""
-        return 0
-
-    def confirm(self, state: PlantState) -> None:
-        """See ``StatePrediction``."""
-        before = self._confirmed
-        if before is None:
-            self._tank_j = _opening_j(self._tank, state)
-        else:
-            if state.plant_ns < before.plant_ns:
-                return
-            energy_in_j = state.energy_in_j - before.energy_in_j
-            stored_j = state.energy_stored_j - before.energy_stored_j
-            self._tank_j = self._tank.balance(self._tank_j, energy_in_j, stored_j)
-        self._confirmed = state
-
-    def begin(self, first_ns: int) -> None:
-        """See ``StatePrediction``: there is no series."""
-
-    def at(self, plant_ns: int) -> Predicted:
-        """Return the newest state, whatever the time, and the input that was sent last.
-
-        Raises:
-            RuntimeError: No state was taken in.
-        """
-        state = self._confirmed
-        if state is None:
-            raise RuntimeError("at: got no plant state, allowed only after confirm")
-        sample = Sample(state.x, state.y, state.energy_stored_j, 0.0, state.integration_error)
-        u = state.u if self._u is None else self._u
-        return Predicted(plant_ns, sample, self._tank_j, u, state.phase, state.input_since_ns, UNSEQUENCED)
-
-    def sent(self, effective_plant_ns: int, u: Vector) -> None:
-        """See ``StatePrediction``."""
-        del effective_plant_ns
-        self._u = u
-
-
-def _opening_j(tank: Tank, state: PlantState) -> float:
-    """Return the energy in the tank at the first state that is heard, J.
+def opening_tank_j(tank: Tank, state: PlantState) -> float:
+    """Return the energy in the tank at the first state that is received, J.
 
     A plant that moves has been another filter's, which may have drawn the tank down: it is not filled again.
     """

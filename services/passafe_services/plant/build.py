@@ -1,19 +1,21 @@
 """From a scenario to its plant node."""
 
 from passafe_services.plant.node import PlantNode
+from passafe_services.plant.unpredicted_node import UnpredictedPlantNode
 from passafe_services.plant_contract.plant_model import PlantModel
 from passafe_services.scenarios.schema import Scenario
 
 
-def plant_node(scenario: Scenario, model: PlantModel | None = None) -> PlantNode:
-    """Return the plant of a scenario.
+def plant_node(scenario: Scenario, model: PlantModel | None = None) -> PlantNode | UnpredictedPlantNode:
+    """Return the plant of a scenario, for a filter with or without prediction.
 
     Args:
         scenario: What to build.
         model: Its compiled model, if there is one already.
     """
     model = PlantModel.of(scenario) if model is None else model
-    return PlantNode(
+    node = PlantNode if scenario.filter.prediction else UnpredictedPlantNode
+    return node(
         model.dynamics,
         model.fail_safe,
         x0=scenario.plant.x0,

@@ -97,7 +97,7 @@ class SequencedInputs:
         if self.armed:
             if due is None:
                 self._broken = self._identity
-                self.break_off(plant_ns)
+                self._break_off(plant_ns)
             return due
         if self._identity is None or self._identity[2] > plant_ns:
             return None
@@ -130,12 +130,8 @@ class SequencedInputs:
         self._told = identity
         return periods
 
-    def break_off(self, plant_ns: int) -> None:
-        """Let nothing that was made before take effect: an input of no arming does.
-
-        Args:
-            plant_ns: Plant time.
-        """
+    def _break_off(self, plant_ns: int) -> None:
+        """Let nothing take effect that was made for an input before this break."""
         self.armed = False
         self.sequence_break_ns = plant_ns
         self._forget()

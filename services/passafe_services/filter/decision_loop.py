@@ -1,0 +1,246 @@
+"""The step of a filter node, with and without prediction: read, decide for every period that is due, report."""
+
+from collections.abc import Sequence
+from typing import Final, Protocol
+
+from passafe_protocol.messages import (
+    FilterStatus,
+    OperatorCommand,
+    PlantInput,
+    PlantPhase,
+    PlantState,
+    Received,
+    ScenarioInfo,
+)
+from passafe_protocol.topics import EVENT, INPUT, SCENARIO, TICK
+
+from passafe.filter import SafetyPassivityFilter
+from passafe.override import Explainer
+from passafe_services.filter.event_emitter import OverrideEventEmitter, StatusEventEmitter
+from passafe_services.filter.newest_state import NewestState
+from passafe_services.filter.operator_request import PassThroughRequest, Request
+from passafe_services.filter.override_text import OverrideText
+from passafe_services.filter.playout_schedule import EffectSchedule
+from passafe_services.filter.predictor import Predicted
+from passafe_services.filter.telemetry import STATUS, Telemetry, TickRecord
+from passafe_services.node import Outgoing
+
+_STALE: Final = FilterStatus.STALE
+_WAITING: Final = PlantPhase.WAITING
+
+MOST_AT_ONCE: Final = 64
+"""Inputs that one step makes at most, where the schedule moved forward."""
+
+MOST_UNACCOUNTED: Final = 256
+"""Messages that the first tick accounts for at most: telling of 3000 takes 8 ms, and the plant's inputs wait for it."""
+
+
+class InputPath(Protocol):
+    """The part of a filter node from a plant state to the message of an input: with prediction, or without."""
+
+    @property
+    def horizon_ns(self) -> int:
+        """How far the state of the last prediction lies ahead of the newest plant state, ns."""
+        ...
+
+    def restart(self) -> None:
+        """Forget everything: the plant is another one."""
+        ...
+
+    def confirm(self, state: PlantState) -> None:
+        """Read the newest plant state."""
+        ...
+
+    def next_input(self, state: PlantState, target_ns: int) -> tuple[int, bool]:
+        """Return the plant time of the next input to be made, and whether a new sequence begins with it.
+
+        Args:
+            state: The newest plant state.
+            target_ns: Plant time of the input that is to be made now, by the schedule. A next time beyond it means
+                that nothing is to be made.
+        """
+        ...
+
+    def predict(self, effective_ns: int) -> Predicted:
+        """Return the plant at the time at which an input will take effect."""
+        ...
+
+    def message(self, tick: int, u: tuple[float, ...], effective_ns: int) -> PlantInput:
+        """Return the message of the input that was decided for the last prediction."""
+        ...
+
+
+class DecisionLoop:
+    """Makes the steps of a filter node: reads its inbox, decides and certifies, and reports what it did."""
+
+    def __init__(
+        self,
+        core: SafetyPassivityFilter,
+        *,
+        period_ns: int,
+        schedule: EffectSchedule,
+        request: PassThroughRequest,
+        state_stale_ns: int,
+        starts_nearest: bool,
+        explainer: Explainer,
+        override_text: OverrideText,
+        info: ScenarioInfo,
+    ) -> None:
+        """Start with nothing received.
+
+        Args:
+            core: The filter.
+            period_ns: Period of a step, ns.
+            schedule: Gives every step the plant time of its input.
+            request: What the operator's commands ask for.
+            state_stale_ns: Age of the newest state from which nothing is sent, ns.
+            starts_nearest: Whether the first input of all is the nearest to û, rather than one step from u = 0.
+            explainer: Computes what the filter overrides and why.
+            override_text: Puts that into words.
+            info: Published by the first step.
+        """
+        system = core.design.system
+        self._core = core
+        self._schedule = schedule
+        self._telemetry = Telemetry(core, explainer)
+        self._status_events = StatusEventEmitter()
+        self._override_events = OverrideEventEmitter(explainer, override_text, max(core.design.limits.magnitude))
+        self._request = request
+        self._period_ns = period_ns
+        self._state_stale_ns = state_stale_ns
+        self._starts_nearest = self._starts = starts_nearest
+        self._info: ScenarioInfo | None = info
+        self._tick = 0
+        self._newest = NewestState(system.n, system.m)
+        self._last: TickRecord | None = None
+        self._unaccounted: list[Received] = []
+
+    def step(self, now_ns: int, inbox: Sequence[Received], path: InputPath) -> Sequence[Outgoing]:
+        """Return the inputs for the plant and the account of each; nothing before the first plant state.
+
+        There is one input a step, none where nothing may be sent or the schedule moves back, and several where it
+        moved forward or steps were left out.
+
+        Args:
+            now_ns: When this step was due, monotonic, ns.
+            inbox: Commands and states, in order of arrival.
+            path: The node's own way from plant states to inputs.
+        """
+        self._read(inbox, path)
+        outgoing = self._introduce()
+        state, state_age_ns = self._newest.state, self._newest.age_ns(now_ns)
+        is_blind = state is None or state_age_ns > self._state_stale_ns
+        effective = () if state is None or is_blind else self._due(now_ns, state, path)
+        if self._last is None:
+            self._unaccounted += inbox
+            if not effective:
+                self._wait(path)
+                return outgoing if state is None else [*outgoing, *self._status_event(now_ns, _STALE)]
+            inbox, self._unaccounted = self._unaccounted, []
+        request = self._request.at(now_ns)
+        for effective_ns in effective:
+            self._last = self._decide(effective_ns, request, inbox, state_age_ns, path, outgoing)
+            inbox = ()
+            self._report_override(now_ns, self._last, outgoing)
+            outgoing.append((TICK, self._last))
+        last = self._last
+        if last is None:
+            return outgoing
+        status = _STALE if is_blind else last.status
+        outgoing += self._status_event(now_ns, status)
+        if not effective:  # what was decided last stands
+            self._last = last = last.again(status, inbox, state_age_ns, request[2])
+            outgoing.append((TICK, last))
+        return outgoing
+
+    def _read(self, inbox: Sequence[Received], path: InputPath) -> None:
+        newest = self._newest
+        for received in inbox:
+            body = received.body
+            if type(body) is PlantState:
+                if not newest.fits(body):
+                    continue  # not the plant of the filter's model
+                if received.header.epoch > newest.epoch:
+                    self._meet_plant(received.header.epoch, path)
+                if newest.receive(received, body):
+                    path.confirm(body)
+            elif type(body) is OperatorCommand:
+                self._request.hear(received, body)
+
+    def _meet_plant(self, epoch: int, path: InputPath) -> None:
+        """Begin anew with a plant that was started after the one before."""
+        self._newest.restart(epoch)
+        self._starts = self._starts_nearest
+        self._schedule.restart()
+        path.restart()
+
+    def _wait(self, path: InputPath) -> None:
+        """Buffer inputs until the first tick accounts for them, so that replay is exact.
+
+        A filter that waits for long, for a plant or for another filter's end, begins anew now and then.
+        """
+        self._schedule.restart()
+        if len(self._unaccounted) > MOST_UNACCOUNTED:
+            self._unaccounted = []
+            self._request.restart()
+            self._meet_plant(0, path)
+
+    def _due(self, now_ns: int, state: PlantState, path: InputPath) -> Sequence[int]:
+        """Return the plant times for which this step makes inputs."""
+        target_ns = self._schedule.effective_ns(now_ns, state)
+        first_ns, begins = path.next_input(state, target_ns)
+        if begins:
+            self._starts = self._starts_nearest
+        if first_ns == target_ns:
+            return (target_ns,)
+        last_ns = min(target_ns, first_ns + (MOST_AT_ONCE - 1) * self._period_ns)
+        return range(first_ns, last_ns + 1, self._period_ns)
+
+    def _decide(
+        self,
+        effective_ns: int,
+        request: Request,
+        inbox: Sequence[Received],
+        state_age_ns: int,
+        path: InputPath,
+        outgoing: list[Outgoing],
+    ) -> TickRecord:
+        u_h, u_h_rate, command_age_ns, operator_is_stale = request
+        predicted = path.predict(effective_ns)
+        tank_j = predicted.tank_j
+        starts = self._starts and predicted.phase is _WAITING  # a plant that moves has an input in force
+        decision = self._core.decide(
+            predicted.sample.x, predicted.u, u_h, u_h_rate, tank_j, effective_ns * 1e-9, start=starts
+        )
+        self._starts = False
+        self._tick += 1
+        outgoing.append((INPUT, path.message(self._tick, decision.u, effective_ns)))
+        stale = operator_is_stale and not decision.status.is_fallback
+        return TickRecord(
+            self._telemetry,
+            self._tick,
+            _STALE if stale else STATUS[decision.status],
+            decision,
+            effective_ns,
+            tank_j,
+            inbox,
+            state_age_ns,
+            command_age_ns,
+            path.horizon_ns,
+        )
+
+    def _report_override(self, now_ns: int, record: TickRecord, outgoing: list[Outgoing]) -> None:
+        if now_ns >= self._override_events.look_ns:
+            event = self._override_events.event(now_ns, record.decision)
+            if event is not None:
+                outgoing.append((EVENT, event))
+
+    def _status_event(self, now_ns: int, status: FilterStatus) -> list[Outgoing]:
+        if status is self._status_events.settled:
+            return []
+        event = self._status_events.event(now_ns, status)
+        return [] if event is None else [(EVENT, event)]
+
+    def _introduce(self) -> list[Outgoing]:
+        info, self._info = self._info, None
+        return [] if info is None else [(SCENARIO, info)]

@@ -1,0 +1,60 @@
+"""The newest state that the filter received from the plant."""
+
+from passafe_protocol.messages import PlantState, Received
+
+
+class NewestState:
+    """Keeps the newest state of the newest plant session; overtaken and repeated ones change nothing.
+
+    Attributes:
+        state: The newest state, or ``None`` before the first.
+        epoch: Session of the plant; 0 before the first state.
+    """
+
+    def __init__(self, n: int, m: int) -> None:
+        """Start before the first state.
+
+        Args:
+            n: Length of x.
+            m: Length of u and y.
+        """
+        self._n, self._m = n, m
+        self.restart(0)
+
+    def restart(self, epoch: int) -> None:
+        """Forget the newest state: the plant is another one.
+
+        Args:
+            epoch: Its session.
+        """
+        self.state: PlantState | None = None
+        self.epoch = epoch
+        self._received_ns = 0
+        self._sequence = -1
+
+    def fits(self, state: PlantState) -> bool:
+        """Return whether a state has the shape of the filter's model."""
+        return len(state.x) == self._n and len(state.y) == len(state.u) == self._m
+
+    def receive(self, received: Received, state: PlantState) -> bool:
+        """Keep a state if it is the newest of the present session; return whether it is.
+
+        Args:
+            received: The message.
+            state: Its body.
+        """
+        sequence = received.header.sequence  # one that comes twice is no sign of life
+        if received.header.epoch != self.epoch or sequence <= self._sequence:
+            return False
+        if self.state is not None and state.plant_ns < self.state.plant_ns:
+            return False
+        self.state, self._received_ns, self._sequence = state, received.received_ns, sequence
+        return True
+
+    def age_ns(self, now_ns: int) -> int:
+        """Return how long ago the newest state came, ns.
+
+        Args:
+            now_ns: Monotonic time, ns.
+        """
+        return now_ns - self._received_ns if now_ns > self._received_ns else 0

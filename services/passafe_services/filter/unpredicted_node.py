@@ -1,0 +1,79 @@
+"""The filter process as a node without prediction: decides for the newest plant state, as old as it is."""
+
+from collections.abc import Sequence
+
+from passafe_protocol.messages import PlantInput, PlantState, Received, Vector
+from passafe_protocol.topics import COMMAND, STATE, Topic
+
+from passafe_services.filter.decision_loop import DecisionLoop
+from passafe_services.filter.predictor import Predicted
+from passafe_services.filter.unpredicted_state import UnpredictedState
+from passafe_services.node import Outgoing
+
+
+class UnpredictedFilterNode:
+    """Decides one input a step and sends it unsequenced: ``filter.prediction = false``, to show what delay does.
+
+    Attributes:
+        name: ``filter``.
+        subscribes: Commands of the operator, states of the plant.
+    """
+
+    name = "filter"
+    subscribes: tuple[Topic, ...] = (COMMAND, STATE)
+    horizon_ns = 0
+
+    def __init__(self, decisions: DecisionLoop, state: UnpredictedState, *, period_ns: int, hold_ns: int) -> None:
+        """Start with nothing received.
+
+        Args:
+            decisions: Makes the steps.
+            state: Keeps the state and the tank that a decision is made for.
+            period_ns: Period of the plant, ns.
+            hold_ns: How long an input may be in force, ns.
+        """
+        self._decisions = decisions
+        self._state = state
+        self._period_ns = period_ns
+        self._hold_ns = hold_ns
+        self._next_ns: int | None = None
+
+    def step(self, now_ns: int, inbox: Sequence[Received]) -> Sequence[Outgoing]:
+        """Return the inputs for the plant and the account of each, see ``DecisionLoop``.
+
+        Args:
+            now_ns: When this step was due, monotonic, ns.
+            inbox: Commands and states, in order of arrival.
+        """
+        return self._decisions.step(now_ns, inbox, self)
+
+    def restart(self) -> None:
+        """Forget the state and what was sent: the plant is another one."""
+        self._state.restart()
+        self._next_ns = None
+
+    def confirm(self, state: PlantState) -> None:
+        """Keep the newest plant state."""
+        self._state.confirm(state)
+
+    def next_input(self, state: PlantState, target_ns: int) -> tuple[int, bool]:
+        """Return the plant time of the next input, never one that was decided; no sequence begins.
+
+        Args:
+            state: The newest plant state.
+            target_ns: Plant time of the input that is to be made now, by the schedule.
+        """
+        del state
+        if self._next_ns is None or target_ns >= self._next_ns:
+            return target_ns, False
+        return self._next_ns, False
+
+    def predict(self, effective_ns: int) -> Predicted:
+        """Return the newest plant state, as if the plant still had it when the input takes effect."""
+        return self._state.at(effective_ns)
+
+    def message(self, tick: int, u: Vector, effective_ns: int) -> PlantInput:
+        """Return the message of the input that was decided."""
+        self._state.sent(u)
+        self._next_ns = effective_ns + self._period_ns
+        return PlantInput(tick, u, effective_ns, self._hold_ns)

@@ -1,0 +1,165 @@
+"""The simulated robot: its model in plant time, under the input in force."""
+
+from collections.abc import Callable, Sequence
+from typing import Final
+
+from passafe_protocol.messages import Event, PlantPhase, PlantState, Vector
+from passafe_protocol.topics import EVENT, STATE
+
+from passafe.sampled_plant import SampledPlant
+from passafe_services.node import Outgoing
+from passafe_services.plant.input_account import InputAccount
+from passafe_services.plant_contract.fail_safe import FailSafe
+
+# Members by name: reaching one through its enumeration takes 0.7 µs on Python 3.11.
+WAITING: Final = PlantPhase.WAITING
+RUNNING: Final = PlantPhase.RUNNING
+FAIL_SAFE: Final = PlantPhase.FAIL_SAFE
+
+
+class SimulatedRobot:
+    """Integrates the model one period at a time; its plant node chooses the input of each period.
+
+    The robot rests at x0 (``WAITING``) until plant time begins, with the first input. Where no input follows, the
+    last is held (``HOLDING``), then the model's own law takes over (``FAIL_SAFE``).
+
+    Attributes:
+        plant_ns: Plant time, ns.
+        phase: What decides the input in force.
+        applied_tick: Tick of the input in force.
+    """
+
+    def __init__(
+        self,
+        plant: SampledPlant,
+        fail_safe: FailSafe,
+        account: InputAccount,
+        *,
+        x0: Sequence[float],
+        period_ns: int,
+        playout_ns: int,
+    ) -> None:
+        """Put the robot at rest at x0.
+
+        Args:
+            plant: The model, stepped with the period.
+            fail_safe: What is in force where no input follows.
+            account: What the state reports of the inputs that arrived.
+            x0: Initial state, n numbers.
+            period_ns: Period of a step, ns.
+            playout_ns: How long before its effect the first input should have arrived, ns.
+        """
+        self._plant = plant
+        self._fail_safe = fail_safe
+        self._account = account
+        self._sample = plant.at(x0)
+        self._period_ns = period_ns
+        self._playout_ns = playout_ns
+        self._origin_ns = 0
+        self._has_origin = False
+        self.plant_ns = 0
+        self._u: Vector = (0.0,) * plant.system.m
+        self.applied_tick = 0
+        self._since_ns = 0
+        self._hold_ns = 0
+        self.phase = WAITING
+        self._energy_in_j = 0.0
+
+    @property
+    def has_origin(self) -> bool:
+        """Whether it is settled when plant time begins."""
+        return self._has_origin
+
+    def begin_at(self, first_ns: int, received_ns: int) -> None:
+        """Let plant time begin with an input, one play-out time after it came, unless that is settled already.
+
+        Args:
+            first_ns: Plant time of the input.
+            received_ns: When it came, monotonic, ns.
+        """
+        if not self._has_origin or first_ns != self.plant_ns:
+            self.plant_ns, self._has_origin = first_ns, True
+            # Steps come on a grid: the first one after the buffer has filled is plant time `first_ns`.
+            self._origin_ns = received_ns + self._playout_ns - first_ns
+
+    def plant_time_of(self, monotonic_ns: int) -> int:
+        """Return the plant time at a monotonic time, ns."""
+        return monotonic_ns - self._origin_ns
+
+    def run_to(self, now_ns: int, choose_input: Callable[[], None]) -> Sequence[Outgoing]:
+        """Return the state now, and those of every period that passed since the call before.
+
+        Args:
+            now_ns: Monotonic time, ns.
+            choose_input: Puts the input in force for the period that begins, with ``apply`` or ``go_without_input``.
+        """
+        if not self._has_origin or now_ns < self._origin_ns + self.plant_ns:
+            return ((STATE, self._state()),)
+        outgoing: list[Outgoing] = []
+        if self.phase is WAITING:
+            self._begin_period(choose_input, outgoing)
+            if self.phase is WAITING:  # the first input was none after all
+                self._has_origin = False
+                return outgoing
+        while self._origin_ns + self.plant_ns + self._period_ns <= now_ns:
+            self._sample = self._plant.advance(self._sample.x, self._u)
+            self._energy_in_j += self._sample.energy_in_j
+            self.plant_ns += self._period_ns
+            self._begin_period(choose_input, outgoing)
+        return outgoing or ((STATE, self._state()),)
+
+    def apply(self, u: Vector, tick: int, hold_ns: int, since_ns: int) -> None:
+        """Put an input in force.
+
+        Args:
+            u: The input, m numbers.
+            tick: Filter tick that made it.
+            hold_ns: How long it may be in force, ns.
+            since_ns: Plant time from which it counts as in force, ns.
+        """
+        self._u, self.applied_tick, self._hold_ns = u, tick, hold_ns
+        self._since_ns, self.phase = since_ns, RUNNING
+
+    def go_without_input(self) -> None:
+        """Hold the last input as long as it may be in force, then follow the fail-safe law; wait before the first."""
+        if self.phase is not WAITING:
+            self.phase, self._u = self._fail_safe.without_input(
+                self._u, self._since_ns, self.plant_ns, self._sample.x, self._hold_ns
+            )
+
+    def _begin_period(self, choose_input: Callable[[], None], outgoing: list[Outgoing]) -> None:
+        """Have the input of the period chosen; add an event if the fail-safe law came or went, and the state."""
+        before = self.phase
+        choose_input()
+        if self.phase is not before and (before is FAIL_SAFE or self.phase is FAIL_SAFE):
+            outgoing.append((EVENT, self._fail_safe_event()))
+        outgoing.append((STATE, self._state()))
+
+    def _fail_safe_event(self) -> Event:
+        at = f"plant time {self.plant_ns / 1e9:.3f} s"
+        if self.phase is FAIL_SAFE:
+            return Event("warning", f"inputs stopped: fail-safe law in force at {at}")
+        return Event("info", f"inputs are back: fail-safe law released at {at}")
+
+    def _state(self) -> PlantState:
+        sample, account = self._sample, self._account
+        transit = account.transit
+        return PlantState(
+            self.plant_ns,
+            sample.x,
+            sample.y,
+            self._u,
+            self.applied_tick,
+            self.phase,
+            self._energy_in_j,
+            sample.stored_j,
+            account.lead_ns,
+            account.late,
+            account.refused,
+            sample.integration_error,
+            account.received_tick,
+            account.sequence_break_ns,
+            self._since_ns,
+            transit.largest_ns,
+            transit.epoch,
+        )

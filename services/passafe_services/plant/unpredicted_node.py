@@ -1,0 +1,93 @@
+"""The plant process as a node for a filter without prediction: inputs are applied when they are due, or late."""
+
+from collections.abc import Sequence
+
+from passafe_protocol.messages import UNSEQUENCED, Header, PlantInput, PlantPhase, Received
+from passafe_protocol.topics import INPUT, Topic
+
+from passafe.limits import Limits
+from passafe.sampled_plant import SampledPlant
+from passafe_services.node import Outgoing
+from passafe_services.plant.input_account import InputAccount
+from passafe_services.plant.input_check import InputCheck
+from passafe_services.plant.playout_buffer import PlayoutBuffer
+from passafe_services.plant.simulated_robot import SimulatedRobot
+from passafe_services.plant_contract.fail_safe import FailSafe
+
+
+class UnpredictedPlantNode:
+    """Integrates the robot, one period a step, under the unsequenced inputs of a filter without prediction.
+
+    ``filter.prediction = false`` shows what delay does: an input takes effect at the plant time it names, or as soon
+    as it comes after that, whatever state the plant is in then. Sequenced inputs are refused.
+
+    Attributes:
+        name: ``plant``.
+        subscribes: Inputs of the filter.
+    """
+
+    name = "plant"
+    subscribes: tuple[Topic, ...] = (INPUT,)
+
+    def __init__(
+        self,
+        plant: SampledPlant,
+        fail_safe: FailSafe,
+        *,
+        x0: Sequence[float],
+        period_ns: int,
+        playout_ns: int,
+        limits: Limits,
+    ) -> None:
+        """Put the robot at rest at x0; see ``PlantNode``."""
+        self._check = InputCheck(limits)
+        self._inputs = PlayoutBuffer(period_ns)
+        self._account = InputAccount()
+        self._robot = SimulatedRobot(plant, fail_safe, self._account, x0=x0, period_ns=period_ns, playout_ns=playout_ns)
+
+    @property
+    def plant_ns(self) -> int:
+        """Plant time, ns."""
+        return self._robot.plant_ns
+
+    def step(self, now_ns: int, inbox: Sequence[Received]) -> Sequence[Outgoing]:
+        """Return the state now, and those of every period that passed since the step before.
+
+        Args:
+            now_ns: Monotonic time of this step, ns.
+            inbox: Inputs, in order of arrival.
+        """
+        for received in inbox:
+            if type(received.body) is PlantInput:
+                self._receive(received.header, received.body, received.received_ns)
+        return self._robot.run_to(now_ns, self._choose_input)
+
+    def _receive(self, header: Header, plant_input: PlantInput, received_ns: int) -> None:
+        robot, account = self._robot, self._account
+        if (
+            header.epoch < account.transit.epoch
+            or plant_input.input_sequence_start_ns != UNSEQUENCED
+            or not self._check.is_valid(header, plant_input)
+            or not self._inputs.put(plant_input)
+        ):
+            account.refused += 1
+            return
+        if header.epoch > account.transit.epoch:  # another filter: its ticks begin anew
+            account.received_tick = robot.applied_tick = 0
+        if robot.phase is PlantPhase.WAITING:
+            if not robot.has_origin:
+                robot.begin_at(plant_input.effective_plant_ns, received_ns)
+        elif plant_input.effective_plant_ns <= robot.plant_ns:
+            account.late += 1
+        account.note_arrival(header, plant_input, robot.plant_time_of(received_ns), header.scheduled_ns)
+
+    def _choose_input(self) -> None:
+        """Put the newest input that is due in force, unless a newer one is already."""
+        robot = self._robot
+        due = self._inputs.take(robot.plant_ns)
+        if due is None or due.tick <= robot.applied_tick:
+            robot.go_without_input()
+            return
+        if robot.phase is not PlantPhase.RUNNING:
+            self._account.sequence_break_ns = robot.plant_ns
+        robot.apply(due.u, due.tick, due.hold_ns, due.effective_plant_ns)
