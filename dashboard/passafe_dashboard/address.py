@@ -1,4 +1,4 @@
-"""The page's address: asked for before anything starts, and listened on."""
+"""Listen on the page's address, and check beforehand that it is free."""
 
 import errno
 import socket
@@ -12,7 +12,7 @@ LARGEST_PORT: Final = 65_535
 
 
 def require_free_page_port(host: str, port: int) -> None:
-    """Make sure that the page could be served, before anything else is started.
+    """Check that the page can be served, before anything else is started.
 
     Raises:
         PagePortInUseError: Another program listens on the port.
@@ -24,7 +24,7 @@ def require_free_page_port(host: str, port: int) -> None:
 
 @contextmanager
 def listening_socket(host: str, port: int) -> Iterator[socket.socket]:
-    """Socket that listens at an address, closed at the end of the block.
+    """Listen at an address until the end of the block.
 
     Raises:
         PagePortInUseError: Another program listens on the port.

@@ -1,7 +1,7 @@
-"""Names of the columns that charts draw: one vocabulary for the feed, the figures, the page and the report.
+"""Name the columns that charts draw, for feed, charts, page and report alike.
 
-Two tables share a time axis in seconds of plant time. ``ticks`` holds what the filter computed, ``states``
-what the plant measured. Each row covers ``start_s`` to ``time_s``.
+Two tables share a time axis in seconds of plant time. ``ticks`` holds the results of the filter,
+``states`` the measurements of the plant. Each row covers ``start_s`` to ``time_s``.
 """
 
 from collections.abc import Sequence
@@ -20,7 +20,7 @@ from passafe_dashboard.obstacles import Obstacle, Region, obstacles_of, unit_of_
 TIME: Final = "time_s"
 START: Final = "start_s"
 ZERO: Final = "zero"
-"""Always 0: the zero line, and what keeps zero inside an automatic range."""
+"""Always 0: the zero line, which also keeps zero inside an automatic range."""
 
 POWER_MARGIN: Final = "power_margin_w"
 TANK: Final = "tank_j"
@@ -38,43 +38,43 @@ SIGNED_LOG_LINEAR: Final = 0.1
 
 
 def measured_h(barrier: int) -> str:
-    """Column of h of barrier number ``barrier``, evaluated at the plant's state."""
+    """Return the column of h of barrier number ``barrier``, evaluated at the plant's state."""
     return f"h_{barrier}"
 
 
 def psi(barrier: int, level: int) -> str:
-    """Column of ψ of barrier number ``barrier`` at ``level``; level 0 is the filter's h."""
+    """Return the column of ψ of barrier number ``barrier`` at ``level``; level 0 is the filter's h."""
     return f"psi_{barrier}_{level}"
 
 
 def moving_table(barrier: int) -> str:
-    """Name of the table with the places of an obstacle that moves."""
+    """Return the name of the table with the places of an obstacle that moves."""
     return f"moving_{barrier}"
 
 
 def signed_log_column(column: str) -> str:
-    """Column that holds another one on a signed-log axis."""
+    """Return the column that holds another one on a signed-log axis."""
     return f"{column}_log"
 
 
 def signed_log(value: float) -> float:
-    """Symmetric logarithm asinh(value / c), c = ``SIGNED_LOG_LINEAR``: odd, increasing, 0 at 0."""
+    """Return the symmetric logarithm asinh(value / c), c = ``SIGNED_LOG_LINEAR``: odd, increasing, 0 at 0."""
     return asinh(value / SIGNED_LOG_LINEAR)
 
 
 def signed_log_inverse(place: float) -> float:
-    """Value at a place on a signed-log axis."""
+    """Return the value at a place on a signed-log axis."""
     return SIGNED_LOG_LINEAR * sinh(place)
 
 
 @dataclass(frozen=True, kw_only=True)
 class ColumnLayout:
-    """Columns of one scenario, and how messages fill them.
+    """Columns of one scenario, and their values for a message.
 
     Attributes:
         obstacles: Shape of each barrier, in the scenario's order.
         levels: Number of ψ of each barrier, h included.
-        points: How many points in the plane the state begins with; 0 for joints.
+        points: Number of points in the plane the state begins with; 0 for joints.
         states: Length of the state.
     """
 
@@ -85,7 +85,7 @@ class ColumnLayout:
 
     @classmethod
     def of(cls, scenario: Scenario) -> "ColumnLayout":
-        """ColumnLayout of a scenario: a barrier with r + 1 class-K functions has ψ₀ … ψ_r."""
+        """Return the layout of a scenario: a barrier with r + 1 class-K functions has ψ₀ … ψ_r."""
         return cls(
             obstacles=obstacles_of(scenario),
             levels=tuple(len(barrier.class_k) for barrier in scenario.barriers),
@@ -100,7 +100,7 @@ class ColumnLayout:
 
     @property
     def h_unit(self) -> str:
-        """Unit of h as an axis label says it, also when barriers differ."""
+        """Unit of h for an axis label, also when barriers differ."""
         units = sorted({unit_of_h(obstacle) for obstacle in self.obstacles})
         return " or ".join(units) or "m"
 
@@ -111,7 +111,7 @@ class ColumnLayout:
 
     @property
     def tick_columns(self) -> dict[str, Keep]:
-        """What is kept of a FilterTick's columns; ``status`` grows with severity."""
+        """Value kept of each column of a FilterTick; ``status`` grows with severity."""
         return {
             STATUS: Keep.HIGHEST,
             POWER_MARGIN: Keep.LOWEST,
@@ -129,14 +129,14 @@ class ColumnLayout:
 
     @property
     def state_columns(self) -> dict[str, Keep]:
-        """What is kept of a PlantState's columns."""
+        """Value kept of each column of a PlantState."""
         return {
             **dict.fromkeys(self.place_columns, Keep.LAST),
             **{measured_h(i): Keep.LOWEST for i in range(len(self.obstacles))},
         }
 
     def tick_values(self, tick: FilterTick) -> list[float] | None:
-        """Values of ``tick_columns``, or ``None`` for a tick whose barriers are not this scenario's."""
+        """Return the values of ``tick_columns``, or ``None`` for a tick whose barriers are not this scenario's."""
         if len(tick.barriers) != len(self.levels):
             return None
         values = [
@@ -154,22 +154,22 @@ class ColumnLayout:
         return values
 
     def state_values(self, state: PlantState) -> list[float] | None:
-        """Values of ``state_columns``, or ``None`` for a state of another scenario."""
+        """Return the values of ``state_columns``, or ``None`` for a state of another scenario."""
         if not self.fits(state):
             return None
         return [*state.x[: 2 * self.points], *self.measured(state)]
 
     def fits(self, state: PlantState) -> bool:
-        """Whether a state is long enough to be one of this scenario."""
+        """Return whether a state is long enough to be one of this scenario."""
         return len(state.x) >= self.states
 
     def measured(self, state: PlantState) -> list[float]:
-        """H of every barrier at a state that fits."""
+        """Return h of every barrier at a state that fits."""
         t_s = state.plant_ns * 1e-9
         return [obstacle.h(state.x, t_s) for obstacle in self.obstacles]
 
     def moved(self, t_s: float) -> dict[str, tuple[float, float]]:
-        """How far every obstacle that moves is from where it was drawn, m, by the name of its table."""
+        """Return the displacement of every obstacle that moves, m, by the name of its table."""
         return {
             moving_table(i): displacement(obstacle.motion, t_s)
             for i, obstacle in enumerate(self.obstacles)
@@ -183,5 +183,5 @@ class ColumnLayout:
 
 
 def drawn_columns(columns: Sequence[str], log_columns: Sequence[str]) -> tuple[str, ...]:
-    """Columns of a chart's data source: time, the zero line, the table's own and their signed logarithms."""
+    """Return the columns of a chart's data source: time, zero, the table's own and their signed logarithms."""
     return (START, TIME, ZERO, *columns, *(signed_log_column(name) for name in log_columns))

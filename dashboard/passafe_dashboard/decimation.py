@@ -1,8 +1,7 @@
-"""Fewer points that still show every dip: one row a bin, each column with the value that matters in it.
+"""Decimate signals so that every dip stays visible: one row a bin, with each column's lowest, highest or last value.
 
-A chart that shows every thirtieth sample hides a barrier that was negative for 5 ms. Here each bin of time
-gives the lowest, the highest or the last value of each column, as the column asks for, so the worst value of
-any stretch of time survives.
+A chart of every thirtieth sample hides a barrier that was negative for 5 ms; here the worst value of any stretch of
+time survives.
 """
 
 from collections import deque
@@ -19,7 +18,7 @@ NS_PER_S: Final = 1_000_000_000
 
 
 class Keep(Enum):
-    """Which value of a column stands for a bin."""
+    """Value of a column that represents a bin."""
 
     LAST = "last"
     LOWEST = "lowest"
@@ -42,13 +41,13 @@ class SeriesRow(NamedTuple):
     values: tuple[float | None, ...]
 
 
-class Batch(NamedTuple):
-    """Rows that a reader had not seen.
+class RowBatch(NamedTuple):
+    """Rows that a reader had not read.
 
     Attributes:
         rows: In order.
-        cursor: What the reader passes next time.
-        lost: Rows that it came too late for.
+        cursor: Cursor for the next read.
+        lost: Rows that were overwritten before they were read.
     """
 
     rows: tuple[SeriesRow, ...]
@@ -66,13 +65,13 @@ class WorstSample(NamedTuple):
 class DecimatedSeries:
     """A bounded ring of rows, fed sample by sample and read by any number of readers, each with a cursor.
 
-    A reader that is slow loses the oldest rows and is told how many; it slows nobody.
+    A slow reader loses the oldest rows, and learns how many; it delays nobody.
 
     Attributes:
         columns: Names, in the order of a row's values.
 
     Args:
-        columns: What to keep of each column.
+        columns: Value to keep of each column.
         bin_ns: Width of a bin, ns.
         capacity: Rows held.
         gap_bins: A time step longer than this many bins is an interruption, marked by an empty row.
@@ -94,7 +93,7 @@ class DecimatedSeries:
 
     @property
     def first(self) -> int:
-        """Cursor of a reader that wants everything there is."""
+        """Cursor of a reader that wants every row held."""
         return self._made - len(self._rows)
 
     @property
@@ -105,7 +104,7 @@ class DecimatedSeries:
         return {self.columns[i]: WorstSample(self._worst[i], self._worst_ns[i] / NS_PER_S) for i in self._lowest}
 
     def add(self, time_ns: int, values: Sequence[float]) -> None:
-        """Take one sample.
+        """Add one sample.
 
         A sample a little older than the open bin counts into that bin; one much older begins a bin of its own
         after an interruption. Either way its minimum is kept.
@@ -135,12 +134,12 @@ class DecimatedSeries:
             if before[i] > values[i]:
                 self._open[i] = before[i]
 
-    def since(self, cursor: int) -> Batch:
-        """Rows from ``cursor`` on; the bin still open is not among them."""
+    def since(self, cursor: int) -> RowBatch:
+        """Return the rows from ``cursor`` on; the bin still open is not among them."""
         first = self.first
         start = max(cursor, first)
         rows = tuple(self._rows[i - first] for i in range(start, self._made))
-        return Batch(rows, self._made, max(0, first - cursor))
+        return RowBatch(rows, self._made, max(0, first - cursor))
 
     def _begin(self, number: int, time_ns: int, values: Sequence[float]) -> None:
         self._bin, self._open = number, list(values)
@@ -155,7 +154,7 @@ class DecimatedSeries:
 
 
 def kept_samples(columns: Iterable[NDArray[np.float64]], *, bins: int) -> NDArray[np.intp]:
-    """Indices of samples that draw the same picture as all: the lowest and highest of each bin and column.
+    """Return the indices of samples that draw the same picture as all: lowest and highest of each bin and column.
 
     Args:
         columns: Columns of one length k, finite.

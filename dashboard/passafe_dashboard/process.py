@@ -1,4 +1,4 @@
-"""The dashboard as a process: reads the bus, serves the page, ends when it is told to."""
+"""Run the dashboard as a process of the system: read the bus, serve the page, end on request."""
 
 import asyncio
 import gc
@@ -21,17 +21,17 @@ from passafe_services.loop.stop import Stop, StopReason, stop_requests
 from passafe_services.scenarios.schema import Scenario
 
 from passafe_dashboard.address import listening_socket
-from passafe_dashboard.broadcast import FRAME_HZ, Broadcast
-from passafe_dashboard.bus_pump import BusPump
-from passafe_dashboard.feed import Feed
-from passafe_dashboard.link_requests import LinkRequests
-from passafe_dashboard.routes import create_app
-from passafe_dashboard.web_server import page_server
+from passafe_dashboard.live.broadcast import FRAME_HZ, Broadcast
+from passafe_dashboard.live.bus_reader import BusReader
+from passafe_dashboard.live.feed import Feed
+from passafe_dashboard.live.link_requests import LinkRequests
+from passafe_dashboard.routes.application import create_app
+from passafe_dashboard.server import page_server
 
 NAME: Final = "dashboard"
 CHECK_PERIOD_S: Final = 0.05
-FAREWELL_S: Final = 0.5
-"""How long pages are given to receive their last frame."""
+LAST_FRAME_TIMEOUT_S: Final = 0.5
+"""Time for pages to receive their last frame."""
 
 
 def serve(
@@ -43,18 +43,18 @@ def serve(
     lifeline: bool = False,
     frame_hz: float = FRAME_HZ,
 ) -> StopReason | None:
-    """Serve the live page of the system behind a router until somebody ends it; main thread only.
+    """Serve the live page of the system behind a router until asked to stop; main thread only.
 
     Args:
         endpoint: Where the router listens.
-        port: TCP port of the page; 0 takes a free one and says which.
-        host: Address of the page: loopback, unless other hosts are to see it. There is no access control.
-        scenario: What to draw until a ScenarioInfo says otherwise.
+        port: TCP port of the page; 0 takes a free one, which is printed.
+        host: Address of the page; other than loopback, other hosts reach it too, without access control.
+        scenario: Configuration until a ScenarioInfo arrives.
         lifeline: Whether standard input is a lifeline (see ``passafe_services.loop.stop``).
         frame_hz: Frames a second for each page, at most.
 
     Returns:
-        Why it ended.
+        The reason why it ended.
 
     Raises:
         PagePortInUseError: Another program listens on the port.
@@ -65,15 +65,15 @@ def serve(
         feed = Feed(scenario)
         with open_bus(endpoint) as bus:
             outlet = Outlet(bus, NAME, time.time_ns())
-            pump = BusPump(bus, feed, outlet)
-            broadcast = Broadcast(feed, pump=pump, clock=time.monotonic_ns, frame_hz=frame_hz)
-            links = LinkRequests(broadcast, partial(_ask, outlet))
+            reader = BusReader(bus, feed, outlet)
+            broadcast = Broadcast(feed, read=reader.read, clock=time.monotonic_ns, frame_hz=frame_hz)
+            links = LinkRequests(broadcast, partial(_request_settings, outlet))
             asyncio.run(_run(create_app(broadcast, links), broadcast, listener, stop))
     return stop.reason
 
 
-def _ask(outlet: Outlet, config: LinkConfig, now_ns: int) -> tuple[str, int, int]:
-    """Publish a request for other settings of a link; return what its answer will name."""
+def _request_settings(outlet: Outlet, config: LinkConfig, now_ns: int) -> tuple[str, int, int]:
+    """Publish a request for other settings of a link; return source, epoch and number, which its answer will name."""
     number = outlet.sent(LINK_CONFIG)
     outlet.publish(LINK_CONFIG, config, scheduled_ns=now_ns, started_ns=now_ns)
     return outlet.source, outlet.epoch, number
@@ -85,18 +85,18 @@ async def _run(app: FastAPI, broadcast: Broadcast, listener: socket.socket, stop
     await _until(lambda: server.started or serving.done())
     if server.started:
         gc.collect()
-        gc.freeze()  # what the charts were made from is not searched for garbage again and again
-        _say_address(listener)
+        gc.freeze()  # the collector need not visit the objects that the charts were made from
+        _print_address(listener)
         announce_ready(NAME)
-        pumping: asyncio.Task[None] = app.state.broadcasting
-        await _until(lambda: stop.reason is not None or pumping.done() or serving.done())
-        if not pumping.done():
-            broadcast.finish("The run has ended. What is shown is its last state.")
-            await _until(lambda: not broadcast.clients, timeout_s=FAREWELL_S)
+        broadcasting: asyncio.Task[None] = app.state.broadcasting
+        await _until(lambda: stop.reason is not None or broadcasting.done() or serving.done())
+        if not broadcasting.done():
+            broadcast.finish("The run has ended. The page shows its last state.")
+            await _until(lambda: not broadcast.clients, timeout_s=LAST_FRAME_TIMEOUT_S)
     server.should_exit = True
     await serving
-    if server.started and pumping.done() and not pumping.cancelled():
-        pumping.result()
+    if server.started and broadcasting.done() and not broadcasting.cancelled():
+        broadcasting.result()
 
 
 async def _until(condition: Callable[[], bool], timeout_s: float | None = None) -> None:
@@ -106,7 +106,7 @@ async def _until(condition: Callable[[], bool], timeout_s: float | None = None) 
         await asyncio.sleep(CHECK_PERIOD_S)
 
 
-def _say_address(listener: socket.socket) -> None:
+def _print_address(listener: socket.socket) -> None:
     host, port = listener.getsockname()[:2]
     shown = f"[{host}]" if ":" in host else host
     sys.stdout.write(f"page at http://{shown}:{port}/\n")
@@ -114,5 +114,5 @@ def _say_address(listener: socket.socket) -> None:
 
 
 def start(options: ProcessOptions) -> None:
-    """Serve the live page until told to stop."""
+    """Serve the live page until asked to stop."""
     serve(options.endpoint, options.port, host=options.host, scenario=options.scenario, lifeline=options.lifeline)

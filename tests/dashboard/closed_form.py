@@ -114,11 +114,11 @@ def health(steps: int) -> Health:
 
 
 class ClosedFormRun:
-    """Messages of the run up to a time: what a pump pushes into a feed, in order of time.
+    """Messages of the run up to a time: what a reader pushes into a feed, in order of time.
 
     Args:
         period_ms: Time between two ticks; 1 as in the live system, more for tests that need less work.
-        scenario: What the filter says it runs; the paper's unless told otherwise.
+        scenario: Configuration that the filter announces; the paper's by default.
     """
 
     def __init__(self, *, period_ms: int = 1, scenario: Scenario | None = None) -> None:

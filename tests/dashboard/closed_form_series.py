@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from closed_form import h, position, power_margin
 from passafe_dashboard.obstacles import Disk
-from passafe_dashboard.series import RunSeries, StatusSpan
+from passafe_dashboard.reports.run_series import RunSeries, StatusSpan
 from passafe_protocol.messages import FilterStatus
 
 

@@ -14,11 +14,11 @@ from answering_links import AnsweringLinks
 from closed_form import ClosedFormRun
 from msgspec import structs
 from passafe_dashboard.address import listening_socket
-from passafe_dashboard.broadcast import Broadcast
-from passafe_dashboard.feed import Feed
-from passafe_dashboard.link_requests import LinkRequests
-from passafe_dashboard.routes import create_app
-from passafe_dashboard.web_server import page_server
+from passafe_dashboard.live.broadcast import Broadcast
+from passafe_dashboard.live.feed import Feed
+from passafe_dashboard.live.link_requests import LinkRequests
+from passafe_dashboard.routes.application import create_app
+from passafe_dashboard.server import page_server
 from passafe_protocol.messages import FilterTick
 from passafe_services.loop.pace import Pace
 from websockets.sync.client import ClientConnection, connect
@@ -29,7 +29,7 @@ class FastRun:
 
     Attributes:
         speed: May be changed; 0 until then means that nothing happens.
-        fails: Set it to make the pump raise.
+        fails: Set it to make reading raise.
         next_tick: Fields to change in the next tick, once.
         links: Links that answer.
     """
@@ -40,18 +40,18 @@ class FastRun:
         self.fails = False
         self.next_tick: dict[str, Any] = {}
         self.links = AnsweringLinks(feed)
-        self.broadcast = Broadcast(feed, pump=self._pump, clock=time.monotonic_ns, frame_hz=frame_hz)
+        self.broadcast = Broadcast(feed, read=self._read, clock=time.monotonic_ns, frame_hz=frame_hz)
         self._before_ns: int | None = None
         self._run_ns = 0.0
         self._run = ClosedFormRun(period_ms=10, scenario=feed.scenario)
 
-    def _pump(self, now_ns: int, pace: Pace) -> None:
+    def _read(self, now_ns: int, pace: Pace) -> None:
         del pace
         if self.fails:
-            raise RuntimeError("the pump is broken")
+            raise RuntimeError("reading is broken")
         if self._before_ns is None:
-            self.links.tell(now_ns, "start")
-        self.links.pump(now_ns)
+            self.links.publish_states(now_ns, "start")
+        self.links.answer(now_ns)
         self._run_ns += self.speed * (now_ns - (self._before_ns or now_ns))
         self._before_ns = now_ns
         for header, body, _ in self._run.until(int(self._run_ns)):
@@ -98,7 +98,7 @@ def serve_page(run: FastRun, *, port: int = 0, answer_s: float = 30.0) -> Iterat
     broadcast = run.broadcast
     with listening_socket("127.0.0.1", port) as listener, httpx.Client(timeout=30, verify=False) as client:  # noqa: S501 - no TLS here
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 4096)  # so that a slow reader is felt soon
-        server = page_server(create_app(broadcast, LinkRequests(broadcast, run.links.ask, answer_s=answer_s)))
+        server = page_server(create_app(broadcast, LinkRequests(broadcast, run.links.request, answer_s=answer_s)))
         loop = asyncio.new_event_loop()
         thread = threading.Thread(target=_run, args=(loop, server.serve(sockets=[listener])))
         thread.start()

@@ -3,8 +3,8 @@ import json
 from typing import Any
 
 from closed_form import MS, ClosedFormRun, paper_scenario
-from passafe_dashboard.broadcast import Broadcast
-from passafe_dashboard.feed import Feed
+from passafe_dashboard.live.broadcast import Broadcast
+from passafe_dashboard.live.feed import Feed
 from passafe_services.loop.pace import Pace
 
 
@@ -14,16 +14,16 @@ class VirtualRun:
     def __init__(self, step_ms: int = 33, **of_feed: Any) -> None:  # noqa: ANN401 - of Feed
         self.feed = Feed(paper_scenario(), **of_feed)
         self.now_ns = 0
-        self.pumped = 0
+        self.reads = 0
         self._step_ns = step_ms * MS
         self._run = ClosedFormRun()
-        self.broadcast = Broadcast(self.feed, pump=self._pump, clock=lambda: self.now_ns)
+        self.broadcast = Broadcast(self.feed, read=self._read, clock=lambda: self.now_ns)
 
-    def _pump(self, now_ns: int, pace: Pace) -> None:
+    def _read(self, now_ns: int, pace: Pace) -> None:
         assert pace is self.broadcast.pace
         for message in self._run.until(now_ns):
             self.feed.push(*message)
-        self.pumped += 1
+        self.reads += 1
 
     def step(self) -> None:
         """Let one frame pass."""
@@ -79,7 +79,7 @@ def test_a_slow_client_slows_nobody_and_loses_the_oldest_rows() -> None:
         return run, quick_rows, frame
 
     run, quick_rows, frame = asyncio.run(scenario())
-    assert run.pumped == 201
+    assert run.reads == 201
     assert sum(quick_rows) == 197
     assert len(frame["tables"]["ticks"]) == 30
     assert frame["lost"] == 198 - 30
@@ -144,12 +144,12 @@ def test_running_keeps_the_rate_against_a_real_clock() -> None:
         loop = asyncio.get_running_loop()
         arrived = asyncio.Event()
 
-        def pump(now_ns: int, pace: Pace) -> None:
+        def read_bus(now_ns: int, pace: Pace) -> None:
             del now_ns
             if pace.steps == 5:
                 arrived.set()
 
-        broadcast = Broadcast(Feed(), pump=pump, clock=lambda: round(loop.time() * 1e9), frame_hz=200.0)
+        broadcast = Broadcast(Feed(), read=read_bus, clock=lambda: round(loop.time() * 1e9), frame_hz=200.0)
         running = asyncio.create_task(broadcast.run())
         begun = loop.time()
         await asyncio.wait_for(arrived.wait(), 30)

@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 from closed_form import h, paper_scenario
 from closed_form_series import run_series, verdict
-from passafe_dashboard.feed import Feed
-from passafe_dashboard.report_page import report_page
+from passafe_dashboard.live.feed import Feed
+from passafe_dashboard.reports.run_page import report_page
 from passafe_protocol.link_settings import LinkSettings
 from passafe_protocol.messages import BarrierReport, FilterStatus
 from passafe_services.scenarios.schema import Scenario
@@ -132,7 +132,7 @@ def test_a_dip_of_one_tick_is_seen_on_the_page(watched: Watched, served: ServedP
     watched.wait_for("document.getElementById('power-margin-worst').textContent === '−3.5000 W'")
     watched.wait_for("document.getElementById('power-margin-worst').classList.contains('negative')")
     watched.wait_for(f"Math.min(...{rows_of('ticks', 'psi_0_0')}) === -0.25")
-    watched.wait_for(f"Math.max(...{rows_of('ticks', 'status')}) === 6")
+    watched.wait_for(f"Math.max(...{rows_of('ticks', 'status')}) === {FilterStatus.INFEASIBLE.value}")
     watched.wait_for("document.querySelector('[data-count=INFEASIBLE]').textContent === '1'")
     assert watched.complaints == []
 
@@ -171,7 +171,7 @@ def test_a_link_is_changed_from_the_page(watched: Watched, served: ServedPage, r
     settings = run.links.links["plant-to-filter"].settings
     assert (settings.delay_s, settings.jitter_s, settings.loss) == (0.2, 0.02, 0.125)
     run.links.links["plant-to-filter"].reconfigure(LinkSettings(distribution="pareto", rate_hz=400.0, duplicate=0.02))
-    served.in_loop(run.links.tell, time.monotonic_ns())
+    served.in_loop(run.links.publish_states, time.monotonic_ns())
     watched.wait_for(
         "document.getElementById('link-states').rows[2].cells[4].textContent"
         " === 'pareto, copies 2 %, 400/s, queue 1000'"
@@ -184,11 +184,11 @@ def test_why_a_link_was_not_changed_is_told(watched: Watched, served: ServedPage
     run.links.links["operator-to-filter"].reconfigure(table)
     watched.page.goto(served.url)
     watched.wait_for("document.getElementById('link-delay').value === '0'")
-    served.in_loop(run.links.tell, time.monotonic_ns())
+    served.in_loop(run.links.publish_states, time.monotonic_ns())
     watched.page.fill("#link-jitter", "20")
     watched.page.click("#link-form button")
     watched.wait_for("document.getElementById('link-answer').textContent.includes('jitter_s: 0 where distribution')")
-    assert run.links.asked == []
+    assert run.links.requests == []
 
 
 def test_the_end_of_the_run_is_told(watched: Watched, served: ServedPage, run: FastRun) -> None:

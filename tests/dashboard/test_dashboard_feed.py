@@ -5,7 +5,7 @@ from closed_form import MS, ClosedFormRun, h, header, health, paper_scenario, po
 from hypothesis import given
 from hypothesis import strategies as st
 from msgspec import structs
-from passafe_dashboard.feed import Feed, scenario_id
+from passafe_dashboard.live.feed import Feed, scenario_id
 from passafe_protocol.messages import (
     BarrierReport,
     Event,
@@ -88,7 +88,7 @@ def test_repeated_messages_count_once() -> None:
     for _ in range(3):
         feed.push(header("filter", 0), tick(0), 0)
     assert feed.status_counts[FilterStatus.PASSED] == 1
-    assert feed.traffic["filter", "tick"].refused == 2
+    assert feed.topic_monitors["filter", "tick"].refused == 2
 
 
 def test_a_restarted_plant_begins_a_new_run() -> None:
@@ -128,7 +128,7 @@ def test_what_is_no_number_is_counted_and_drawn_nowhere(value: float) -> None:
     feed.push(header("filter", 0), tick(0, power_margin=value), 0)
     feed.push(header("plant", 0), state(0, x=(value, 0.0, 0.0, 0.0)), 0)
     feed.push(header("filter", 1), tick(1, barriers=()), 0)
-    assert feed.unfit == 3
+    assert feed.mismatched == 3
     assert feed.worst == {}
 
 
@@ -136,7 +136,7 @@ def test_who_may_not_publish_a_topic_is_refused() -> None:
     feed = Feed(paper_scenario())
     feed.push(header("operator", 0), tick(0), 0)
     assert feed.tick is None
-    assert feed.traffic == {}
+    assert feed.topic_monitors == {}
     assert feed.health[0] == TopicHealth("tick", 0, 0, 1)
 
 
@@ -144,17 +144,17 @@ def test_other_topics_are_passed_over() -> None:
     feed = Feed(paper_scenario())
     feed.push(header("operator", 0), OperatorCommand((0.0,), (), True, "lag"), 0)
     feed.push(header("filter", 0), PlantInput(0, (0.0,), 0, 0), 0)
-    assert feed.traffic == {}
+    assert feed.topic_monitors == {}
 
 
 def test_health_events_and_link_effects_are_kept() -> None:
-    feed = Feed(paper_scenario(), notices=2)
+    feed = Feed(paper_scenario(), events_kept=2)
     feed.push(header("plant", 0), health(7), 5)
     for k, text in enumerate("abc"):
         feed.push(header("filter", k), Event("warning", text), k)
         feed.push(header("plant", k), LinkEvent("filter-to-plant", "dropped", "input", k), k)
     assert feed.processes["plant"] == (health(7), 5)
-    assert [(notice.number, notice.text) for notice in feed.notices] == [(1, "b"), (2, "c")]
+    assert [(event.number, event.text) for event in feed.events] == [(1, "b"), (2, "c")]
     assert feed.link_effects == {("filter-to-plant", "dropped"): 3}
 
 
@@ -175,7 +175,7 @@ def test_a_scenario_that_does_not_fit_is_told_in_words() -> None:
     feed = Feed(paper_scenario())
     feed.push(header("filter", 0), ScenarioInfo('{"name": 1}', "live", "{}"), 0)
     assert feed.scenario == paper_scenario()
-    assert feed.notices[-1].severity == "error"
+    assert feed.events[-1].severity == "error"
 
 
 def test_refused_messages_are_counted_by_topic() -> None:

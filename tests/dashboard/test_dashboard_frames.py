@@ -4,8 +4,8 @@ from typing import Any
 import pytest
 from closed_form import MS, ClosedFormRun, h, header, paper_scenario, state, tick
 from passafe_dashboard.columns import ColumnLayout, drawn_columns, signed_log
-from passafe_dashboard.feed import Feed
-from passafe_dashboard.frames import ClientView
+from passafe_dashboard.live.feed import Feed
+from passafe_dashboard.live.frames import ClientFrames
 
 LAYOUT = ColumnLayout.of(paper_scenario())
 TICK_COLUMNS = drawn_columns(tuple(LAYOUT.tick_columns), LAYOUT.log_columns)
@@ -16,31 +16,31 @@ def fill(feed: Feed, run: ClosedFormRun, until_ms: int) -> None:
         feed.push(*message)
 
 
-def frame(view: ClientView) -> dict[str, Any]:
-    read: dict[str, Any] = json.loads(view.frame('{"a": 1}'))
+def frame(client: ClientFrames) -> dict[str, Any]:
+    read: dict[str, Any] = json.loads(client.next_frame('{"a": 1}'))
     return read
 
 
 def test_the_first_frame_has_the_history_and_the_next_one_what_is_new() -> None:
     feed, run = Feed(paper_scenario()), ClosedFormRun()
     fill(feed, run, 1_000)
-    view = ClientView(feed)
-    first = frame(view)
+    client = ClientFrames(feed)
+    first = frame(client)
     assert first["restart"]
     assert first["now"] == {"a": 1}
     assert first["layout"] == feed.scenario_id
     assert len(first["tables"]["ticks"]) == 29
     fill(feed, run, 1_100)
-    second = frame(view)
+    second = frame(client)
     assert not second["restart"]
     assert len(second["tables"]["ticks"]) == len(second["tables"]["states"]) == 3
-    assert frame(view)["tables"] == {"ticks": [], "states": []}
+    assert frame(client)["tables"] == {"ticks": [], "states": []}
 
 
 def test_rows_list_the_drawn_columns_in_order() -> None:
     feed, run = Feed(paper_scenario()), ClosedFormRun()
     fill(feed, run, 100)
-    row = dict(zip(TICK_COLUMNS, frame(ClientView(feed))["tables"]["ticks"][0], strict=True))
+    row = dict(zip(TICK_COLUMNS, frame(ClientFrames(feed))["tables"]["ticks"][0], strict=True))
     assert row["zero"] == 0
     assert row["time_s"] - row["start_s"] == pytest.approx(1 / 30, rel=1e-6)
     assert row["psi_0_0"] == pytest.approx(h(0.033))
@@ -51,7 +51,7 @@ def test_an_interruption_is_null_but_for_the_time() -> None:
     feed = Feed(paper_scenario())
     for number, k in enumerate((0, 1, 2_000, 2_100)):
         feed.push(header("filter", number), tick(k), 0)
-    row = dict(zip(TICK_COLUMNS, frame(ClientView(feed))["tables"]["ticks"][1], strict=True))
+    row = dict(zip(TICK_COLUMNS, frame(ClientFrames(feed))["tables"]["ticks"][1], strict=True))
     assert row.pop("start_s") == pytest.approx(1 / 30)
     assert row.pop("time_s") == pytest.approx(2.0, abs=1 / 30)
     assert row.pop("zero") == 0
@@ -61,10 +61,10 @@ def test_an_interruption_is_null_but_for_the_time() -> None:
 def test_a_client_that_is_too_late_is_told_what_it_lost() -> None:
     feed, run = Feed(paper_scenario(), history_s=1.0), ClosedFormRun()
     fill(feed, run, 500)
-    view = ClientView(feed)
-    frame(view)
+    client = ClientFrames(feed)
+    frame(client)
     fill(feed, run, 3_500)
-    late = frame(view)
+    late = frame(client)
     assert late["lost"] == 60
     assert len(late["tables"]["ticks"]) == 30
 
@@ -72,18 +72,18 @@ def test_a_client_that_is_too_late_is_told_what_it_lost() -> None:
 def test_a_new_run_starts_the_charts_over() -> None:
     feed, run = Feed(paper_scenario()), ClosedFormRun()
     fill(feed, run, 500)
-    view = ClientView(feed)
-    frame(view)
+    client = ClientFrames(feed)
+    frame(client)
     feed.push(header("plant", 0, epoch=9), state(0), 0)
-    assert frame(view)["restart"]
-    assert not frame(view)["restart"]
+    assert frame(client)["restart"]
+    assert not frame(client)["restart"]
 
 
 def test_a_client_knows_whether_it_has_seen_the_end() -> None:
     feed = Feed(paper_scenario())
-    view = ClientView(feed)
-    frame(view)
-    assert not view.has_seen_end
+    client = ClientFrames(feed)
+    frame(client)
+    assert not client.has_sent_end
     feed.finish("over")
-    frame(view)
-    assert view.has_seen_end
+    frame(client)
+    assert client.has_sent_end

@@ -8,7 +8,7 @@ import httpx
 import pytest
 from closed_form import paper_scenario
 from msgspec.structs import asdict
-from passafe_dashboard.feed import Feed
+from passafe_dashboard.live.feed import Feed
 from passafe_protocol.link_settings import LinkSettings
 from passafe_protocol.link_wire import parameters_of
 from passafe_protocol.topics import LINKS
@@ -85,7 +85,7 @@ def test_what_cannot_be_is_refused_by_name(page: ServedPage, run: FastRun, body:
     assert refused.status_code == 422
     (detail,) = refused.json()["detail"]
     assert named in [*detail["loc"], *detail["msg"].replace(":", " ").split()]
-    assert run.links.asked == []
+    assert run.links.requests == []
 
 
 def test_what_the_reader_refuses_is_told_with_its_reason(page: ServedPage, run: FastRun) -> None:
@@ -109,24 +109,24 @@ def test_silence_is_told_in_time(page: ServedPage, run: FastRun) -> None:
 
     assert silent.status_code == 504
     assert silent.json()["detail"] == f"link {LINK}: no answer within 1 s: is filter running?"
-    assert len(run.links.asked) == 1
+    assert len(run.links.requests) == 1
 
 
 def test_a_link_that_was_never_heard_of_is_told() -> None:
     run = FastRun(Feed(paper_scenario()))
-    run.links.tell = lambda *_: None  # type: ignore[method-assign]  # nobody tells
+    run.links.publish_states = lambda *_: None  # type: ignore[method-assign]  # nobody publishes
     with serve_page(run) as page:
         unheard = page.put(f"/api/links/{LINK}", {"delay_s": 0.1})
         assert of_link(page, LINK)["settings"] is None
 
     assert unheard.status_code == 504
-    assert "nothing was heard of it yet" in unheard.json()["detail"]
+    assert "its state was not received yet" in unheard.json()["detail"]
 
 
 @pytest.mark.parametrize("origin", ["http://elsewhere.test", "null"])
 def test_a_page_of_another_site_may_change_nothing(page: ServedPage, run: FastRun, origin: str) -> None:
     assert page.put(f"/api/links/{LINK}", {"delay_s": 0.1}, origin=origin).status_code == 403
-    assert run.links.asked == []
+    assert run.links.requests == []
     assert page.put(f"/api/links/{LINK}", {"delay_s": 0.1}, origin=page.url).status_code == 200
 
 

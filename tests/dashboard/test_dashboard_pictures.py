@@ -3,7 +3,7 @@ from dataclasses import replace
 
 import pytest
 from closed_form_series import run_series
-from passafe_dashboard.pictures import main, run_picture
+from passafe_dashboard.pictures.__main__ import main, run_picture
 
 SVG = "{http://www.w3.org/2000/svg}"
 

@@ -2,13 +2,13 @@ import json
 from collections.abc import Iterator
 from contextlib import suppress
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
-import passafe_dashboard.routes
+import passafe_dashboard.routes.state
 import pytest
 from closed_form import header, paper_scenario
-from passafe_dashboard.feed import Feed
+from passafe_dashboard.live.feed import Feed
+from passafe_dashboard.markup import STATIC
 from passafe_protocol.messages import ScenarioInfo
 from served_page import FastRun, ServedPage, client_that_reads_nothing, frames, serve_page
 from websockets.exceptions import ConnectionClosed, InvalidStatus
@@ -169,7 +169,7 @@ def test_the_page_s_own_origin_is_let_in(shared_page: ServedPage) -> None:
 
 
 def test_too_many_pages_are_asked_to_come_later(page: ServedPage, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(passafe_dashboard.routes, "MAX_CLIENTS", 1)
+    monkeypatch.setattr(passafe_dashboard.routes.state, "MAX_CLIENTS", 1)
     with page.listen() as first:
         frames(first, 1)
         with page.listen() as second:
@@ -224,7 +224,7 @@ def test_charts_are_made_once_for_a_scenario(shared_page: ServedPage) -> None:
 
 
 def test_there_are_only_our_own_files_beside_bokeh_s() -> None:
-    static = Path(passafe_dashboard.routes.__file__).parent / "static"
+    static = STATIC
     assert {file.name for file in static.iterdir()} == {
         "charts.js",
         "links.js",

@@ -8,7 +8,7 @@ from math import inf, nan, sqrt
 import numpy as np
 import pytest
 from closed_form_designs import mass
-from passafe_dashboard.atlas import atlas_figure, atlas_picture, outline, regions_of
+from passafe_dashboard.pictures.feasibility_atlas import atlas_figure, atlas_picture, outline, regions_of
 from passafe_services.tools.feasibility.atlas import Atlas, Counts, SampleSummary
 from passafe_services.tools.feasibility.constraint_feasibility import ConstraintFeasibility, Findings
 from passafe_services.tools.feasibility.errors import FeasibilityError

@@ -14,7 +14,7 @@ from passafe_dashboard.charts.regions import Drawing
 from passafe_dashboard.charts.timeline import status_figure
 from passafe_dashboard.columns import PLACES, POWER_MARGIN, START, STATUS, TIME, ZERO, ColumnLayout, measured_h
 from passafe_dashboard.decimation import kept_samples
-from passafe_dashboard.series import RunSeries
+from passafe_dashboard.reports.run_series import RunSeries
 
 BINS: Final = 2000
 """A chart a few hundred pixels wide shows no more; lowest and highest samples of each bin stay."""

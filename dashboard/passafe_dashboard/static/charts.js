@@ -28,7 +28,7 @@ export function moveRobot(columns, x) {
 
 const unmoved = new Map();
 
-// Tables of obstacles hold places from before they have moved; a region to stay in has its border in a second one.
+// Tables of obstacles hold places before motion; a region to stay in has its border in a second table.
 export function moveObstacles(moved) {
   for (const [name, [d1, d2]] of Object.entries(moved)) {
     for (const each of [name, `${name}_border`]) {

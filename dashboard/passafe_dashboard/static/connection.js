@@ -1,4 +1,4 @@
-// The WebSocket: connects, notices silence, connects again, and says in words what is wrong.
+// The WebSocket: connects, detects silence, connects again, and reports in words what is wrong.
 const RETRY_MS = 1000;
 const RETRY_AFTER_END_MS = 5000;
 const SILENCE_MS = 2000;

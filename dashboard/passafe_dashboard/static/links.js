@@ -1,5 +1,5 @@
 // The links: a table of their states, and a form that changes delay, jitter and loss of one.
-// The form is filled with what is in force; what the server answers is said beside it.
+// The form is filled with what is in force; the server's answer is shown beside it.
 import { fill, number, setText } from "./readouts.js";
 
 const byId = (id) => document.getElementById(id);
@@ -11,19 +11,19 @@ let filled = null;
 
 const short = (value) => number(value, 1).replace(/\.0$/, "");
 
-// What a link does besides delaying and losing, in words; without it the cell is empty.
-function besides(settings) {
-  const words = [];
-  if (settings.distribution !== "uniform") words.push(settings.distribution);
-  if (settings.correlation) words.push(`correlation ${settings.correlation}`);
-  if (!settings.reorder) words.push("in order");
-  if (settings.burst_enter || settings.burst_loss_good) words.push(`bursts ${settings.burst_enter} in, ${settings.burst_leave} out`);
-  if (settings.duplicate) words.push(`copies ${short(100 * settings.duplicate)} %`);
-  if (settings.corrupt) words.push(`flipped bits ${short(100 * settings.corrupt)} %`);
-  if (settings.rate_hz) words.push(`${short(settings.rate_hz)}/s, queue ${settings.queue}`);
-  if (settings.trace_opportunities) words.push(`trace of ${settings.trace_opportunities} times`);
-  if (settings.outages.length) words.push(`${settings.outages.length} outages`);
-  return words.join(", ");
+// Effects of a link other than delay, jitter and loss, in words; empty without any.
+function otherEffects(settings) {
+  const effects = [];
+  if (settings.distribution !== "uniform") effects.push(settings.distribution);
+  if (settings.correlation) effects.push(`correlation ${settings.correlation}`);
+  if (!settings.reorder) effects.push("in order");
+  if (settings.burst_enter || settings.burst_loss_good) effects.push(`bursts ${settings.burst_enter} in, ${settings.burst_leave} out`);
+  if (settings.duplicate) effects.push(`copies ${short(100 * settings.duplicate)} %`);
+  if (settings.corrupt) effects.push(`flipped bits ${short(100 * settings.corrupt)} %`);
+  if (settings.rate_hz) effects.push(`${short(settings.rate_hz)}/s, queue ${settings.queue}`);
+  if (settings.trace_opportunities) effects.push(`trace of ${settings.trace_opportunities} times`);
+  if (settings.outages.length) effects.push(`${settings.outages.length} outages`);
+  return effects.join(", ");
 }
 
 function row({ link, settings, counts }) {
@@ -35,7 +35,7 @@ function row({ link, settings, counts }) {
     short(1e3 * settings.delay_s),
     short(1e3 * settings.jitter_s),
     short(1e2 * settings.loss),
-    besides(settings),
+    otherEffects(settings),
     ...numbers.map((count) => `${count}`),
   ];
 }
@@ -56,25 +56,25 @@ function fillForm() {
   }
 }
 
-async function ask(event) {
+async function requestChange(event) {
   event.preventDefault();
   const name = byId("link-name").value;
   const wanted = Object.entries(fields).map(([field, [id, scale]]) => [field, byId(id).valueAsNumber / scale]);
   const answer = byId("link-answer");
-  setText(answer, "asking …");
+  setText(answer, "requesting …");
   try {
     const response = await fetch(`/api/links/${encodeURIComponent(name)}`, {
       method: "PUT",
       headers: { "Content-Type": "application/json" },
       body: JSON.stringify(Object.fromEntries(wanted)),
     });
-    setText(answer, said(name, response.ok, await response.json()));
+    setText(answer, answerText(name, response.ok, await response.json()));
   } catch (error) {
     setText(answer, `${name}: the dashboard does not answer (${error.message})`);
   }
 }
 
-function said(name, ok, body) {
+function answerText(name, ok, body) {
   if (ok) {
     const { delay_s, jitter_s, loss } = body.settings;
     return `${name}: now ${short(1e3 * delay_s)} ms, jitter ${short(1e3 * jitter_s)} ms, loss ${short(1e2 * loss)} %`;
@@ -84,5 +84,5 @@ function said(name, ok, body) {
   return `${name}: refused: ${reasons.join("; ")}`;
 }
 
-form?.addEventListener("submit", ask);
+form?.addEventListener("submit", requestChange);
 byId("link-name")?.addEventListener("change", fillForm);

@@ -1,6 +1,6 @@
 // The live page: one WebSocket in, charts and numbers out.
 // Frames are applied in animation frames, so a hidden page does no work and catches up when it is shown.
-// A drawing that takes long is followed by a rest as long as it took: a control loop may share the processor.
+// After a drawing comes a rest of the same length: a control loop may share the processor.
 import { applyRows, chartsReady, moveObstacles, moveRobot, startOver } from "./charts.js";
 import { connect } from "./connection.js";
 import { showLinks } from "./links.js";
@@ -15,7 +15,7 @@ let scheduled = false;
 let numbersShownAt = -Infinity;
 let drawn = null;
 
-function take(frame) {
+function receive(frame) {
   if (frame.layout !== setup.layout) {
     location.reload();
     return;
@@ -71,4 +71,4 @@ function draw(at) {
   restAfter(begin);
 }
 
-connect({ onFrame: take, onState: showConnection });
+connect({ onFrame: receive, onState: showConnection });

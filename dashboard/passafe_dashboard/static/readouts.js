@@ -22,7 +22,7 @@ export function number(value, digits = 4) {
 const vector = (values) => (values && values.length ? `(${values.map((v) => number(v, 3)).join(", ")})` : "–");
 const seconds = (value) => (value === null || value === undefined ? "–" : `${value.toFixed(2)} s`);
 const percent = (share) => `${number(100 * share, 0)} %`;
-const milliseconds = (value) => (value === null ? "nothing came yet" : `${value.toFixed(1)} ms`);
+const milliseconds = (value) => (value === null ? "nothing received yet" : `${value.toFixed(1)} ms`);
 
 function setSigned(element, value, unit, tolerance) {
   setText(element, value === null || value === undefined ? "–" : `${number(value)} ${unit}`);
@@ -59,7 +59,7 @@ export function showConnection(state, text) {
 }
 
 export function showLost(count) {
-  set("lost", `This browser was too slow: ${count} rows of the charts were left out. The lowest values in the tables count them.`);
+  set("lost", `This browser was too slow: the charts omit ${count} rows. The lowest values in the tables include them.`);
 }
 
 export function showState(now) {
@@ -92,7 +92,7 @@ function showFilter(filter) {
   fill("rows", rows, (row, r) => row.classList.toggle("bad", filter.rows[r].margin < -tolerances.certificate));
 }
 
-// A tick may not tell it: then nothing is known. The percentage is rounded down, so that what is said to pass does.
+// A tick may not report it. The percentage is rounded down: the filter passes at least what the page shows.
 function showOverride(override) {
   set("held-back", override ? `${number(override.held_back_norm)}  ${vector(override.held_back)}` : "–");
   const allowed = override?.unavoidable ? "no part of it" : `${Math.floor(100 * (override?.allowed_fraction ?? 0))} %`;
@@ -134,7 +134,7 @@ function showEnergy(now) {
 
 function showTraffic(now) {
   const processes = now.processes.map((p) =>
-    p.state === "not heard from"
+    p.state === "no report"
       ? [p.process, p.state, "–", "–", "–", "–", "–"]
       : [p.process, p.state, p.rate_hz.toFixed(1), `${p.overruns}`, `${p.steps_skipped}`, p.late_us_max.toFixed(0), p.age_s.toFixed(1)],
   );
@@ -147,7 +147,7 @@ function showTraffic(now) {
   set("missing", missing ? `${missing} ticks and states did not reach this page; a log may have them.` : "");
   for (const cell of byId("status-counts").cells) setText(cell, `${now.status_counts[cell.dataset.count]}`);
   const effects = now.links.map((l) => `${l.link}: ${l.count} ${l.effect}`);
-  const unfit = now.unfit_messages ? [`${now.unfit_messages} messages do not fit the scenario`] : [];
+  const unfit = now.mismatched_messages ? [`${now.mismatched_messages} messages do not fit the scenario`] : [];
   set("links", [...effects, ...unfit].join(" · "));
 }
 

@@ -29,9 +29,9 @@ def write_report(
     plan: Plan, summary: ExperimentSummary, kept: Sequence[KeptLog], agreement: Sequence[Agreement], folder: Path
 ) -> None:
     """Write tables, summary, page and, where an axis was bisected, the picture of its boundaries."""
-    from passafe_dashboard.report_page import number  # noqa: PLC0415 - a second that a refusal need not wait
-    from passafe_dashboard.sweep import boundary_charts  # noqa: PLC0415 - likewise
-    from passafe_dashboard.sweep_page import KeptLine, sweep_page, sweep_picture  # noqa: PLC0415 - likewise
+    from passafe_dashboard.reports.experiment_charts import boundary_charts  # noqa: PLC0415 - likewise
+    from passafe_dashboard.reports.experiment_page import KeptLine, sweep_page, sweep_picture  # noqa: PLC0415 - likewise
+    from passafe_dashboard.reports.run_page import number  # noqa: PLC0415 - a second that a refusal need not wait
 
     tables = {"runs": runs_table(plan), "cells": cells_table(summary)}
     if summary.boundaries:

@@ -26,7 +26,7 @@ def review(
     mathematics = CoreEvaluator(log.identity.scenario)
     verdict = Verdict.of(log, mathematics)
     if html is not None:
-        from passafe_dashboard.report import render_report  # noqa: PLC0415 - a second that other reviews need not wait
+        from passafe_dashboard.run_report import render_report  # noqa: PLC0415 - a second that other reviews need not wait
 
         writable_folder(html.parent, "--html")
         html.write_text(render_report(log, mathematics, verdict), encoding="utf-8")

@@ -1,7 +1,7 @@
 import pytest
 from closed_form import header, state, tick
 from passafe_dashboard.columns import ColumnLayout
-from passafe_dashboard.thin import THIN_READERS, thin_state, thin_tick
+from passafe_dashboard.live.partial_decoding import PARTIAL_DECODERS, decode_state_partially, decode_tick_partially
 from passafe_protocol import passafe_pb2
 from passafe_protocol.checksum import sealed
 from passafe_protocol.codec import decode, encode
@@ -13,23 +13,23 @@ LAYOUT = ColumnLayout(obstacles=(), levels=(3,))
 
 def test_a_thin_tick_has_what_charts_need() -> None:
     data = encode(header("filter", 7, epoch=3, at_ns=5), tick(500))
-    read, whole = thin_tick(data), decode(TICK, data)
+    read, whole = decode_tick_partially(data), decode(TICK, data)
     assert read is not None
-    thin = read[1]
-    assert isinstance(thin, FilterTick)
+    partial = read[1]
+    assert isinstance(partial, FilterTick)
     assert isinstance(whole[1], FilterTick)
-    assert LAYOUT.tick_values(thin) == LAYOUT.tick_values(whole[1]) is not None
-    assert (thin.status, thin.effective_plant_ns) == (tick(500).status, 500_000_000)
+    assert LAYOUT.tick_values(partial) == LAYOUT.tick_values(whole[1]) is not None
+    assert (partial.status, partial.effective_plant_ns) == (tick(500).status, 500_000_000)
     assert (read[0].source, read[0].epoch, read[0].sequence) == ("filter", 3, 7)
 
 
 def test_a_thin_state_has_what_charts_need() -> None:
     data = encode(header("plant", 7, epoch=3, at_ns=5), state(500))
-    read = thin_state(data)
+    read = decode_state_partially(data)
     assert read is not None
-    thin = read[1]
-    assert isinstance(thin, PlantState)
-    assert (thin.x, thin.plant_ns, thin.phase) == (state(500).x, 500_000_000, state(500).phase)
+    partial = read[1]
+    assert isinstance(partial, PlantState)
+    assert (partial.x, partial.plant_ns, partial.phase) == (state(500).x, 500_000_000, state(500).phase)
     assert (read[0].source, read[0].epoch, read[0].sequence) == ("plant", 3, 7)
 
 
@@ -37,21 +37,21 @@ def test_a_thin_state_has_what_charts_need() -> None:
 @pytest.mark.parametrize("data", [b"", b"\xff\xff\xff", b"garbage"])
 def test_bytes_that_are_no_message_are_left_to_the_codec(topic: object, data: bytes) -> None:
     name = TICK.name if topic is TICK else STATE.name
-    assert THIN_READERS[name](data) is None
+    assert PARTIAL_DECODERS[name](data) is None
 
 
 def test_another_schema_version_and_an_unknown_word_are_left_to_the_codec() -> None:
-    for thin, kind, body in (
-        (thin_tick, passafe_pb2.FilterTick, tick(1)),
-        (thin_state, passafe_pb2.PlantState, state(1)),
+    for decode_partially, kind, body in (
+        (decode_tick_partially, passafe_pb2.FilterTick, tick(1)),
+        (decode_state_partially, passafe_pb2.PlantState, state(1)),
     ):
         source = "filter" if kind is passafe_pb2.FilterTick else "plant"
         message = kind.FromString(encode(header(source, 0), body))
         message.ClearField("checksum")
-        assert thin(sealed(message.SerializeToString())) is not None
-        assert thin(message.SerializeToString()) is None
+        assert decode_partially(sealed(message.SerializeToString())) is not None
+        assert decode_partially(message.SerializeToString()) is None
         message.header.schema_version = 99
-        assert thin(sealed(message.SerializeToString())) is None
+        assert decode_partially(sealed(message.SerializeToString())) is None
         message.header.schema_version = SCHEMA_VERSION
         message.ClearField("status" if kind is passafe_pb2.FilterTick else "phase")
-        assert thin(sealed(message.SerializeToString())) is None
+        assert decode_partially(sealed(message.SerializeToString())) is None

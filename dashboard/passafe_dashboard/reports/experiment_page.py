@@ -12,10 +12,10 @@ from passafe_services.tools.experiment.summary import CellSummary, ExperimentSum
 from passafe_services.tools.feasibility.share import Share
 
 from passafe_dashboard.charts.sweep import Chart, sweep_figure
-from passafe_dashboard.page import TEMPLATES
-from passafe_dashboard.report_page import STATIC, number
+from passafe_dashboard.markup import TEMPLATES, report_css
+from passafe_dashboard.reports.experiment_charts import charts_of
+from passafe_dashboard.reports.run_page import number
 from passafe_dashboard.svg.chart import Placed, picture
-from passafe_dashboard.sweep import charts_of
 
 WIDTH, HEIGHT = 470.0, 320.0
 """Of one chart."""
@@ -55,7 +55,7 @@ def sweep_page(
         UndrawableError: A chart has a part that the picture writer does not know.
     """
     experiment = plan.experiment
-    return TEMPLATES.get_template("sweep.html").render(
+    return TEMPLATES.get_template("experiment.html").render(
         experiment=experiment,
         summary=summary,
         criteria={name: str(criterion) for name, criterion in experiment.criteria.items()},
@@ -71,7 +71,7 @@ def sweep_page(
         agreement=agreement,
         configuration=experiment.model_dump_json(indent=2),
         versions=versions(),
-        css=(STATIC / "common.css").read_text("utf-8") + (STATIC / "report.css").read_text("utf-8"),
+        css=report_css(),
     )
 
 

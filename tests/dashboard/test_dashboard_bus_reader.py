@@ -2,8 +2,8 @@ from collections.abc import Callable
 
 import pytest
 from closed_form import MS, ClosedFormRun, header, paper_scenario, state, tick
-from passafe_dashboard.bus_pump import BusPump
-from passafe_dashboard.feed import Feed
+from passafe_dashboard.live.bus_reader import BusReader
+from passafe_dashboard.live.feed import Feed
 from passafe_protocol.codec import encode
 from passafe_protocol.messages import BarrierReport, Event, Health, Message
 from passafe_protocol.topics import EVENT, HEALTH, STATE, TICK, TOPIC_OF_BODY, Topic
@@ -53,18 +53,18 @@ class FakeOutlet:
 
 
 class Rig:
-    """A pump between fakes."""
+    """A reader between fakes."""
 
     def __init__(self) -> None:
         self.feed, self.bus, self.outlet = Feed(paper_scenario()), FakeBus(), FakeOutlet()
-        self.pump = BusPump(self.bus, self.feed, self.outlet)  # type: ignore[arg-type] # stand-ins
+        self.reader = BusReader(self.bus, self.feed, self.outlet)  # type: ignore[arg-type] # stand-ins
         self.pace = Pace(0, 30.0)
 
     def arrive(self, topic: Topic, *messages: bytes) -> None:
         self.bus.readers[topic.name].arrived += messages
 
     def turn(self, now_ms: int) -> None:
-        self.pump(now_ms * MS, self.pace)
+        self.reader.read(now_ms * MS, self.pace)
 
 
 @pytest.fixture
@@ -110,14 +110,14 @@ def test_garbage_is_counted_told_once_and_survived(rig: Rig) -> None:
     assert rig.feed.state == state(0)
     events = [body for body in rig.outlet.published if isinstance(body, Event)]
     assert [event.severity for event in events] == ["warning", "warning"]
-    assert [notice.text for notice in rig.feed.notices] == [event.text for event in events]
+    assert [event.text for event in rig.feed.events] == [event.text for event in events]
 
 
 def test_health_is_told_once_a_second_and_shown(rig: Rig) -> None:
     for frame in range(91):
         now_ns = round(frame * 1e9 / 30)
         rig.pace.begin(now_ns)
-        rig.pump(now_ns, rig.pace)
+        rig.reader.read(now_ns, rig.pace)
         rig.pace.end(now_ns)
     told = [body for body in rig.outlet.published if isinstance(body, Health)]
     assert len(told) == 3

@@ -1,30 +1,21 @@
-"""The live page's markup and charts, made once a scenario."""
+"""Make the live page's markup and charts, once a scenario."""
 
-from pathlib import Path
 from typing import Final, NamedTuple
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from passafe_protocol.topics import LINKS
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.review.properties import Tolerances
 
 from passafe_dashboard.charts.live_charts import ROBOT, STATES, TICKS, LiveCharts, live_charts
 from passafe_dashboard.columns import ColumnLayout, drawn_columns
-from passafe_dashboard.feed import Feed, scenario_id
-from passafe_dashboard.frames import json_text
+from passafe_dashboard.json_text import json_text
+from passafe_dashboard.live.feed import Feed, scenario_id
+from passafe_dashboard.markup import TEMPLATES
 from passafe_dashboard.palette import STATUS_STYLES
-
-TEMPLATES: Final = Environment(
-    loader=FileSystemLoader(Path(__file__).parent / "templates"),
-    autoescape=True,
-    undefined=StrictUndefined,
-    trim_blocks=True,
-    lstrip_blocks=True,
-)
 
 
 class ChartText(NamedTuple):
-    """What the page says of a chart: its heading, and what it shows for those who cannot see it."""
+    """Heading of a chart on the page, and its description for screen readers."""
 
     name: str
     heading: str
@@ -40,7 +31,7 @@ CHART_TEXTS: Final = (
     ChartText(
         "h",
         "Barriers h",
-        "h of every barrier over time with the line h = 0: below it the robot is where it must not be. "
+        "h of every barrier over time with the line h = 0: below it the robot is in the forbidden region. "
         "Each point is the lowest value in a thirtieth of a second.",
     ),
     ChartText(
@@ -51,25 +42,25 @@ CHART_TEXTS: Final = (
     ChartText(
         "power_margin",
         "Power margin",
-        "Power margin over time with the line 0: below it the robot gives out energy.",
+        "Power margin over time with the line 0: below it the robot generates energy.",
     ),
     ChartText("tank", "Energy tank", "Energy left in the tank over time with the line 0."),
     ChartText(
         "status",
         "Filter status over time",
-        "A lane for each of the six statuses; the worst status of each thirtieth of a second is marked.",
+        "A row for each of the six statuses; the worst status of each thirtieth of a second is marked.",
     ),
     ChartText("ages", "Ages of state and command", "Highest age of plant state and operator command."),
 )
 
 
 class LivePage:
-    """Page and charts for the feed's scenario.
+    """Markup and charts of the live page for the feed's scenario.
 
     Making the charts of a new scenario takes about half a second: call from a worker thread.
 
     Args:
-        feed: What the page shows.
+        feed: State of the page.
         window_s: Stretch of time that charts show.
     """
 
@@ -78,11 +69,11 @@ class LivePage:
         self._window_s = window_s
 
     def charts(self) -> LiveCharts:
-        """Charts of the feed's scenario; none while no scenario is known."""
+        """Return the charts of the feed's scenario; none while no scenario is known."""
         return self._charts_of(self._feed.scenario)
 
     def html(self) -> str:
-        """Markup of the page."""
+        """Return the page's markup."""
         scenario = self._feed.scenario
         charts = self._charts_of(scenario)
         return TEMPLATES.get_template("live.html").render(
@@ -95,7 +86,7 @@ class LivePage:
         )
 
     def _setup(self, scenario: Scenario | None) -> dict[str, object]:
-        """What the page's script needs to read frames."""
+        """Return what the page's script needs to read frames."""
         columns: dict[str, object] = {}
         moved: dict[str, tuple[float, float]] = {}
         if scenario is not None:

@@ -1,4 +1,4 @@
-"""What the dashboard itself saw of each topic: how many, how often, how long ago, what is missing.
+"""Count the messages of each topic as they arrive here: rate, age, gaps, refusals.
 
 Age is judged by arrival at this process, never by the sender's clock.
 """
@@ -12,16 +12,16 @@ from passafe_protocol.topics import Topic
 from passafe_dashboard.decimation import NS_PER_S
 
 POLL_S: Final = 0.1
-"""Arrivals are looked for once a frame, so an age may be too large by about two frames."""
+"""The bus is read once a frame, so an age may be too large by about two frames."""
 
 
-class TopicView(NamedTuple):
-    """One topic of one publisher as seen from here.
+class TopicStatistics(NamedTuple):
+    """Statistics of one topic of one publisher.
 
     Attributes:
         topic: Name of the topic.
         source: Process that publishes it.
-        received: Messages taken.
+        received: Messages accepted.
         gaps: Sequence numbers that never came.
         refused: Messages refused: repeated, or of an earlier session.
         rate_hz: Messages a second, over about the last second.
@@ -39,8 +39,8 @@ class TopicView(NamedTuple):
     late: bool
 
 
-class Traffic:
-    """Arrivals of one topic from one publisher.
+class TopicMonitor:
+    """Monitor of one topic of one publisher.
 
     Args:
         topic: Row of the topic table.
@@ -56,8 +56,8 @@ class Traffic:
         self._window_count = 0
         self._rate_hz = 0.0
 
-    def take(self, header: Header, received_ns: int) -> bool:
-        """Note an arrival and tell whether the message counts: of this session and never seen before."""
+    def receive(self, header: Header, received_ns: int) -> bool:
+        """Count an arrival; return whether the message is valid: of this session and not received before."""
         if self._guard.judge(header) in (Arrival.REPEATED, Arrival.FOREIGN):
             return False
         self._last_ns = received_ns
@@ -73,12 +73,12 @@ class Traffic:
 
     @property
     def received(self) -> int:
-        """Messages taken."""
+        """Messages accepted."""
         return self._guard.received
 
     @property
     def gaps(self) -> int:
-        """Numbers that never came."""
+        """Sequence numbers that never came."""
         return self._guard.gaps
 
     @property
@@ -87,14 +87,14 @@ class Traffic:
         return self._guard.refused
 
     def age_s(self, now_ns: int) -> float:
-        """Seconds since the last message taken."""
+        """Return the seconds since the last message accepted."""
         return max(0, now_ns - self._last_ns) / NS_PER_S
 
-    def view(self, now_ns: int) -> TopicView:
-        """What to show at ``now_ns``; the rate of a topic that fell silent goes to zero with its age."""
+    def statistics(self, now_ns: int) -> TopicStatistics:
+        """Return the statistics at ``now_ns``; the rate of a topic that fell silent decays as 1 / age."""
         age_s = self.age_s(now_ns)
         deadline_s = self._topic.deadline_s
-        return TopicView(
+        return TopicStatistics(
             topic=self._topic.name,
             source=self._source,
             received=self.received,

@@ -1,6 +1,6 @@
-"""The feed as JSON values: what ``/api/status`` answers and what each frame of the page carries as ``now``.
+"""Turn the feed into JSON values: the answer of ``/api/status``, and ``now`` in each frame of the page.
 
-Numbers carry their unit in their name; what is not known is null.
+Numbers carry their unit in their name; an unknown value is null.
 """
 
 from collections.abc import Mapping
@@ -14,35 +14,37 @@ from passafe_protocol.topics import HEALTH, LINKS, PROCESSES, STATE, TICK, TOPIC
 
 from passafe_dashboard.columns import COMMAND_AGE, POWER_MARGIN, STATE_AGE, TANK, measured_h, psi
 from passafe_dashboard.decimation import NS_PER_S, WorstSample
-from passafe_dashboard.feed import Feed
+from passafe_dashboard.live.feed import Feed
+from passafe_dashboard.live.topic_monitor import TopicMonitor
 from passafe_dashboard.palette import PHASE_MEANINGS, STATUS_STYLES
-from passafe_dashboard.traffic import Traffic
 
 Json: TypeAlias = dict[str, Any]
 
 SILENT_S: Final = 0.5
-"""A filter or plant that said nothing for this long is called silent."""
+"""A filter or plant without a message for this long is silent."""
 
 HEALTH_DEADLINE_S: Final = HEALTH.deadline_s or 3.0
 
 REPORTING: Final = tuple(name for name in PROCESSES if name != "router")
-"""Processes that report how they are doing; the router only forwards."""
+"""Processes that publish Health; the router only forwards."""
 
 
-def status_json(feed: Feed, now_ns: int) -> Json:
-    """Everything that is known at ``now_ns`` (this process's monotonic clock, ns), charts excepted."""
+def page_state(feed: Feed, now_ns: int) -> Json:
+    """Return the whole state but the charts at ``now_ns`` (this process's monotonic clock, ns)."""
     return {
-        "liveness": liveness_json(feed, now_ns),
+        "liveness": liveness(feed, now_ns),
         "run": feed.run,
         "scenario": _scenario_json(feed),
         "filter": None if feed.tick is None else _filter_json(feed, feed.tick),
         "plant": None if feed.state is None else _plant_json(feed, feed.state),
         "worst": _worst_json(feed),
         "status_counts": {status.name: count for status, count in feed.status_counts.items()},
-        "unfit_messages": feed.unfit,
+        "mismatched_messages": feed.mismatched,
         "refused_messages": feed.refused,
         "processes": [_process_json(feed, name, now_ns) for name in REPORTING],
-        "topics": [traffic.view(now_ns)._asdict() for _, traffic in sorted(feed.traffic.items(), key=_table_order)],
+        "topics": [
+            monitor.statistics(now_ns)._asdict() for _, monitor in sorted(feed.topic_monitors.items(), key=_table_order)
+        ],
         "links": [
             {"link": link, "effect": effect, "count": count}
             for (link, effect), count in sorted(feed.link_effects.items())
@@ -50,41 +52,41 @@ def status_json(feed: Feed, now_ns: int) -> Json:
         "link_states": [link_json(feed, name, now_ns) for name in LINKS],
         "events": [
             {
-                "number": notice.number,
-                "source": notice.source,
-                "severity": notice.severity,
-                "text": notice.text,
-                "age_s": (now_ns - notice.received_ns) / NS_PER_S,
+                "number": event.number,
+                "source": event.source,
+                "severity": event.severity,
+                "text": event.text,
+                "age_s": (now_ns - event.received_ns) / NS_PER_S,
             }
-            for notice in feed.notices
+            for event in feed.events
         ],
     }
 
 
-def _table_order(entry: tuple[tuple[str, str], Traffic]) -> tuple[int, str]:
-    """Order of the topic table, then of the publisher's name."""
+def _table_order(entry: tuple[tuple[str, str], TopicMonitor]) -> tuple[int, str]:
+    """Return the sort key: order of the topic table, then name of the publisher."""
     (source, topic), _ = entry
     return tuple(TOPIC_OF_NAME).index(topic), source
 
 
-def liveness_json(feed: Feed, now_ns: int) -> Json:
-    """Whether what is shown is current: ``ended``, ``waiting``, ``silent`` or ``live``, and a sentence."""
+def liveness(feed: Feed, now_ns: int) -> Json:
+    """Return whether the state is current, ``ended``, ``waiting``, ``silent`` or ``live``, and a sentence for it."""
     if feed.end is not None:
         return {"state": "ended", "text": feed.end}
     ages = {
-        source: feed.traffic[key].age_s(now_ns) if (key := (source, topic.name)) in feed.traffic else None
+        source: feed.topic_monitors[key].age_s(now_ns) if (key := (source, topic.name)) in feed.topic_monitors else None
         for source, topic in (("filter", TICK), ("plant", STATE))
     }
     missing = [source for source, age_s in ages.items() if age_s is None]
     if missing:
-        return {"state": "waiting", "text": f"Nothing has come from {' and '.join(missing)} yet."}
+        return {"state": "waiting", "text": f"No message from {' and '.join(missing)} yet."}
     silent = [f"{source} for {age_s:.1f} s" for source, age_s in ages.items() if age_s and age_s > SILENT_S]
     if silent:
         return {
             "state": "silent",
-            "text": f"Nothing from {' and '.join(silent)}: what is shown is the last that came.",
+            "text": f"No message from {' and '.join(silent)}: the page shows the last state received.",
         }
-    return {"state": "live", "text": "Messages are coming in."}
+    return {"state": "live", "text": "Messages are arriving."}
 
 
 def _scenario_json(feed: Feed) -> Json | None:
@@ -136,7 +138,7 @@ def _filter_json(feed: Feed, tick: FilterTick) -> Json:
 
 
 def _override_json(tick: FilterTick) -> Json | None:
-    """What was held back of the command and what would have passed; ``None`` if the tick does not tell."""
+    """Return the part of the command that was held back, and what would have passed; ``None`` if not reported."""
     override = tick.override
     if not override.held_back:
         return None
@@ -195,19 +197,19 @@ def _worst(worst: Mapping[str, WorstSample], column: str) -> Json | None:
 
 
 def link_json(feed: Feed, name: str, now_ns: int) -> Json:
-    """One link at ``now_ns``: its settings in force and counts, null as long as nothing was heard of it."""
+    """Return one link at ``now_ns``: its settings in force and counts, null until its state was received."""
     topic, reader = LINKS[name]
-    heard = feed.links.newest(name)
+    newest = feed.links.newest(name)
     about: Json = {"link": name, "topic": topic.name, "reader": reader, "age_s": None, "settings": None, "counts": None}
-    if heard is None:
+    if newest is None:
         return about
-    state = as_dict(heard.state)
+    state = as_dict(newest.state)
     return about | {
-        "age_s": (now_ns - heard.received_ns) / NS_PER_S,
+        "age_s": (now_ns - newest.received_ns) / NS_PER_S,
         "settings": state["parameters"]
         | {
-            "outages": [(outage.start_s, outage.end_s) for outage in heard.state.parameters.outages],
-            "trace_opportunities": heard.state.trace_opportunities,
+            "outages": [(outage.start_s, outage.end_s) for outage in newest.state.parameters.outages],
+            "trace_opportunities": newest.state.trace_opportunities,
         },
         "counts": {field: state[field] for field in (*LinkCounts._fields, "refused_corrupted", "refused_duplicate")},
     }
@@ -216,7 +218,7 @@ def link_json(feed: Feed, name: str, now_ns: int) -> Json:
 def _process_json(feed: Feed, name: str, now_ns: int) -> Json:
     report = feed.processes.get(name)
     if report is None:
-        return {"process": name, "state": "not heard from"}
+        return {"process": name, "state": "no report"}
     age_s = (now_ns - report.received_ns) / NS_PER_S
     health = report.health
     return {

@@ -11,12 +11,11 @@ from bokeh.model import Model
 from bokeh.settings import settings as bokeh_settings
 
 from passafe_dashboard.charts.run_charts import lowest_barriers, run_charts
+from passafe_dashboard.markup import TEMPLATES, report_css
 from passafe_dashboard.obstacles import Region
-from passafe_dashboard.page import TEMPLATES
 from passafe_dashboard.palette import STATUS_STYLES
-from passafe_dashboard.series import RunSeries
+from passafe_dashboard.reports.run_series import RunSeries
 
-STATIC: Final = Path(__file__).parent / "static"
 MINUS: Final = "−"
 
 
@@ -73,7 +72,7 @@ def report_page(
         divs=divs,
         configuration=json.dumps(configuration, indent=2, ensure_ascii=False),
         versions=versions,
-        css=(STATIC / "common.css").read_text("utf-8") + (STATIC / "report.css").read_text("utf-8"),
+        css=report_css(),
         bokehjs=inline_script(_bokehjs()),
         script=inline_script(script),
     )

@@ -6,8 +6,8 @@ import pytest
 from closed_form_series import run_series, verdict
 from passafe_dashboard.charts.run_charts import lowest_barriers
 from passafe_dashboard.obstacles import Disk
-from passafe_dashboard.pictures import run_picture
-from passafe_dashboard.report_page import descriptions, inline_script, number, report_page
+from passafe_dashboard.pictures.__main__ import run_picture
+from passafe_dashboard.reports.run_page import descriptions, inline_script, number, report_page
 
 CONFIGURATION = {"name": "circle", "title": "a <b>circle</b> & </script>"}
 VERSIONS = {"passafe": "0.1.0"}
@@ -107,7 +107,7 @@ def test_a_violation_that_the_mode_allows_is_told() -> None:
         configuration={},
         versions={},
     )
-    assert 'not asked for in this mode: <strong class="bad">passive</strong>' in page
+    assert 'not required in this mode: <strong class="bad">passive</strong>' in page
 
 
 def test_a_run_without_barriers_and_ticks_has_its_plots() -> None:

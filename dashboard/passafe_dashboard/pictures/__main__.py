@@ -15,9 +15,9 @@ from passafe_services.tools.review.core_evaluator import CoreEvaluator
 from passafe_services.tools.review.run_log import RunLog
 
 from passafe_dashboard.charts.run_charts import run_charts
-from passafe_dashboard.report import series_of
-from passafe_dashboard.report_page import descriptions
-from passafe_dashboard.series import RunSeries
+from passafe_dashboard.reports.run_page import descriptions
+from passafe_dashboard.reports.run_series import RunSeries
+from passafe_dashboard.run_report import series_of
 from passafe_dashboard.svg.chart import Placed, picture
 
 MODES: Final = ("off", "passive", "safe", "both")

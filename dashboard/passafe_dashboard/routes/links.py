@@ -1,21 +1,23 @@
-"""The links over HTTP: look at all, change one."""
+"""Serve the links: read all with ``GET /api/links``, change one with ``PUT /api/links/{name}``."""
 
-from typing import Any
+from typing import Any, Final
 
 from fastapi import APIRouter, HTTPException, Request, Response
 from fastapi.exceptions import RequestValidationError
 from passafe_protocol.topics import LINKS
 
 from passafe_dashboard.errors import LinkAnswerError, LinkUpdateError
-from passafe_dashboard.frames import json_text
-from passafe_dashboard.link_requests import LinkRequests, LinkUpdate
-from passafe_dashboard.origin import same_origin
+from passafe_dashboard.json_text import json_text
+from passafe_dashboard.live.link_requests import LinkRequests, LinkUpdate
+from passafe_dashboard.routes.origin import is_same_origin
 
-NOT_FOUND, FORBIDDEN, GATEWAY_TIMEOUT = 404, 403, 504
+NOT_FOUND: Final = 404
+FORBIDDEN: Final = 403
+GATEWAY_TIMEOUT: Final = 504
 
 
 def link_routes(links: LinkRequests) -> APIRouter:
-    """Routes ``GET /api/links`` and ``PUT /api/links/{name}``."""
+    """Return the routes that read and change links."""
     router = APIRouter()
 
     @router.get("/api/links")
@@ -24,7 +26,7 @@ def link_routes(links: LinkRequests) -> APIRouter:
 
     @router.put("/api/links/{name}")
     async def change(name: str, update: LinkUpdate, request: Request) -> Response:
-        if not same_origin(request):
+        if not is_same_origin(request):
             raise HTTPException(FORBIDDEN, "a page of another site may not change a link")
         if name not in LINKS:
             raise HTTPException(NOT_FOUND, f"link: got {name!r}, allowed {', '.join(LINKS)}")

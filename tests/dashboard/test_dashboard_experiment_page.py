@@ -6,8 +6,8 @@ from base64 import b64decode
 from typing import Any
 
 import pytest
-from passafe_dashboard.sweep import boundary_charts, charts_of
-from passafe_dashboard.sweep_page import KeptLine, sweep_page, sweep_picture
+from passafe_dashboard.reports.experiment_charts import boundary_charts, charts_of
+from passafe_dashboard.reports.experiment_page import KeptLine, sweep_page, sweep_picture
 from passafe_services.tools.experiment.live_agreement import Agreement
 from passafe_services.tools.experiment.load import experiment_from
 from passafe_services.tools.experiment.metrics import Metrics

@@ -3,9 +3,9 @@ from math import inf
 
 import pytest
 from closed_form import MS, ClosedFormRun, h, header, health, paper_scenario, state, tick
-from passafe_dashboard.feed import Feed
-from passafe_dashboard.frames import json_text
-from passafe_dashboard.snapshot import REPORTING, liveness_json, status_json
+from passafe_dashboard.json_text import json_text
+from passafe_dashboard.live.feed import Feed
+from passafe_dashboard.live.page_state import REPORTING, liveness, page_state
 from passafe_protocol.messages import FilterStatus, OverrideReport, PlantPhase
 
 
@@ -17,7 +17,7 @@ def feed_after(run_ns: int) -> Feed:
 
 
 def test_everything_the_page_shows_is_there() -> None:
-    shown = status_json(feed_after(2_000 * MS), 2_000 * MS)
+    shown = page_state(feed_after(2_000 * MS), 2_000 * MS)
     assert shown["liveness"]["state"] == "live"
     assert shown["filter"]["tick"] == 1999
     assert shown["filter"]["status"] == "MODIFIED"
@@ -47,14 +47,14 @@ def test_everything_the_page_shows_is_there() -> None:
 def test_a_state_of_another_scenario_shows_no_h() -> None:
     feed = Feed(paper_scenario())
     feed.push(header("plant", 0), state(0, x=(1.0,)), 0)
-    assert status_json(feed, 0)["plant"]["h"] == []
+    assert page_state(feed, 0)["plant"]["h"] == []
 
 
 def test_every_process_and_the_topics_in_the_table_s_order_are_listed() -> None:
-    shown = status_json(feed_after(2_000 * MS), 2_000 * MS)
+    shown = page_state(feed_after(2_000 * MS), 2_000 * MS)
     assert [process["process"] for process in shown["processes"]] == list(REPORTING)
     states = {process["process"]: process["state"] for process in shown["processes"]}
-    assert states == dict.fromkeys(REPORTING, "ok") | {"dashboard": "not heard from"}
+    assert states == dict.fromkeys(REPORTING, "ok") | {"dashboard": "no report"}
     topics = [(topic["topic"], topic["source"]) for topic in shown["topics"]]
     assert topics[:2] == [("state", "plant"), ("tick", "filter")]
     assert ("health", "router") in topics
@@ -64,25 +64,25 @@ def test_a_process_that_stopped_reporting_is_silent() -> None:
     feed = Feed(paper_scenario())
     feed.push(header("plant", 0), health(1), 0)
     state_at = {
-        now_ms: next(p["state"] for p in status_json(feed, now_ms * MS)["processes"] if p["process"] == "plant")
+        now_ms: next(p["state"] for p in page_state(feed, now_ms * MS)["processes"] if p["process"] == "plant")
         for now_ms in (0, 2_999, 3_001)
     }
     assert state_at == {0: "ok", 2_999: "ok", 3_001: "silent"}
 
 
 def test_an_empty_feed_knows_nothing_and_says_so() -> None:
-    shown = status_json(Feed(), 0)
+    shown = page_state(Feed(), 0)
     assert shown["filter"] is None
     assert shown["plant"] is None
     assert shown["scenario"] is None
     assert shown["worst"] == {"barriers": [], "power_margin_w": None, "tank_j": None}
-    assert shown["liveness"] == {"state": "waiting", "text": "Nothing has come from filter and plant yet."}
+    assert shown["liveness"] == {"state": "waiting", "text": "No message from filter and plant yet."}
 
 
 def test_waiting_names_who_is_missing() -> None:
     feed = Feed(paper_scenario())
     feed.push(header("plant", 0), state(0), 0)
-    assert liveness_json(feed, 0)["text"] == "Nothing has come from filter yet."
+    assert liveness(feed, 0)["text"] == "No message from filter yet."
 
 
 @pytest.mark.parametrize(
@@ -90,13 +90,13 @@ def test_waiting_names_who_is_missing() -> None:
     [(1_999, "live"), (2_450, "live"), (2_550, "silent")],
 )
 def test_silence_is_told_after_half_a_second(now_ms: int, expected: str) -> None:
-    assert liveness_json(feed_after(2_000 * MS), now_ms * MS)["state"] == expected
+    assert liveness(feed_after(2_000 * MS), now_ms * MS)["state"] == expected
 
 
 def test_silence_names_who_is_silent() -> None:
     feed = feed_after(2_000 * MS)
     feed.push(header("plant", 2_000), state(2_000), 4_000 * MS)
-    text = liveness_json(feed, 4_000 * MS)["text"]
+    text = liveness(feed, 4_000 * MS)["text"]
     assert "filter for 2.0 s" in text
     assert "plant" not in text
 
@@ -104,13 +104,13 @@ def test_silence_names_who_is_silent() -> None:
 def test_the_end_of_the_run_outranks_silence() -> None:
     feed = feed_after(2_000 * MS)
     feed.finish("The run has ended.")
-    assert liveness_json(feed, 10_000 * MS) == {"state": "ended", "text": "The run has ended."}
+    assert liveness(feed, 10_000 * MS) == {"state": "ended", "text": "The run has ended."}
 
 
 def test_an_age_that_is_not_known_is_null() -> None:
     feed = Feed(paper_scenario())
     feed.push(header("filter", 0), tick(0, state_age_ns=-1, command_age_ns=-1), 0)
-    shown = status_json(feed, 0)["filter"]
+    shown = page_state(feed, 0)["filter"]
     assert shown["state_age_ms"] is None
     assert shown["command_age_ms"] is None
 
@@ -118,14 +118,14 @@ def test_an_age_that_is_not_known_is_null() -> None:
 def test_an_override_that_the_tick_does_not_tell_is_null() -> None:
     feed = Feed(paper_scenario())
     feed.push(header("filter", 0), tick(0, override=OverrideReport()), 0)
-    assert status_json(feed, 0)["filter"]["override"] is None
+    assert page_state(feed, 0)["filter"]["override"] is None
 
 
 @pytest.mark.parametrize("status", list(FilterStatus))
 def test_every_status_has_words(status: FilterStatus) -> None:
     feed = Feed(paper_scenario())
     feed.push(header("filter", 0), tick(0, status=status), 0)
-    shown = status_json(feed, 0)["filter"]
+    shown = page_state(feed, 0)["filter"]
     assert shown["status"] == status.name
     assert len(shown["meaning"]) > 20
 
@@ -134,13 +134,13 @@ def test_every_status_has_words(status: FilterStatus) -> None:
 def test_every_phase_has_words(phase: PlantPhase) -> None:
     feed = Feed(paper_scenario())
     feed.push(header("plant", 0), state(0, phase=phase), 0)
-    assert status_json(feed, 0)["plant"]["meaning"]
+    assert page_state(feed, 0)["plant"]["meaning"]
 
 
 def test_numbers_that_json_cannot_hold_become_null() -> None:
     feed = Feed(paper_scenario())
     feed.push(header("plant", 0), state(0, x=(1e200, 0.0, 0.0, 0.0)), 0)
-    shown = json.loads(json_text(status_json(feed, 0)))
+    shown = json.loads(json_text(page_state(feed, 0)))
     assert shown["plant"]["h"][0]["value"] is None
     assert shown["plant"]["x"][0] == 1e200
     assert json.loads(json_text({"a": [inf, (1.0, -inf)]})) == {"a": [None, [1.0, None]]}

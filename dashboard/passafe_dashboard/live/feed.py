@@ -1,4 +1,4 @@
-"""What the page shows, made from the stream of messages: pure, with no clock, network or thread of its own.
+"""Turn the stream of messages into the state of the page: pure, with no clock, network or thread of its own.
 
 ``push`` takes a few microseconds, so a thousand ticks and states a second cost about a percent of a core.
 """
@@ -29,18 +29,25 @@ from pydantic import ValidationError
 
 from passafe_dashboard.columns import ColumnLayout
 from passafe_dashboard.decimation import NS_PER_S, DecimatedSeries, WorstSample
-from passafe_dashboard.traffic import Traffic
+from passafe_dashboard.live.topic_monitor import TopicMonitor
 
 TOPICS_READ: Final[tuple[Topic, ...]] = (TICK, STATE, HEALTH, EVENT, SCENARIO, LINK_EVENT, LINK_STATE)
-"""Topics that the feed understands; it ignores messages of others."""
-
+"""Topics of the feed; it ignores messages of others."""
 
 [PLANT] = STATE.publishers
-"""Whose sessions are runs."""
+"""Process whose sessions are runs."""
 
 
-class Notice(NamedTuple):
-    """An event as shown: who said what, and when it came in."""
+class ReceivedEvent(NamedTuple):
+    """An event that came in.
+
+    Attributes:
+        number: Counts events from 0.
+        source: Process that published it.
+        severity: Its severity.
+        text: Its text.
+        received_ns: Monotonic time at which it came in, ns.
+    """
 
     number: int
     source: str
@@ -50,40 +57,40 @@ class Notice(NamedTuple):
 
 
 class ProcessReport(NamedTuple):
-    """Last Health of a process and when it came in."""
+    """Last Health of a process and the monotonic time at which it came in, ns."""
 
     health: Health
     received_ns: int
 
 
 def scenario_id(scenario: Scenario | None) -> str:
-    """Digest of a scenario: a page drawn for another one is out of date."""
+    """Return the digest of a scenario: a page drawn for another one is out of date."""
     if scenario is None:
         return "none"
     return sha256(scenario.model_dump_json().encode()).hexdigest()[:16]
 
 
 class Feed:
-    """State of the page.
+    """State of the page: what its charts, tables and texts show.
 
     Attributes:
         scenario: Effective configuration, or ``None`` while it is not known.
         scenario_id: Digest of it.
         layout: Its columns.
-        info: ScenarioInfo of the run, once it came.
-        run: Counts runs from 0: a restarted plant begins another, a restarted filter goes on with the same robot.
+        info: ScenarioInfo of the run, once received.
+        run: Counts runs from 0: a restarted plant begins another, a restarted filter does not.
         tick: Newest FilterTick.
         state: Newest PlantState.
         ticks: Decimated columns of the filter.
         states: Decimated columns of the plant.
         status_counts: Ticks of this run by status.
         processes: Last Health of each process.
-        notices: Newest events.
-        traffic: Arrivals by source and topic.
-        refused: Messages refused before they could be taken, by topic.
-        link_effects: Messages of this run that a link did something to, by link and effect.
+        events: Newest events.
+        topic_monitors: Monitor of each topic of each source.
+        refused: Messages refused before they were counted, by topic.
+        link_effects: Messages of this run that a link affected, by link and effect.
         links: Newest states of the links.
-        unfit: Messages whose numbers do not fit the scenario.
+        mismatched: Messages whose numbers do not fit the scenario.
         end: Why the run is over, once it is.
         capacity: Rows kept for charts.
 
@@ -91,7 +98,7 @@ class Feed:
         scenario: Configuration to start with; a ScenarioInfo replaces it.
         frame_hz: Rows a second kept for charts.
         history_s: Seconds of plant time kept for charts.
-        notices: Events kept.
+        events_kept: Events kept.
     """
 
     def __init__(
@@ -100,7 +107,7 @@ class Feed:
         *,
         frame_hz: int = 30,
         history_s: float = 30.0,
-        notices: int = 50,
+        events_kept: int = 50,
     ) -> None:
         self.scenario: Scenario | None = None
         self.scenario_id = scenario_id(None)
@@ -109,21 +116,21 @@ class Feed:
         self.run = 0
         self.end: str | None = None
         self.processes: dict[str, ProcessReport] = {}
-        self.notices: deque[Notice] = deque(maxlen=notices)
-        self.traffic: dict[tuple[str, str], Traffic] = {}
+        self.events: deque[ReceivedEvent] = deque(maxlen=events_kept)
+        self.topic_monitors: dict[tuple[str, str], TopicMonitor] = {}
         self.refused: dict[str, int] = {}
         self.links = LinkBoard()
-        self._notices_made = 0
+        self._events_received = 0
         self._epochs: dict[str, int] = {}
         self._bin_ns = NS_PER_S // frame_hz
         self.capacity = round(history_s * frame_hz)
         self._handlers: dict[type[Message], Callable[[Header, Any, int], None]] = {
-            FilterTick: self._take_tick,
-            PlantState: self._take_state,
-            Health: self._take_health,
-            Event: self._take_event,
-            ScenarioInfo: self._take_scenario,
-            LinkEvent: self._take_link_event,
+            FilterTick: self._push_tick,
+            PlantState: self._push_state,
+            Health: self._push_health,
+            Event: self._push_event,
+            ScenarioInfo: self._push_scenario,
+            LinkEvent: self._push_link_event,
             LinkState: self.links.take,
         }
         self._clear()
@@ -131,48 +138,48 @@ class Feed:
             self._adopt(scenario)
 
     def push(self, header: Header, body: Message, received_ns: int) -> None:
-        """Take a message.
+        """Update the state with a message.
 
         Args:
             header: Its header.
             body: Its body.
             received_ns: This process's monotonic clock at its arrival, ns.
         """
-        if self._is_fit(header, body, received_ns):
+        if self._accept(header, body, received_ns):
             self._handlers[type(body)](header, body, received_ns)
 
-    def glance(self, header: Header, body: FilterTick | PlantState, received_ns: int) -> None:
-        """Take a message for what charts, counts and lowest values need of it; it is not shown in full."""
-        if self._is_fit(header, body, received_ns):
+    def push_partial(self, header: Header, body: FilterTick | PlantState, received_ns: int) -> None:
+        """Update charts, counts and lowest values with a message that was decoded for these only."""
+        if self._accept(header, body, received_ns):
             if isinstance(body, FilterTick):
-                self._count_tick(header, body)
+                self._add_tick_to_charts(header, body)
             else:
-                self._count_state(header, body)
+                self._add_state_to_charts(header, body)
 
-    def _is_fit(self, header: Header, body: Message, received_ns: int) -> bool:
-        """Note an arrival and tell whether the message counts; an overtaken one does, it may be the worst."""
+    def _accept(self, header: Header, body: Message, received_ns: int) -> bool:
+        """Count an arrival; return whether the message is valid. A reordered one is: it may hold the worst value."""
         if type(body) not in self._handlers:
             return False
         topic = TOPIC_OF_BODY[type(body)]
         key = (header.source, topic.name)
-        traffic = self.traffic.get(key)
-        if traffic is None:
+        monitor = self.topic_monitors.get(key)
+        if monitor is None:
             if header.source not in topic.publishers:
                 self.refuse(topic)
                 return False
-            traffic = self.traffic[key] = Traffic(topic, header.source)
-        return traffic.take(header, received_ns)
+            monitor = self.topic_monitors[key] = TopicMonitor(topic, header.source)
+        return monitor.receive(header, received_ns)
 
     def refuse(self, topic: Topic) -> None:
-        """Count a message that could not be decoded, or came from who may not publish its topic."""
+        """Count a message that could not be decoded, or whose source may not publish its topic."""
         self.refused[topic.name] = self.refused.get(topic.name, 0) + 1
 
     @property
     def health(self) -> tuple[TopicHealth, ...]:
         """Messages, gaps and refusals of every topic read, over all publishers."""
         counts = {topic.name: [0, 0, self.refused.get(topic.name, 0)] for topic in TOPICS_READ}
-        for (_, name), traffic in self.traffic.items():
-            for index, number in enumerate((traffic.received, traffic.gaps, traffic.refused)):
+        for (_, name), monitor in self.topic_monitors.items():
+            for index, number in enumerate((monitor.received, monitor.gaps, monitor.refused)):
                 counts[name][index] += number
         return tuple(TopicHealth(name, *numbers) for name, numbers in counts.items())
 
@@ -182,7 +189,7 @@ class Feed:
         return self.ticks.worst | self.states.worst
 
     def finish(self, reason: str) -> None:
-        """Say that the run is over; the page goes on showing its last state."""
+        """End the run for a reason; the page keeps its last state."""
         self.end = reason
 
     def _clear(self) -> None:
@@ -192,7 +199,7 @@ class Feed:
         self.states = DecimatedSeries(self.layout.state_columns, bin_ns=self._bin_ns, capacity=self.capacity)
         self.status_counts = dict.fromkeys(FilterStatus, 0)
         self.link_effects: dict[tuple[str, str], int] = {}
-        self.unfit = 0
+        self.mismatched = 0
 
     def _begin_run(self) -> None:
         self.run += 1
@@ -204,59 +211,59 @@ class Feed:
         self.layout = ColumnLayout.of(scenario)
         self._begin_run()
 
-    def _note_session(self, header: Header) -> None:
+    def _check_session(self, header: Header) -> None:
         known = self._epochs.get(header.source)
         if known != header.epoch:
             self._epochs[header.source] = header.epoch
             if known is not None and header.source == PLANT:
                 self._begin_run()
             elif known is not None:
-                self.tick = None  # its ticks are counted anew
+                self.tick = None  # its ticks are numbered from 0 again
 
-    def _take_tick(self, header: Header, tick: FilterTick, received_ns: int) -> None:
+    def _push_tick(self, header: Header, tick: FilterTick, received_ns: int) -> None:
         del received_ns
-        self._count_tick(header, tick)
+        self._add_tick_to_charts(header, tick)
         if self.tick is None or tick.tick > self.tick.tick:
             self.tick = tick
 
-    def _count_tick(self, header: Header, tick: FilterTick) -> None:
-        self._note_session(header)
+    def _add_tick_to_charts(self, header: Header, tick: FilterTick) -> None:
+        self._check_session(header)
         self.status_counts[tick.status] += 1
-        self._keep(self.ticks, tick.effective_plant_ns, self.layout.tick_values(tick))
+        self._add_row(self.ticks, tick.effective_plant_ns, self.layout.tick_values(tick))
 
-    def _take_state(self, header: Header, state: PlantState, received_ns: int) -> None:
+    def _push_state(self, header: Header, state: PlantState, received_ns: int) -> None:
         del received_ns
-        self._count_state(header, state)
+        self._add_state_to_charts(header, state)
         if self.state is None or state.plant_ns >= self.state.plant_ns:
             self.state = state
 
-    def _count_state(self, header: Header, state: PlantState) -> None:
-        self._note_session(header)
-        self._keep(self.states, state.plant_ns, self.layout.state_values(state))
+    def _add_state_to_charts(self, header: Header, state: PlantState) -> None:
+        self._check_session(header)
+        self._add_row(self.states, state.plant_ns, self.layout.state_values(state))
 
-    def _keep(self, series: DecimatedSeries, time_ns: int, values: list[float] | None) -> None:
+    def _add_row(self, series: DecimatedSeries, time_ns: int, values: list[float] | None) -> None:
         if values is None or not all(map(isfinite, values)):
-            self.unfit += 1
+            self.mismatched += 1
             return
         series.add(time_ns, values)
 
-    def _take_health(self, header: Header, health: Health, received_ns: int) -> None:
+    def _push_health(self, header: Header, health: Health, received_ns: int) -> None:
         self.processes[header.source] = ProcessReport(health, received_ns)
 
-    def _take_event(self, header: Header, event: Event, received_ns: int) -> None:
-        self._notice(header.source, event.severity, event.text, received_ns)
+    def _push_event(self, header: Header, event: Event, received_ns: int) -> None:
+        self._add_event(header.source, event.severity, event.text, received_ns)
 
-    def _take_link_event(self, header: Header, event: LinkEvent, received_ns: int) -> None:
+    def _push_link_event(self, header: Header, event: LinkEvent, received_ns: int) -> None:
         del header, received_ns
         key = (event.link, event.effect)
         self.link_effects[key] = self.link_effects.get(key, 0) + 1
 
-    def _take_scenario(self, header: Header, info: ScenarioInfo, received_ns: int) -> None:
+    def _push_scenario(self, header: Header, info: ScenarioInfo, received_ns: int) -> None:
         self.info = info
         try:
             scenario = Scenario.model_validate_json(info.scenario_json)
         except ValidationError as error:
-            self._notice(
+            self._add_event(
                 header.source,
                 "error",
                 f"its scenario does not fit this dashboard: {error.error_count()} errors",
@@ -266,6 +273,6 @@ class Feed:
         if scenario != self.scenario:
             self._adopt(scenario)
 
-    def _notice(self, source: str, severity: str, text: str, received_ns: int) -> None:
-        self.notices.append(Notice(self._notices_made, source, severity, text, received_ns))
-        self._notices_made += 1
+    def _add_event(self, source: str, severity: str, text: str, received_ns: int) -> None:
+        self.events.append(ReceivedEvent(self._events_received, source, severity, text, received_ns))
+        self._events_received += 1

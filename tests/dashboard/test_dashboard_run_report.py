@@ -3,7 +3,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from closed_form import MS, ClosedFormRun, paper_scenario
-from passafe_dashboard.report import render_report, series_of
+from passafe_dashboard.run_report import render_report, series_of
 from passafe_protocol.codec import encode
 from passafe_protocol.messages import FilterStatus
 from passafe_protocol.topics import TOPIC_OF_BODY

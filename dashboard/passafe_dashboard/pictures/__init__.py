@@ -1,0 +1,1 @@
+"""Draw runs, experiments and feasibility atlases as SVG files, without a browser."""

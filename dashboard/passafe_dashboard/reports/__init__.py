@@ -1,0 +1,1 @@
+"""Make the HTML reports of a run and of an experiment."""

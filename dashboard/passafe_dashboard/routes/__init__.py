@@ -1,0 +1,1 @@
+"""Answer HTTP and WebSocket requests: the live page, its state, the links."""

@@ -1,0 +1,66 @@
+"""Assemble the web application from its routes and static files."""
+
+import asyncio
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import asynccontextmanager
+from typing import Final
+
+from bokeh.settings import settings as bokeh_settings
+from fastapi import FastAPI, Request, Response
+from fastapi.staticfiles import StaticFiles
+
+from passafe_dashboard.live.broadcast import Broadcast
+from passafe_dashboard.live.link_requests import LinkRequests
+from passafe_dashboard.live.page import LivePage
+from passafe_dashboard.markup import STATIC
+from passafe_dashboard.routes.links import link_routes
+from passafe_dashboard.routes.page import page_routes
+from passafe_dashboard.routes.state import state_routes
+
+HEADERS: Final = {
+    "Content-Security-Policy": (
+        "default-src 'none'; script-src 'self'; connect-src 'self'; img-src 'self' data: blob:; "
+        "style-src 'self' 'unsafe-inline'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    ),
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cache-Control": "no-cache",
+}
+"""The browser loads nothing from other hosts. Inline styles stay allowed: BokehJS styles its elements so."""
+
+
+def create_app(broadcast: Broadcast, links: LinkRequests, *, window_s: float = 20.0) -> FastAPI:
+    """Return the application.
+
+    While it runs, ``app.state.broadcasting`` is the task that reads the bus; it ends only by failing.
+
+    Args:
+        broadcast: Source of the state and of the frames.
+        links: Changes links.
+        window_s: Stretch of time that charts show.
+    """
+    page = LivePage(broadcast.feed, window_s=window_s)
+
+    @asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        await asyncio.to_thread(page.charts)  # before messages flow: it takes a second in a new process
+        app.state.broadcasting = asyncio.create_task(broadcast.run())
+        yield
+        app.state.broadcasting.cancel()
+        await asyncio.wait({app.state.broadcasting})
+
+    app = FastAPI(title="passafe dashboard", lifespan=lifespan, docs_url=None, redoc_url=None, openapi_url=None)
+    app.middleware("http")(_add_headers)
+    app.include_router(page_routes(page))
+    app.include_router(state_routes(broadcast))
+    app.include_router(link_routes(links))
+    app.mount("/static/bokeh", StaticFiles(directory=bokeh_settings.bokehjs_path()), name="bokeh")
+    app.mount("/static", StaticFiles(directory=STATIC), name="static")
+    return app
+
+
+async def _add_headers(request: Request, call_next: Callable[[Request], Awaitable[Response]]) -> Response:
+    response = await call_next(request)
+    for name, value in HEADERS.items():
+        response.headers.setdefault(name, value)
+    return response

@@ -1,0 +1,73 @@
+"""Serve the page's state: ``GET /api/status``, ``GET /healthz``, and frame by frame the WebSocket ``/live``."""
+
+import asyncio
+from contextlib import aclosing
+from typing import Final
+
+from fastapi import APIRouter, Request, Response, WebSocket, WebSocketDisconnect
+
+from passafe_dashboard.json_text import json_text
+from passafe_dashboard.live.broadcast import Broadcast
+from passafe_dashboard.live.page_state import liveness, page_state
+from passafe_dashboard.routes.origin import is_same_origin
+
+MAX_CLIENTS: Final = 32
+WRONG_ORIGIN: Final = 1008
+TRY_AGAIN_LATER: Final = 1013
+
+
+def state_routes(broadcast: Broadcast) -> APIRouter:
+    """Return the routes of state, health and frames."""
+    router = APIRouter()
+
+    @router.get("/api/status")
+    async def status() -> Response:
+        text = json_text(page_state(broadcast.feed, broadcast.clock()))
+        return Response(text, media_type="application/json")
+
+    @router.get("/healthz")
+    async def healthz(request: Request) -> Response:
+        broadcasting: asyncio.Task[None] = request.app.state.broadcasting
+        failed = broadcasting.done()
+        feed = liveness(broadcast.feed, broadcast.clock())
+        text = json_text({"ok": not failed, "pages": broadcast.clients, "feed": feed})
+        return Response(text, media_type="application/json", status_code=503 if failed else 200)
+
+    @router.websocket("/live")
+    async def live(websocket: WebSocket) -> None:
+        if not is_same_origin(websocket):
+            await websocket.close(WRONG_ORIGIN)
+            return
+        await websocket.accept()
+        if broadcast.clients >= MAX_CLIENTS:
+            await websocket.close(TRY_AGAIN_LATER, "too many pages are open")
+            return
+        await _serve_client(websocket, broadcast)
+
+    return router
+
+
+async def _serve_client(websocket: WebSocket, broadcast: Broadcast) -> None:
+    """Send frames until the client leaves or the run is over."""
+    try:
+        async with asyncio.TaskGroup() as tasks:
+            waiting = tasks.create_task(_wait_for_departure(websocket))
+            sending = tasks.create_task(_send_frames(websocket, broadcast))
+            sending.add_done_callback(lambda _: waiting.cancel())
+    except* WebSocketDisconnect:
+        pass  # the page was closed: nothing is left to send to
+
+
+async def _send_frames(websocket: WebSocket, broadcast: Broadcast) -> None:
+    async with aclosing(broadcast.frames()) as frames:
+        async for text in frames:
+            await websocket.send_text(text)
+    await websocket.close(reason="the run is over")
+
+
+async def _wait_for_departure(websocket: WebSocket) -> None:
+    """Read and ignore messages until the client leaves, which raises WebSocketDisconnect."""
+    while True:
+        message = await websocket.receive()
+        if message["type"] == "websocket.disconnect":
+            raise WebSocketDisconnect(message.get("code", 1006))
