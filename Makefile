@@ -76,8 +76,7 @@ delay-atlas: $(STAMP)  ## the delay-margin atlas of docs/experiments.md; it goes
 	$(BIN)/passafe experiment delay-margin --keep none --out runs/delay-margin
 	cp runs/delay-margin/boundaries.svg docs/pictures/delay-margin.svg
 
-wheel: $(STAMP)  ## dist/: a wheel with the loop compiled, for long sweeps; takes a C compiler and 2½ minutes
-	@echo "compiling twice, with loops run in between: 2½ minutes"
+wheel: $(STAMP)  ## dist/: a wheel with the loop compiled, for long sweeps; takes a C compiler and a minute
 	HATCH_BUILD_HOOK_ENABLE_CUSTOM=true $(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --no-build-isolation --wheel-dir dist .
 	@ls dist/passafe-*
 
