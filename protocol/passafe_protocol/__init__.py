@@ -1,1 +1,1 @@
-"""What crosses the wire: messages, the topic table, codec with validation, injected links."""
+"""Messages, the topic table, the codec with validation, and injected links."""

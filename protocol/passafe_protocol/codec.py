@@ -1,7 +1,7 @@
-"""Messages to bytes and back, for every topic of the table; both ways validate.
+"""Encodes and decodes the messages of every topic; both directions validate.
 
-The conversion is driven by the shapes of the records (``passafe_protocol.shapes``), so that a field added to
-``passafe.proto`` and ``messages.py`` needs nothing here. ``docs/wire-protocol.md`` describes the format.
+The conversion is driven by the shapes of the records (``passafe_protocol.shapes``): a field added to
+``passafe.proto`` and ``messages.py`` needs no change here. ``docs/wire-protocol.md`` describes the format.
 """
 
 from functools import cache
@@ -13,7 +13,7 @@ from google.protobuf.message import Message as ProtobufMessage
 from google.protobuf.unknown_fields import UnknownFieldSet
 
 from passafe_protocol import passafe_pb2
-from passafe_protocol.checksum import is_intact, sealed
+from passafe_protocol.checksum import is_intact, with_checksum
 from passafe_protocol.errors import ChecksumError, DecodeError, InvalidMessageError, SchemaVersionError
 from passafe_protocol.messages import SCHEMA_VERSION, Header, Message, Record
 from passafe_protocol.shapes import RecordType, Shape, shape_of
@@ -21,13 +21,13 @@ from passafe_protocol.topics import TOPICS, Topic
 from passafe_protocol.validation import check, member_of
 
 MAX_MESSAGE_BYTES: Final = 1 << 20
-"""Size of the largest message; bounds the time and memory that a reader spends on one."""
+"""Largest message; bounds the time and memory that a reader spends on one."""
 
 _HEADER: Final = shape_of(Header)
 
 
 class _Format(NamedTuple):
-    """How the messages of one topic are converted."""
+    """Record shape and protobuf type of one topic's messages."""
 
     topic: str
     shape: Shape
@@ -47,10 +47,10 @@ _FORMAT_OF_BODY: Final[dict[RecordType, _Format]] = {topic.body: _format_of(topi
 
 
 def encode(header: Header, body: Message) -> bytes:
-    """Bytes of a message, its header stamped with this build's schema version, its checksum at the end.
+    """Encode a message, with this build's schema version in the header and the checksum at the end.
 
     Raises:
-        InvalidMessageError: If a field holds what it may not; nothing that ``decode`` would refuse leaves.
+        InvalidMessageError: A field has a value that ``decode`` would refuse.
     """
     if type(body) not in _FORMAT_OF_BODY:
         raise InvalidMessageError("no topic", "body", type(body).__name__, "a message of the topic table")
@@ -61,20 +61,20 @@ def encode(header: Header, body: Message) -> bytes:
     _fill(topic, shape, message, body, "")
     check(topic, _HEADER, header, "header.")
     check(topic, shape, body)
-    data = sealed(message.SerializeToString())
+    data = with_checksum(message.SerializeToString())
     if len(data) > MAX_MESSAGE_BYTES:
         raise InvalidMessageError(topic, "body", f"{len(data)} bytes", f"at most {MAX_MESSAGE_BYTES} bytes")
     return data
 
 
 def decode(topic: Topic, data: bytes) -> tuple[Header, Message]:
-    """Header and body of a message that arrived on ``topic``; no bytes raise anything but the errors below.
+    """Decode a message received on ``topic`` into header and body; arbitrary bytes raise only the errors below.
 
     Raises:
-        ChecksumError: If the bytes are not those that were sent.
-        DecodeError: If they are no message of the topic.
-        SchemaVersionError: If they are one of another schema version.
-        InvalidMessageError: If a field holds what it may not.
+        ChecksumError: The bytes were damaged.
+        DecodeError: The bytes are not a message of the topic.
+        SchemaVersionError: The message has another schema version.
+        InvalidMessageError: A field has a value that is not allowed.
     """
     if len(data) > MAX_MESSAGE_BYTES:
         raise DecodeError(topic.name, len(data), f"more than {MAX_MESSAGE_BYTES} bytes")
@@ -99,19 +99,19 @@ def decode(topic: Topic, data: bytes) -> tuple[Header, Message]:
 
 @cache
 def file_descriptor_set() -> bytes:
-    """Schema of every message as a serialized ``FileDescriptorSet``: what a log carries to explain itself."""
+    """Return the schema of all messages as a serialized ``FileDescriptorSet``, as logs embed it."""
     descriptors = FileDescriptorSet()
     passafe_pb2.DESCRIPTOR.CopyToProto(descriptors.file.add())
     return descriptors.SerializeToString(deterministic=True)
 
 
 def schema_name(topic: Topic) -> str:
-    """Full protobuf name of the topic's message, such as ``passafe.v1.PlantState``."""
+    """Return the full protobuf name of the topic's message, such as ``passafe.v1.PlantState``."""
     return _FORMAT_OF_BODY[topic.body].message_type.DESCRIPTOR.full_name
 
 
 def _fill(topic: str, shape: Shape, message: ProtobufMessage, record: Record, path: str) -> None:
-    """Copy a record into its protobuf message, which refuses wrong types and numbers out of range."""
+    """Copy a record into its protobuf message, which raises on wrong types and numbers out of range."""
     index, name = 0, ""
     value = shape.read(record)
     try:
@@ -120,26 +120,26 @@ def _fill(topic: str, shape: Shape, message: ProtobufMessage, record: Record, pa
         for index, name in shape.vectors:
             getattr(message, name).extend(value[index])
     except (TypeError, ValueError, OverflowError) as error:
-        allowed = f"what protobuf takes: {error}"
+        allowed = f"a value that protobuf accepts: {error}"
         raise InvalidMessageError(topic, path + name, value[index], allowed) from error
     for index, name, part in shape.parts:
         _fill(topic, part, getattr(message, name), value[index], f"{path}{name}.")
     for index, name, part in shape.lists:
         elements = getattr(message, name)
-        for place, element in enumerate(value[index]):
-            _fill(topic, part, elements.add(), element, f"{path}{name}[{place}].")
+        for k, element in enumerate(value[index]):
+            _fill(topic, part, elements.add(), element, f"{path}{name}[{k}].")
 
 
 def _read(topic: str, shape: Shape, message: ProtobufMessage, path: str = "") -> Record:
-    """Record of a protobuf message, its fields of the right types.
+    """Convert a protobuf message into a record with fields of the right types.
 
-    Fields that the message does not have are refused: protobuf would otherwise read a state as an input,
-    since the numbers of their vectors agree.
+    Unknown fields are refused: protobuf would otherwise decode a state as an input, because the field numbers of
+    their vectors coincide.
     """
     unknown = UnknownFieldSet(message)
     if len(unknown):
         got = f"field number {unknown[0].field_number}"
-        allowed = f"its fields of schema version {SCHEMA_VERSION}"
+        allowed = f"the fields of schema version {SCHEMA_VERSION}"
         raise InvalidMessageError(topic, shape.record_type.__name__, got, allowed)
     values = list(shape.read(message))
     for index, _ in shape.vectors:

@@ -28,7 +28,7 @@ class CorrelatedUniform:
         self.correlate(0.0)
 
     def correlate(self, correlation: float) -> None:
-        """Let what follows have another rank correlation, in [0, 1)."""
+        """Set the rank correlation of the numbers that follow, in [0, 1)."""
         self._weight = 2.0 * sin(pi * correlation / 6.0)
         self._fresh = sqrt(1.0 - self._weight**2)
 

@@ -1,8 +1,8 @@
-"""How delays are distributed: the quantile function of each distribution, and the delay made from it.
+"""Delay distributions: the quantile function of each, and a sampler of delays.
 
 The random part of a delay is jitter_s·q(U), U uniform in (0, 1), q one of ``STANDARD``, all but the uniform one with
 mean 0 and standard deviation 1. The shapes are those of netem's tables (iproute2, ``netem/pareto.c`` and
-``netem/paretonormal.c``), not clipped at four standard deviations and with the standard deviation that is asked for.
+``netem/paretonormal.c``), but not clipped at four standard deviations, and with the requested standard deviation.
 """
 
 from collections.abc import Callable
@@ -15,7 +15,7 @@ from passafe_protocol.link_settings import MAX_DELAY_S, LinkSettings
 Quantile: TypeAlias = Callable[[float], float]
 
 LONGEST_NS: Final = round(2e9 * MAX_DELAY_S)
-"""No delay is longer, whatever its distribution's tail; with the rate it bounds how much is under way."""
+"""Longest delay, whatever the tail of the distribution; with the rate it bounds the messages in flight."""
 
 _NS_PER_S: Final = 1e9
 _LEAST: Final = 2.0**-53
@@ -29,22 +29,22 @@ PARETO_NORMAL_SIGMA: Final = 0.937753856874
 
 
 def uniform(u: float) -> float:
-    """Uniform in [−1, 1): 2u − 1."""
+    """Return the quantile of the uniform distribution on [−1, 1): 2u − 1."""
     return 2.0 * u - 1.0
 
 
 def normal(u: float) -> float:
-    """Standard normal: Φ⁻¹(u)."""
+    """Return the standard normal quantile, Φ⁻¹(u)."""
     return _normal(_inside(u))
 
 
 def pareto(u: float) -> float:
-    """Pareto of shape 3, shifted and scaled to mean 0 and standard deviation 1: ((1 − u)^(−1/3) − 3/2)·2/√3."""
+    """Return the quantile of a Pareto distribution of shape 3, mean 0, deviation 1: ((1 − u)^(−1/3) − 3/2)·2/√3."""
     return (pow(1.0 - _inside(u), -1.0 / PARETO_SHAPE) - 1.5) * _PARETO_SCALE
 
 
 def pareto_normal(u: float) -> float:
-    """A quarter normal and three quarters Pareto, quantile by quantile, scaled to standard deviation 1."""
+    """Return a quarter of the normal and three quarters of the Pareto quantile, scaled to standard deviation 1."""
     return (normal(u) + 3.0 * pareto(u)) / (4.0 * PARETO_NORMAL_SIGMA)
 
 
@@ -58,23 +58,23 @@ STANDARD: Final[dict[str, Quantile]] = {
 
 
 def histogram(quantiles_s: tuple[float, ...]) -> Quantile:
-    """Quantile function, s, that is linear between quantiles that lie equally apart in probability."""
+    """Return the quantile function, s, that interpolates quantiles at equal steps of probability linearly."""
     steps = len(quantiles_s) - 1
 
     def quantile(u: float) -> float:
-        place = u * steps
-        at = min(int(place), steps - 1)
-        return quantiles_s[at] + (place - at) * (quantiles_s[at + 1] - quantiles_s[at])
+        position = u * steps
+        i = min(int(position), steps - 1)
+        return quantiles_s[i] + (position - i) * (quantiles_s[i + 1] - quantiles_s[i])
 
     return quantile
 
 
 def delay_sampler(settings: LinkSettings, uniform_source: Callable[[], float]) -> Callable[[], int]:
-    """Function that draws one delay, ns, in [0, ``LONGEST_NS``]: what lies outside comes out as the nearest end.
+    """Return a function that draws one delay, ns, clipped to [0, ``LONGEST_NS``].
 
     Args:
-        settings: Of the link.
-        uniform_source: Draws from [0, 1]; called once a delay, never if the delay is constant.
+        settings: Settings of the link.
+        uniform_source: Draws from [0, 1]; called once per delay, never if the delay is constant.
     """
     base_ns = settings.delay_s * _NS_PER_S
     if settings.distribution == "histogram":
@@ -93,5 +93,5 @@ def delay_sampler(settings: LinkSettings, uniform_source: Callable[[], float]) -
 
 
 def _inside(u: float) -> float:
-    """The nearest number that has a finite quantile."""
+    """Return the nearest number that has a finite quantile."""
     return min(max(u, _LEAST), 1.0 - _LEAST)

@@ -1,4 +1,4 @@
-"""Losses that come in bursts: the Gilbert–Elliott model."""
+"""Burst losses: the Gilbert–Elliott model."""
 
 from collections.abc import Callable
 
@@ -6,11 +6,12 @@ from passafe_protocol.link_settings import LinkSettings
 
 
 class GilbertElliott:
-    """A two-state Markov chain, good and bad, that advances with every message; each state has its share of losses.
+    """Markov chain with a good and a bad state, each with its own loss probability, that advances with every message.
 
-    A message is lost with the probability of the state that it meets, then the state changes: from good to bad with
+    A message is lost with the probability of the current state; then the state changes from good to bad with
     probability p, from bad to good with r. Bad periods last 1/r messages on average, and the share p/(p + r) of all
-    messages meets one. It begins good. (Gilbert 1960; Elliott 1963; parameters as in netem's ``gemodel``.)
+    messages falls into one. The initial state is good. (Gilbert 1960; Elliott 1963; parameters as in netem's
+    ``gemodel``.)
 
     Args:
         draw: Draws from [0, 1); called twice for every message.
@@ -26,7 +27,7 @@ class GilbertElliott:
         self.settings = settings
 
     def __call__(self) -> bool:
-        """Tell whether the next message is lost."""
+        """Draw whether the next message is lost."""
         settings, bad = self.settings, self._bad
         lost = self._draw() < (settings.burst_loss_bad if bad else settings.burst_loss_good)
         if self._draw() < (settings.burst_leave if bad else settings.burst_enter):

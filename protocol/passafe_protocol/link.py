@@ -1,7 +1,7 @@
-"""An injected link: a value that decides when, and whether, each message comes out, and in which shape.
+"""Injected link: emulates delay, loss, duplication, corruption, bandwidth and outages of one direction of a network.
 
-It knows no clock and no threads. The reader puts in what the network delivered and asks what has arrived by
-now.
+A link has no clock and no threads: its reader puts in what the real network delivered and pops what has arrived by a
+given time.
 """
 
 from collections.abc import Callable
@@ -13,91 +13,100 @@ from passafe_protocol.bottleneck import Bottleneck, RateSchedule, Schedule, Trac
 from passafe_protocol.correlated_uniform import CorrelatedUniform
 from passafe_protocol.delay_distribution import delay_sampler
 from passafe_protocol.gilbert_elliott import GilbertElliott
-from passafe_protocol.link_effect import CORRUPTED, CUT, DUPLICATED, LOST, OVERFLOWED, UNHARMED, Effects, LinkCounts
+from passafe_protocol.link_effect import (
+    CORRUPTED,
+    DROPPED_BY_LOSS,
+    DROPPED_BY_OUTAGE,
+    DROPPED_BY_QUEUE,
+    DUPLICATED,
+    NO_EFFECT,
+    Effects,
+    LinkCounts,
+)
 from passafe_protocol.link_settings import LinkSettings
 from passafe_protocol.outages import Outages
 
 T = TypeVar("T")
 
 Damage = Callable[[T, float], T]
-"""What corruption makes of an item; the number in [0, 1) says where it strikes."""
+"""Returns the damaged item; the number in [0, 1) is the relative position of the damage."""
 
 _NS_PER_S: Final = 1e9
 _COPY: Final = 0.5
-"""A copy's place in the order of ``put`` is this far behind its message's."""
+"""Offset of a copy behind its message in the order of ``put``."""
 
 
 class Link(Generic[T]):
-    """One direction of a bad network: name, settings and times of ``put`` decide what comes out, and when.
+    """One direction of an impaired network; its output is a function of name, settings and times of ``put`` alone.
 
-    Every effect draws from a random sequence of its own, seeded by link, seed and effect, a fixed number of times for
-    each message while the effect is on, whatever the others do to the message. So links that share a seed lose
-    different messages, and changing one setting leaves the randomness of the others as it was.
+    Every effect draws from a random generator of its own, seeded by link, seed and effect, a fixed number of times per
+    message while the effect is enabled, whatever the other effects do to the message. Hence links that share a seed
+    lose different messages, and changing one setting leaves the random draws of the others unchanged.
 
     Attributes:
         name: Name of the link, such as ``filter-to-plant``.
-        settings: Settings in force for what is put in next.
-        put: Let a message enter: ``put(now_ns, item)`` returns what is done to it, nothing if it is only delayed.
-            ``now_ns`` never decreases. Chosen by the settings, so that a link does no work for what is switched off.
+        settings: Settings in force for the messages put in next.
+        put: Puts a message in: ``put(now_ns, item)`` returns the effects on it, none if it is only delayed. ``now_ns``
+            never decreases. Selected by the settings, so that disabled effects cost nothing.
     """
 
     put: Callable[[int, T], Effects]
 
     def __init__(self, name: str, settings: LinkSettings, damage: Damage[T] | None = None) -> None:
-        """Make a link with nothing under way.
+        """Create a link with nothing in flight.
 
         Args:
             name: Its name.
             settings: Its settings.
-            damage: What corruption makes of an item; without it, a corrupted item stays as it is.
+            damage: Corrupts an item; without it, a corrupted item is delivered unchanged.
         """
         self.name = name
-        self._damage = damage or _leave_as_is
-        self._under_way: list[tuple[int, float, T]] = []
+        self._damage = damage or _unchanged
+        self._in_flight: list[tuple[int, float, T]] = []
         self._entered = self._delivered = self._duplicated = self._corrupted = 0
-        self._lost = self._overflowed = self._cut = 0
+        self._loss_drops = self._queue_drops = self._outage_drops = 0
         self._in_order = False
-        self._last_ns = 0  # arrival of the last one put in, while the order is kept
+        self._last_ns = 0  # arrival of the message put in last, while the order is kept
         self._generators: dict[str, Callable[[], float]] = {}
         self._bottleneck: Bottleneck | None = None
         self._outages = Outages(settings.outages_s)
         self.settings = settings
-        self._start_sequences()
+        self._start_generators()
         self._apply(before=None)
 
     def reconfigure(self, settings: LinkSettings) -> None:
-        """Put other settings in force.
+        """Replace the settings.
 
-        Messages under way keep their time. Random sequences go on unless the seed is another one; outages and a
-        trace begin anew if they are others than before.
+        Messages in flight keep their arrival times. Random generators continue unless the seed changes; outages and a
+        trace restart if they change.
         """
         before, self.settings = self.settings, settings
         if settings.seed != before.seed:
-            self._start_sequences()
+            self._start_generators()
         self._apply(before=before)
 
     @property
     def counts(self) -> LinkCounts:
-        """What became of the messages so far."""
+        """Counts of messages since the start."""
         return LinkCounts(
             entered=self._entered,
             delivered=self._delivered,
-            dropped_loss=self._lost,
-            dropped_queue=self._overflowed,
-            dropped_outage=self._cut,
+            dropped_loss=self._loss_drops,
+            dropped_queue=self._queue_drops,
+            dropped_outage=self._outage_drops,
             duplicated=self._duplicated,
             corrupted=self._corrupted,
-            in_flight=len(self._under_way),
+            in_flight=len(self._in_flight),
         )
 
-    def pass_on(self, number: int) -> None:
-        """Count messages that were handed over without the link, because its settings do nothing."""
+    def count_passed(self, number: int) -> None:
+        """Count messages that bypassed the link because its settings have no effect."""
         self._entered += number
         self._delivered += number
 
-    def take(self, now_ns: int) -> list[tuple[int, T]]:
-        """What arrived by ``now_ns`` as (arrival_ns, item): by arrival, then in the order of ``put``."""
-        in_flight = self._under_way
+    def pop_arrived(self, now_ns: int) -> list[tuple[int, T]]:
+        """Remove and return the items that arrived by ``now_ns`` as (arrival_ns, item), by arrival, then by ``put``."""
+        in_flight = self._in_flight
         arrived: list[tuple[int, T]] = []
         while in_flight and in_flight[0][0] <= now_ns:
             arrival_ns, _, item = heappop(in_flight)
@@ -105,64 +114,64 @@ class Link(Generic[T]):
         self._delivered += len(arrived)
         return arrived
 
-    def _put_on_time(self, now_ns: int, item: T) -> Effects:
-        """Let a message enter a link with a constant delay and nothing else."""
+    def _put_constant_delay(self, now_ns: int, item: T) -> Effects:
+        """Put a message into a link that only has a constant delay."""
         self._entered = number = self._entered + 1
-        heappush(self._under_way, (now_ns + self._constant_ns, number, item))
-        return UNHARMED
+        heappush(self._in_flight, (now_ns + self._constant_ns, number, item))
+        return NO_EFFECT
 
-    def _put_plain(self, now_ns: int, item: T) -> Effects:
-        """Let a message enter a link with uniform delays and independent loss at most."""
+    def _put_uniform_delay(self, now_ns: int, item: T) -> Effects:
+        """Put a message into a link that has at most uniform delays and independent loss."""
         self._entered = number = self._entered + 1
         delay_ns = round(self._base_ns + self._jitter_ns * (2.0 * self._draw_delay() - 1.0))
         if self._draw_loss() < self._loss:
-            self._lost += 1
-            return LOST
-        heappush(self._under_way, (now_ns + delay_ns if delay_ns > 0 else now_ns, number, item))
-        return UNHARMED
+            self._loss_drops += 1
+            return DROPPED_BY_LOSS
+        heappush(self._in_flight, (now_ns + delay_ns if delay_ns > 0 else now_ns, number, item))
+        return NO_EFFECT
 
-    def _put_through(self, now_ns: int, item: T) -> Effects:
-        """Let a message enter a link with any effects."""
+    def _put_any(self, now_ns: int, item: T) -> Effects:
+        """Put a message into a link with any effects."""
         self._entered = number = self._entered + 1
-        cut = self._outages.cover(now_ns)
+        in_outage = self._outages.cover(now_ns)
         lost = self._is_lost()
         delay_ns = self._delay_ns()
-        strike = self._strike()
+        strike = self._corrupt_at()
         copied = self._is_copied()
-        if cut:
-            self._cut += 1
-            return CUT
+        if in_outage:
+            self._outage_drops += 1
+            return DROPPED_BY_OUTAGE
         if lost:
-            self._lost += 1
-            return LOST
+            self._loss_drops += 1
+            return DROPPED_BY_LOSS
         departure_ns = now_ns if self._bottleneck is None else self._bottleneck.departure_ns(now_ns)
         if departure_ns is None:
-            self._overflowed += 1
-            return OVERFLOWED
+            self._queue_drops += 1
+            return DROPPED_BY_QUEUE
         effects = self._send(departure_ns + delay_ns, number, item, strike)
         if copied:
             self._duplicated += 1
             delay_ns = self._copy_delay_ns()
-            effects += DUPLICATED + self._send(departure_ns + delay_ns, number + _COPY, item, self._copy_strike())
+            effects += DUPLICATED + self._send(departure_ns + delay_ns, number + _COPY, item, self._copy_corrupt_at())
         return effects
 
     def _send(self, arrival_ns: int, number: float, item: T, strike: float | None) -> Effects:
         if self._in_order:
             self._last_ns = arrival_ns = max(arrival_ns, self._last_ns)
         if strike is None:
-            heappush(self._under_way, (arrival_ns, number, item))
-            return UNHARMED
+            heappush(self._in_flight, (arrival_ns, number, item))
+            return NO_EFFECT
         self._corrupted += 1
-        heappush(self._under_way, (arrival_ns, number, self._damage(item, strike)))
+        heappush(self._in_flight, (arrival_ns, number, self._damage(item, strike)))
         return CORRUPTED
 
-    def _start_sequences(self) -> None:
+    def _start_generators(self) -> None:
         self._generators = {}
         self._uniform = CorrelatedUniform(self._sequence("delay"))
         self._bursts = GilbertElliott(self._sequence("burst"), self.settings)
 
     def _sequence(self, effect: str) -> Callable[[], float]:
-        """Random sequence of an effect: the one in use, or a new one."""
+        """Return the random generator of an effect, created at the first use."""
         if effect not in self._generators:
             generator = Random(f"{self.name}/{self.settings.seed}/{effect}")  # noqa: S311  simulation, no secret
             self._generators[effect] = generator.random
@@ -174,20 +183,20 @@ class Link(Generic[T]):
             self._outages = Outages(settings.outages_s)
         self._apply_bottleneck(before)
         self._apply_delay()
-        self._apply_fates()
+        self._apply_losses()
         in_order = not settings.reorder
         if in_order and not self._in_order:
-            self._last_ns = max((arrival_ns for arrival_ns, _, _ in self._under_way), default=0)
+            self._last_ns = max((arrival_ns for arrival_ns, _, _ in self._in_flight), default=0)
         self._in_order = in_order
         special = settings.has_bursts or settings.duplicate or settings.corrupt or settings.outages_s
         if in_order or special or self._bottleneck is not None:
-            self.put = self._put_through
+            self.put = self._put_any
         elif settings.loss == 0.0 and settings.jitter_s == 0.0 and settings.distribution != "histogram":
-            self.put = self._put_on_time
+            self.put = self._put_constant_delay
         elif settings.distribution == "uniform" and settings.correlation == 0.0:
-            self.put = self._put_plain
+            self.put = self._put_uniform_delay
         else:
-            self.put = self._put_through
+            self.put = self._put_any
 
     def _apply_delay(self) -> None:
         settings, draw = self.settings, self._sequence("delay")
@@ -199,7 +208,7 @@ class Link(Generic[T]):
         self._delay_ns = delay_sampler(settings, self._uniform if settings.correlation else draw)
         self._copy_delay_ns = delay_sampler(settings, self._sequence("copy"))
 
-    def _apply_fates(self) -> None:
+    def _apply_losses(self) -> None:
         settings = self.settings
         self._loss = settings.loss
         self._draw_loss = self._sequence("loss") if settings.loss else _zero
@@ -207,10 +216,10 @@ class Link(Generic[T]):
         self._is_lost = _chance(self._sequence("loss"), settings.loss)
         if settings.has_bursts:
             independent = self._is_lost
-            self._is_lost = lambda: bool(int(self._bursts()) | int(independent()))  # both draw, whatever the other says
+            self._is_lost = lambda: bool(int(self._bursts()) | int(independent()))  # both draw for every message
         self._is_copied = _chance(self._sequence("duplicate"), settings.duplicate)
-        self._strike = _strikes(self._sequence("corrupt"), settings.corrupt)
-        self._copy_strike = _strikes(self._sequence("copy"), settings.corrupt)
+        self._corrupt_at = _corruption(self._sequence("corrupt"), settings.corrupt)
+        self._copy_corrupt_at = _corruption(self._sequence("copy"), settings.corrupt)
 
     def _apply_bottleneck(self, before: LinkSettings | None) -> None:
         settings, bottleneck = self.settings, self._bottleneck
@@ -230,23 +239,23 @@ def _schedule(settings: LinkSettings) -> Schedule:
 
 
 def _chance(draw: Callable[[], float], probability: float) -> Callable[[], bool]:
-    """Function that tells whether something with this probability happens; it draws once, never if it cannot."""
+    """Return a function that draws an event of this probability: one draw per call, none for probability zero."""
     return (lambda: draw() < probability) if probability else _never
 
 
-def _strikes(draw: Callable[[], float], probability: float) -> Callable[[], float | None]:
-    """Function that says where in a message a bit flips, as a number in [0, 1); draws twice, never if none can."""
+def _corruption(draw: Callable[[], float], probability: float) -> Callable[[], float | None]:
+    """Return a function that draws the position of a flipped bit in [0, 1) or ``None``; two draws, none if disabled."""
     if not probability:
-        return _nowhere
+        return _no_corruption
 
-    def strike() -> float | None:
-        struck, place = draw() < probability, draw()
-        return place if struck else None
+    def position() -> float | None:
+        corrupted, at = draw() < probability, draw()
+        return at if corrupted else None
 
-    return strike
+    return position
 
 
-def _leave_as_is(item: T, _place: float) -> T:
+def _unchanged(item: T, _position: float) -> T:
     return item
 
 
@@ -258,5 +267,5 @@ def _never() -> bool:
     return False
 
 
-def _nowhere() -> float | None:
+def _no_corruption() -> float | None:
     return None

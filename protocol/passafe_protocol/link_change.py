@@ -1,4 +1,4 @@
-"""A planned change of an injected link's settings."""
+"""Scheduled change of an injected link's settings."""
 
 from dataclasses import dataclass
 
@@ -7,12 +7,12 @@ from passafe_protocol.link_settings import LinkSettings
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class LinkChange:
-    """A change of a link's settings, planned before the run.
+    """Change of a link's settings, scheduled before the run.
 
     Attributes:
-        at_s: When, s after the first step of the process that reads the link.
+        at_s: Time of the change, s after the first step of the process that reads the link.
         link: Name of the link.
-        settings: What is in force from then on.
+        settings: Settings from then on.
     """
 
     at_s: float

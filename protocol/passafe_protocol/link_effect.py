@@ -1,14 +1,14 @@
-"""What a link does to messages other than delaying them, and how many it did it to."""
+"""Effects of a link on messages, other than delay, and their counts."""
 
 from typing import Final, NamedTuple, TypeAlias
 
 
 class Effect(NamedTuple):
-    """One thing done to one message.
+    """Effect of a link on one message.
 
     Attributes:
         effect: ``dropped``, ``duplicated`` or ``corrupted``.
-        cause: Why it was dropped: ``loss``, ``queue`` or ``outage``; else empty.
+        cause: Cause of a drop: ``loss``, ``queue`` or ``outage``; else empty.
     """
 
     effect: str
@@ -17,10 +17,10 @@ class Effect(NamedTuple):
 
 Effects: TypeAlias = tuple[Effect, ...]
 
-UNHARMED: Final[Effects] = ()
-LOST: Final[Effects] = (Effect("dropped", "loss"),)
-OVERFLOWED: Final[Effects] = (Effect("dropped", "queue"),)
-CUT: Final[Effects] = (Effect("dropped", "outage"),)
+NO_EFFECT: Final[Effects] = ()
+DROPPED_BY_LOSS: Final[Effects] = (Effect("dropped", "loss"),)
+DROPPED_BY_QUEUE: Final[Effects] = (Effect("dropped", "queue"),)
+DROPPED_BY_OUTAGE: Final[Effects] = (Effect("dropped", "outage"),)
 DUPLICATED: Final[Effects] = (Effect("duplicated"),)
 CORRUPTED: Final[Effects] = (Effect("corrupted"),)
 
@@ -29,17 +29,17 @@ CAUSES: Final = ("loss", "queue", "outage")
 
 
 class LinkCounts(NamedTuple):
-    """Messages of a link since its start: entered + duplicated = delivered + dropped + under way, at any moment.
+    """Messages of a link since its start: entered + duplicated = delivered + dropped + in flight, at any time.
 
     Attributes:
         entered: Messages that entered the link.
-        delivered: Messages and copies that came out.
+        delivered: Messages and copies that left the link.
         dropped_loss: Messages lost at random.
-        dropped_queue: Messages that found the queue full.
-        dropped_outage: Messages that came during an outage.
+        dropped_queue: Messages dropped at a full queue.
+        dropped_outage: Messages dropped during an outage.
         duplicated: Copies made.
-        corrupted: Messages and copies with a bit flipped; they are delivered, or under way, like others.
-        in_flight: Messages and copies that have not come out yet.
+        corrupted: Messages and copies with a flipped bit, delivered or in flight.
+        in_flight: Messages and copies still in the link.
     """
 
     entered: int
@@ -53,5 +53,5 @@ class LinkCounts(NamedTuple):
 
     @property
     def dropped(self) -> int:
-        """Messages that never come out."""
+        """Messages dropped, whatever the cause."""
         return self.dropped_loss + self.dropped_queue + self.dropped_outage

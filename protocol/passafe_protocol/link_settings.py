@@ -1,4 +1,4 @@
-"""The settings of one injected link, each with its range."""
+"""Settings of one injected link and their ranges."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -37,44 +37,44 @@ RANGES: Final[dict[str, Span]] = {
     "corrupt": (0.0, 1.0),
     "rate_hz": (0.0, 1e6),
 }
-"""Least and largest value of each setting that is a number."""
+"""Smallest and largest value of each numeric setting."""
 
 _SEED_END: Final = 2**64
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class LinkSettings:
-    """Settings of one link. Probabilities are for each message; times of schedules count from a message.
+    """Settings of one link. Probabilities are per message; schedules start with a message.
 
-    A message meets the effects in this order: outage, loss, bottleneck (rate or trace), delay, duplication, corruption.
+    Effects apply in this order: outage, loss, bottleneck (rate or trace), delay, duplication, corruption.
 
     Attributes:
         delay_s: Constant part of the delay, s, in [0, ``MAX_DELAY_S``].
         jitter_s: Scale of the random part, s, in [0, ``MAX_DELAY_S``]: half width where ``distribution`` is
             ``uniform``, standard deviation elsewhere. See ``passafe_protocol.delay_distribution``.
-        distribution: Of the random part; one of ``DISTRIBUTIONS``.
-        quantiles_s: For ``histogram``: delays that are exceeded with probability 1, …, 0 in equal steps, s, added to
-            ``delay_s``; ``jitter_s`` is 0 then.
+        distribution: Distribution of the random part, one of ``DISTRIBUTIONS``.
+        quantiles_s: For ``histogram``: delays exceeded with probability 1, …, 0 in equal steps, s, added to
+            ``delay_s``; ``jitter_s`` must be 0.
         correlation: Rank correlation of the delays of successive messages, in [0, 0.9999]. See
             ``passafe_protocol.correlated_uniform``.
-        reorder: Whether messages may overtake one another. If not, one waits for those put in before it.
-        loss: Probability that a message is lost, independently of the others.
-        burst_enter: p of the Gilbert–Elliott model: from good to bad. See ``passafe_protocol.gilbert_elliott``.
-        burst_leave: r: from bad to good.
-        burst_loss_good: 1 − k: probability of a loss in the good state.
-        burst_loss_bad: 1 − h: in the bad state.
-        duplicate: Probability that a copy comes out too, with a delay of its own.
-        corrupt: Probability that a message or a copy comes out with one bit flipped.
-        rate_hz: Messages that the bottleneck lets through a second; 0: any number.
-        queue: Messages that wait at the bottleneck at most; those beyond are dropped.
-        outages_s: Times (start, end) between which messages are dropped, in order and apart, s from the first message
+        reorder: Whether messages may be reordered. If not, a message waits for those put in before it.
+        loss: Probability of an independent loss.
+        burst_enter: p of the Gilbert–Elliott model, good to bad. See ``passafe_protocol.gilbert_elliott``.
+        burst_leave: r, bad to good.
+        burst_loss_good: 1 − k, loss probability in the good state.
+        burst_loss_bad: 1 − h, loss probability in the bad state.
+        duplicate: Probability that a copy is delivered too, with a delay of its own.
+        corrupt: Probability that a message or a copy is delivered with one bit flipped.
+        rate_hz: Rate of the bottleneck, messages per second; 0: no limit.
+        queue: Capacity of the queue at the bottleneck, messages; further ones are dropped.
+        outages_s: Intervals (start, end) in which messages are dropped, ordered and disjoint, s from the first message
             put in under these outages.
-        trace_s: Instead of ``rate_hz``: times at which the bottleneck lets one message through, in order, s from the
-            first message put in under this trace; repeated with the last one as the period.
-        seed: Which random sequences decide, in [0, 2⁶⁴).
+        trace_s: Instead of ``rate_hz``: ordered times at which the bottleneck passes one message, s from the first
+            message put in under this trace; repeated with the last one as the period.
+        seed: Seed of the random generators, in [0, 2⁶⁴).
 
     Raises:
-        LinkSettingsError: If one is outside its range, or two contradict one another.
+        LinkSettingsError: A setting is outside its range, or two settings contradict each other.
     """
 
     delay_s: float = 0.0
@@ -117,38 +117,38 @@ class LinkSettings:
 
     @property
     def has_bursts(self) -> bool:
-        """Whether the Gilbert–Elliott model can lose anything."""
+        """True if the Gilbert–Elliott model can lose a message."""
         return self.burst_loss_good > 0.0 or (self.burst_enter > 0.0 and self.burst_loss_bad > 0.0)
 
     def _check_quantiles(self) -> None:
         got = self.quantiles_s
         if self.distribution != "histogram":
             if got:
-                raise LinkSettingsError("quantiles_s", got, "none unless distribution is histogram")
+                raise LinkSettingsError("quantiles_s", got, "none unless the distribution is histogram")
             return
         if not MIN_QUANTILES <= len(got) <= MAX_QUANTILES or not _is_rising(got, MAX_DELAY_S):
-            allowed = f"{MIN_QUANTILES} to {MAX_QUANTILES} numbers from 0 to {MAX_DELAY_S:g}, none below the one before"
+            allowed = f"{MIN_QUANTILES} to {MAX_QUANTILES} non-decreasing numbers from 0 to {MAX_DELAY_S:g}"
             raise LinkSettingsError("quantiles_s", got, allowed)
         if self.jitter_s:
-            raise LinkSettingsError("jitter_s", self.jitter_s, "0 where distribution is histogram")
+            raise LinkSettingsError("jitter_s", self.jitter_s, "0 if the distribution is histogram")
 
     def _check_outages(self) -> None:
         edges = [edge for span in self.outages_s for edge in span]
         paired = all(len(span) == 2 for span in self.outages_s)  # noqa: PLR2004 - start and end
         rising = _is_rising(edges, MAX_SCHEDULE_S) and all(start < end for start, end in pairwise(edges))
         if len(self.outages_s) > MAX_OUTAGES or not paired or not rising:
-            allowed = f"at most {MAX_OUTAGES} pairs (start, end) of times from 0 to {MAX_SCHEDULE_S:g}, each later"
-            raise LinkSettingsError("outages_s", self.outages_s, f"{allowed} than the one before")
+            allowed = f"at most {MAX_OUTAGES} pairs (start, end) of times from 0 to {MAX_SCHEDULE_S:g}, all increasing"
+            raise LinkSettingsError("outages_s", self.outages_s, allowed)
 
     def _check_trace(self) -> None:
         got = self.trace_s
         if not got:
             return
         if len(got) > MAX_OPPORTUNITIES or not _is_rising(got, MAX_SCHEDULE_S) or got[-1] <= 0:
-            allowed = f"at most {MAX_OPPORTUNITIES} times from 0 to {MAX_SCHEDULE_S:g}, none before the one before it"
+            allowed = f"at most {MAX_OPPORTUNITIES} non-decreasing times from 0 to {MAX_SCHEDULE_S:g}"
             raise LinkSettingsError("trace_s", got, f"{allowed}, the last one above 0")
         if self.rate_hz:
-            raise LinkSettingsError("rate_hz", self.rate_hz, "0 where there is a trace")
+            raise LinkSettingsError("rate_hz", self.rate_hz, "0 if there is a trace")
 
 
 def _is_number(got: object) -> bool:
@@ -160,7 +160,7 @@ def _is_integer(got: object) -> bool:
 
 
 def _is_rising(got: Sequence[object], largest: float) -> bool:
-    """Tell whether these are numbers from 0 to ``largest``, none smaller than the one before."""
+    """Check that these are non-decreasing numbers from 0 to ``largest``."""
     numbers = [each for each in got if isinstance(each, (int, float)) and not isinstance(each, bool) and isfinite(each)]
     in_order = all(a <= b for a, b in pairwise(numbers))
     return len(numbers) == len(got) and in_order and all(0.0 <= each <= largest for each in numbers)

@@ -1,4 +1,4 @@
-"""Settings of a link as a record of the wire, and back."""
+"""Conversion between the settings of a link and their wire record."""
 
 from passafe_protocol.link_settings import LinkSettings
 from passafe_protocol.messages import LinkOutage, LinkParameters
@@ -8,20 +8,20 @@ _SHARED = tuple(field for field in shape_of(LinkParameters).names if field != "o
 
 
 def parameters_of(settings: LinkSettings) -> LinkParameters:
-    """Everything but the trace, which does not travel."""
+    """Return the wire record of settings, without the trace, which is not transmitted."""
     shared = {field: getattr(settings, field) for field in _SHARED}
     return LinkParameters(**shared, outages=tuple(LinkOutage(*span) for span in settings.outages_s))
 
 
 def settings_of(parameters: LinkParameters, trace_s: tuple[float, ...] = ()) -> LinkSettings:
-    """The settings that a record stands for.
+    """Return the settings of a wire record.
 
     Args:
         parameters: The record.
-        trace_s: The trace to go with it.
+        trace_s: Trace of the settings.
 
     Raises:
-        LinkSettingsError: If one is outside its range, or two contradict one another.
+        LinkSettingsError: A setting is outside its range, or two settings contradict each other.
     """
     shared = {field: getattr(parameters, field) for field in _SHARED}
     outages_s = tuple((outage.start_s, outage.end_s) for outage in parameters.outages)

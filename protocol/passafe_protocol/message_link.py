@@ -1,4 +1,4 @@
-"""A link that carries messages: corruption happens to their bytes, and what the link does is told as messages."""
+"""Link that carries messages: it corrupts their encoded bytes and reports its effects and state as messages."""
 
 from typing import Final, TypeAlias
 
@@ -13,26 +13,25 @@ from passafe_protocol.sequence import Arrival, SequenceGuard
 from passafe_protocol.topics import LINKS
 
 Carried: TypeAlias = tuple[Header, Message | bytes]
-"""Header and body, or the bytes of both once they are damaged."""
+"""Header and body, or header and the corrupted bytes of both."""
 
-_REPEATED: Final = frozenset({Arrival.REPEATED, Arrival.FOREIGN})
+_REFUSED: Final = frozenset({Arrival.DUPLICATE, Arrival.ENDED_SESSION})
 
 
 class MessageLink(Link[Carried]):
-    """A link on the way of one topic to one reader.
+    """Link between the publishers of one topic and one reader.
 
-    A corrupted message is encoded, one bit of it is flipped, and what comes out is what the reader's decoder makes of
-    it. Only then is anything encoded. A copy that comes out after its message is refused, as the reader refuses what
-    the bus repeats.
+    Only messages to be corrupted are encoded: one bit is flipped, and the reader's decoder decides what is received.
+    A copy that arrives after its message is refused, as the reader refuses duplicates from the bus.
 
     Attributes:
         topic: The topic.
-        refused_corrupted: Of the messages that came out, those that the decoder refused.
-        refused_duplicate: Those that had come out before.
+        refused_corrupted: Delivered messages that the decoder refused.
+        refused_duplicate: Delivered messages that were duplicates.
     """
 
     def __init__(self, name: str, settings: LinkSettings) -> None:
-        """Make a link with nothing under way.
+        """Create a link with nothing in flight.
 
         Args:
             name: Its name, one of ``LINKS``.
@@ -42,50 +41,50 @@ class MessageLink(Link[Carried]):
         self.topic = LINKS[name].topic
         self.refused_corrupted = self.refused_duplicate = 0
         self._guards: dict[str, SequenceGuard] = {}
-        self._judges = self._may_spoil()
-        self._asked = ("", 0, 0)
+        self._checks_received = self._may_damage()
+        self._last_config = ("", 0, 0)
         self._refusal = ""
 
     def reconfigure(self, settings: LinkSettings) -> None:
-        """Put other settings in force, see ``Link.reconfigure``."""
+        """Replace the settings, see ``Link.reconfigure``."""
         super().reconfigure(settings)
-        self._judges = self._judges or self._may_spoil()
+        self._checks_received = self._checks_received or self._may_damage()
 
     def configure(self, header: Header, config: LinkConfig) -> None:
-        """Do what a message asks for; the next ``state`` tells what came of it.
+        """Apply a requested configuration; the next ``state`` reports the outcome.
 
         Args:
-            header: Header of the message.
-            config: The message.
+            header: Header of the request.
+            config: The request.
         """
-        self._asked = (header.source, header.epoch, header.sequence)
+        self._last_config = (header.source, header.epoch, header.sequence)
         self._refusal = ""
         try:
             self.reconfigure(settings_of(config.parameters, self.settings.trace_s))
         except LinkSettingsError as error:
             self._refusal = str(error)
 
-    def arrived(self, now_ns: int) -> list[Received]:
-        """Messages that came out by ``now_ns`` and that the reader takes, in order of arrival."""
-        if not self._judges:
-            return [Received(header, body, at_ns) for at_ns, (header, body) in self.take(now_ns)]  # type: ignore[arg-type]  # nothing was damaged
+    def pop_received(self, now_ns: int) -> list[Received]:
+        """Remove and return the messages that arrived by ``now_ns`` and are accepted, in order of arrival."""
+        if not self._checks_received:
+            return [Received(header, body, at_ns) for at_ns, (header, body) in self.pop_arrived(now_ns)]  # type: ignore[arg-type]  # nothing was damaged
         received = []
-        for at_ns, carried in self.take(now_ns):
-            message = self._judged(carried)
+        for at_ns, carried in self.pop_arrived(now_ns):
+            message = self._decoded(carried)
             if message is not None:
                 received.append(Received(*message, at_ns))
         return received
 
     def events(self, header: Header, effects: Effects) -> list[LinkEvent]:
-        """What ``put`` did to the message with this header, as messages."""
+        """Return the effects of ``put`` on the message with this header as events."""
         return [LinkEvent(self.name, done, self.topic.name, header.sequence, cause) for done, cause in effects]
 
     def state(self, trigger: str, sources: tuple[LinkSource, ...]) -> LinkState:
-        """The link as it is.
+        """Return the state of the link as a message.
 
         Args:
-            trigger: Why it is told: ``start``, ``period``, ``scheduled``, ``asked`` or ``end``.
-            sources: Which messages were put in.
+            trigger: Reason for publishing: ``start``, ``period``, ``scheduled``, ``requested`` or ``end``.
+            sources: Sessions of the senders whose messages entered.
         """
         return LinkState(
             self.name,
@@ -96,15 +95,15 @@ class MessageLink(Link[Carried]):
             self.refused_corrupted,
             self.refused_duplicate,
             trigger,
-            *self._asked,
+            *self._last_config,
             self._refusal,
             sources,
         )
 
-    def _may_spoil(self) -> bool:
+    def _may_damage(self) -> bool:
         return self.settings.duplicate > 0.0 or self.settings.corrupt > 0.0
 
-    def _judged(self, carried: Carried) -> tuple[Header, Message] | None:
+    def _decoded(self, carried: Carried) -> tuple[Header, Message] | None:
         header, body = carried
         if isinstance(body, bytes):
             try:
@@ -112,15 +111,15 @@ class MessageLink(Link[Carried]):
             except ProtocolError:
                 self.refused_corrupted += 1
                 return None
-        if self._guards.setdefault(header.source, SequenceGuard()).judge(header) in _REPEATED:
+        if self._guards.setdefault(header.source, SequenceGuard()).classify(header) in _REFUSED:
             self.refused_duplicate += 1
             return None
         return header, body
 
 
-def _flip_bit(carried: Carried, place: float) -> Carried:
+def _flip_bit(carried: Carried, position: float) -> Carried:
     header, body = carried
     data = bytearray(body if isinstance(body, bytes) else encode(header, body))
-    bit = int(place * 8 * len(data))
+    bit = int(position * 8 * len(data))
     data[bit // 8] ^= 1 << bit % 8
     return header, bytes(data)

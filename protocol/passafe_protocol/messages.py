@@ -1,7 +1,7 @@
-"""The messages as Python values: one immutable record for each message of ``passafe.proto``.
+"""Messages as Python values: one immutable record for each message of ``passafe.proto``.
 
-Nodes speak these and never protobuf, so that a closed loop in one process pays for no encoding. Field names, units and
-meanings are those of ``passafe.proto``; the header travels beside the body.
+Nodes exchange these records, never protobuf, so that a closed loop in one process needs no encoding. Field names, units
+and meanings are those of ``passafe.proto``; the header is kept beside the body.
 """
 
 from enum import IntEnum
@@ -13,20 +13,20 @@ SCHEMA_VERSION: Final = 2
 """Version of ``passafe.proto``; a reader refuses every other."""
 
 UNSEQUENCED: Final = -1
-"""Plant time where there is none: an input of no arming, a plant that was never disarmed."""
+"""Plant time of an unsequenced input's sequence start, and of the last break of a plant that had none."""
 
 Vector: TypeAlias = tuple[float, ...]
 
 
 class Record(Struct, frozen=True, gc=False):
-    """Base of all of them: what a tick makes a dozen of costs a tenth of a frozen dataclass (decision 0003).
+    """Base of all records; at a dozen per tick, a frozen dataclass would cost ten times as much (decision 0003).
 
-    Records hold numbers, text and other records, never a cycle, so the garbage collector need not look at them.
+    Records hold numbers, text and other records, never a cycle, so garbage collection is disabled for them.
     """
 
 
 class PlantPhase(IntEnum):
-    """What decides the plant's input: see ``passafe.proto``."""
+    """Origin of the plant's input: see ``passafe.proto``."""
 
     WAITING = 1
     RUNNING = 2
@@ -46,7 +46,7 @@ class FilterStatus(IntEnum):
 
 
 class Header(Record, frozen=True):
-    """Who sent a message, which one it is, and when."""
+    """Sender, number and times of a message."""
 
     source: str
     epoch: int
@@ -58,7 +58,7 @@ class Header(Record, frozen=True):
 
 
 class OperatorCommand(Record, frozen=True):
-    """What the person asks for: ``u_h`` and, if the device knows it, its rate."""
+    """Command of the operator: ``u_h`` and, if the device provides it, its rate."""
 
     u_h: Vector
     u_h_rate: Vector
@@ -67,11 +67,11 @@ class OperatorCommand(Record, frozen=True):
 
 
 class PlantInput(Record, frozen=True):
-    """What the filter lets the robot do, from ``effective_plant_ns`` on.
+    """Certified input of the filter, in force from ``effective_plant_ns`` on.
 
-    An *input sequence* is unbroken: one input for every period from ``input_sequence_start_ns`` on, each made for
-    the state to which the ones before it lead. ``previous_u`` repeats the newest of those, so that one lost message
-    does not break the sequence.
+    An *input sequence* has one input for every period from ``input_sequence_start_ns`` on, each decided for the state
+    to which the previous ones lead. ``previous_u`` repeats the newest of those, so that a lost message does not break
+    the sequence.
     """
 
     tick: int
@@ -84,7 +84,7 @@ class PlantInput(Record, frozen=True):
 
 
 class PlantState(Record, frozen=True):
-    """What the robot is doing at ``plant_ns``; ``u`` is in force from then on."""
+    """State of the robot at ``plant_ns``; ``u`` is in force from then on."""
 
     plant_ns: int
     x: Vector
@@ -125,7 +125,7 @@ class RowReport(Record, frozen=True):
 
 
 class OverrideReport(Record, frozen=True):
-    """What the filter changed, and what would have passed; ``held_back`` is empty where that is not known."""
+    """Difference between the operator's request and the decision; ``held_back`` is empty if it is unknown."""
 
     held_back: Vector = ()
     allowed_fraction: float = 0.0
@@ -134,7 +134,7 @@ class OverrideReport(Record, frozen=True):
 
 
 class Certificate(Record, frozen=True):
-    """Our own judgement of the solver's answer: residuals in units of u."""
+    """Certificate of a solution, computed by the filter: residuals in units of u."""
 
     solver: str
     accepted: bool
@@ -144,7 +144,7 @@ class Certificate(Record, frozen=True):
 
 
 class Consumed(Record, frozen=True):
-    """A message that a step consumed: enough to feed the step again from a log."""
+    """Reference to a message that a step consumed, with which a log can be replayed."""
 
     topic: str
     sequence: int
@@ -153,7 +153,7 @@ class Consumed(Record, frozen=True):
 
 
 class FilterTick(Record, frozen=True):
-    """Everything the filter did in one tick, and why."""
+    """Complete record of one filter tick."""
 
     tick: int
     status: FilterStatus
@@ -181,14 +181,14 @@ class FilterTick(Record, frozen=True):
 
 
 class LinkOutage(Record, frozen=True):
-    """A time in which a link carries nothing, from its first message on."""
+    """Outage of a link; times from its first message."""
 
     start_s: float
     end_s: float
 
 
 class LinkParameters(Record, frozen=True):
-    """Settings of one injected link as they cross the wire: see ``passafe_protocol.link_settings``."""
+    """Settings of one injected link on the wire: see ``passafe_protocol.link_settings``."""
 
     delay_s: float
     jitter_s: float
@@ -210,14 +210,14 @@ class LinkParameters(Record, frozen=True):
 
 
 class LinkConfig(Record, frozen=True):
-    """Asks for other settings of a link."""
+    """Request to change the settings of a link."""
 
     link: str
     parameters: LinkParameters
 
 
 class LinkEvent(Record, frozen=True):
-    """What a link did to one message."""
+    """Effect of a link on one message, other than delay."""
 
     link: str
     effect: str
@@ -227,7 +227,7 @@ class LinkEvent(Record, frozen=True):
 
 
 class LinkSource(Record, frozen=True):
-    """Which messages of one session of a sender were put into a link."""
+    """Messages of one session of a sender that entered a link."""
 
     source: str
     epoch: int
@@ -237,7 +237,7 @@ class LinkSource(Record, frozen=True):
 
 
 class LinkState(Record, frozen=True):
-    """Settings in force of one link, and what became of its messages."""
+    """Settings in force of one link and counts of its messages."""
 
     link: str
     topic: str
@@ -262,7 +262,7 @@ class LinkState(Record, frozen=True):
 
 
 class TopicHealth(Record, frozen=True):
-    """What one process saw of one topic since its start."""
+    """Message counts of one topic at one process since its start."""
 
     topic: str
     received: int
@@ -271,7 +271,7 @@ class TopicHealth(Record, frozen=True):
 
 
 class Health(Record, frozen=True):
-    """How one process is doing; published once per second."""
+    """Loop timing and message counts of a process, published once per second."""
 
     rate_hz: float
     steps: int
@@ -282,14 +282,14 @@ class Health(Record, frozen=True):
 
 
 class Event(Record, frozen=True):
-    """Something that happened, in words."""
+    """Human-readable event."""
 
     severity: str
     text: str
 
 
 class ScenarioInfo(Record, frozen=True):
-    """The effective configuration of a run."""
+    """Effective configuration of a run."""
 
     scenario_json: str
     driver: str
@@ -311,7 +311,7 @@ Message: TypeAlias = (
 
 
 class Received(Record, frozen=True):
-    """A message as it came out of its link: what a node's inbox holds."""
+    """Message received by a node, with the time at which it left its link."""
 
     header: Header
     body: Message

@@ -1,4 +1,4 @@
-"""Times at which a link carries nothing."""
+"""Scheduled outages of a link."""
 
 from typing import Final
 
@@ -8,10 +8,10 @@ _NS_PER_S: Final = 1e9
 
 
 class Outages:
-    """Scheduled outages; time zero is the first message that is asked about.
+    """Scheduled outages; time zero is the first message.
 
     Args:
-        spans_s: Start and end of each, s; the end is not part of it.
+        spans_s: Start and end of each outage, s; the end is excluded.
     """
 
     def __init__(self, spans_s: tuple[Span, ...]) -> None:
@@ -19,7 +19,7 @@ class Outages:
         self._zero_ns: int | None = None
 
     def cover(self, now_ns: int) -> bool:
-        """Tell whether there is an outage at ``now_ns``."""
+        """Check whether ``now_ns`` lies in an outage."""
         if self._zero_ns is None:
             self._zero_ns = now_ns
         since_ns = now_ns - self._zero_ns

@@ -1,4 +1,4 @@
-"""Tells fresh messages from late, repeated and foreign ones by the header's epoch and sequence number."""
+"""Classifies messages as fresh, reordered, duplicate or of an ended session by epoch and sequence number."""
 
 from enum import Enum
 from typing import Final, NamedTuple
@@ -6,39 +6,39 @@ from typing import Final, NamedTuple
 from passafe_protocol.messages import Header
 
 WINDOW: Final = 2048
-"""How many of the newest numbers are remembered one by one."""
+"""Number of the newest sequence numbers that are remembered individually."""
 
 SESSIONS: Final = 8
-"""How many sessions of one sender are remembered, the running one among them."""
+"""Number of sessions of one sender that are remembered, the running one included."""
 
 _WINDOW_BITS: Final = (1 << WINDOW) - 1
 _COUNT_MAX: Final = 2**64 - 1
 
 
 class Arrival(Enum):
-    """What a message is to the ones that came before it."""
+    """Relation of a message to those of its sender that arrived before it."""
 
     FRESH = "fresh"
-    """Newer than all of its sender's messages so far."""
+    """Newer than all messages of the sender so far."""
 
     REORDERED = "reordered"
-    """Overtaken by a newer one; seen for the first time."""
+    """Older than the newest message, received for the first time."""
 
-    REPEATED = "repeated"
-    """Seen before, or so far behind the newest (``WINDOW`` numbers or more) that nobody remembers."""
+    DUPLICATE = "duplicate"
+    """Received before, or ``WINDOW`` numbers or more behind the newest, where this is not known."""
 
-    FOREIGN = "foreign"
-    """Of an older epoch: a session of the sender that has ended."""
+    ENDED_SESSION = "ended session"
+    """Of an older epoch."""
 
 
 class Session(NamedTuple):
     """Messages of one session of a sender.
 
     Attributes:
-        epoch: Which session.
-        first: Smallest number seen.
-        newest: Largest number seen.
-        received: Different messages seen.
+        epoch: Epoch of the session.
+        first: Smallest sequence number.
+        newest: Largest sequence number.
+        received: Number of distinct messages.
     """
 
     epoch: int
@@ -48,14 +48,14 @@ class Session(NamedTuple):
 
 
 class SequenceGuard:
-    """Judges the messages of one source on one topic.
+    """Classifies the messages of one source on one topic.
 
-    A greater epoch starts the judgement anew, whatever its first number: numbers before the first one seen
-    are no gap, since a reader may join late. Time and memory for a message do not depend on its numbers.
+    A larger epoch starts a new session, whatever its first number: numbers before the first message received are not
+    counted as gaps, since a reader may join late. Time and memory per message are bounded.
 
     Attributes:
-        received: Different messages seen, in all epochs: FRESH and REORDERED ones.
-        refused: REPEATED and FOREIGN ones.
+        received: Distinct messages of all sessions, FRESH or REORDERED.
+        refused: DUPLICATE messages and those of an ENDED_SESSION.
     """
 
     def __init__(self) -> None:
@@ -64,8 +64,8 @@ class SequenceGuard:
         self._epoch = -1
         self._first = 0
         self._newest = 0
-        self._seen = 0  # bit i tells whether number newest − i was seen
-        self._received_before = 0  # messages and gaps of the epochs before this one
+        self._seen = 0  # bit i is set if number newest − i was received
+        self._received_before = 0  # messages and gaps of previous sessions
         self._gaps_before = 0
         self._ended: list[Session] = []
 
@@ -76,26 +76,26 @@ class SequenceGuard:
 
     @property
     def gaps(self) -> int:
-        """Numbers between the first and the newest of their epoch that were never seen so far.
+        """Sequence numbers between the first and the newest of each session that have not been received.
 
-        At most 2⁶⁴ − 1, so that ``Health`` can carry it whatever numbers a sender makes up.
+        At most 2⁶⁴ − 1, so that ``Health`` can carry it whatever numbers a faulty sender uses.
         """
         if self._epoch < 0:
             return 0
         span = self._newest - self._first + 1
         return min(self._gaps_before + span - (self.received - self._received_before), _COUNT_MAX)
 
-    def judge(self, header: Header) -> Arrival:
-        """What the message with this header is; the guard remembers it."""
+    def classify(self, header: Header) -> Arrival:
+        """Classify the message with this header and remember it."""
         if header.epoch > self._epoch:
             self._start(header)
             return Arrival.FRESH
         if header.epoch < self._epoch:
             self.refused += 1
-            return Arrival.FOREIGN
+            return Arrival.ENDED_SESSION
         ahead = header.sequence - self._newest
         if ahead > 0:
-            # A jump beyond the window forgets all of it; shifting by so much would cost time and memory.
+            # A jump beyond the window clears it: a shift by an arbitrary amount would cost time and memory.
             self._seen = (self._seen << ahead | 1) & _WINDOW_BITS if ahead < WINDOW else 1
             self._newest = header.sequence
             self.received += 1
@@ -103,7 +103,7 @@ class SequenceGuard:
         bit = 1 << -ahead if -ahead < WINDOW else 0
         if not bit or self._seen & bit:
             self.refused += 1
-            return Arrival.REPEATED
+            return Arrival.DUPLICATE
         self._seen |= bit
         self._first = min(self._first, header.sequence)
         self.received += 1

@@ -1,7 +1,4 @@
-"""What each message is made of, read once from its annotations.
-
-Codec, validation and the generated documentation are driven by it.
-"""
+"""Fields of each record type by kind, read once from the annotations; codec, validation and JSON are driven by it."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -17,16 +14,16 @@ RecordType: TypeAlias = type[Record]
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Shape:
-    """Fields of one record type by kind; each entry begins with the field's place in the record and its name.
+    """Fields of one record type by kind; each entry begins with the index of the field in the record and its name.
 
     Attributes:
-        record_type: The type itself.
+        record_type: The record type.
         names: Names of the fields, in order.
-        make: Makes a record from the values of its fields, in order.
-        read: Values of the fields, in order, of anything that has attributes of their names.
-        plain: Fields that protobuf takes and gives as they are: numbers, booleans, strings, enum values.
-        floats: Those of ``plain`` that are floats.
-        enums: Those of ``plain`` that are enum values, with the members by number.
+        make: Constructs a record from the values of its fields, in order.
+        read: Returns the values of the fields, in order, of any object with attributes of these names.
+        plain: Fields that need no conversion for protobuf: numbers, booleans, strings, enum values.
+        floats: Floats among ``plain``.
+        enums: Enum values among ``plain``, with the members by number.
         vectors: Tuples of floats.
         parts: Records within the record, with their shapes.
         lists: Tuples of records, with the shape of an element.
@@ -46,7 +43,7 @@ class Shape:
 
 @cache
 def shape_of(record_type: RecordType) -> Shape:
-    """Shape of a record type of ``passafe_protocol.messages``."""
+    """Return the shape of a record type of ``passafe_protocol.messages``."""
     plain, floats, enums, vectors, parts, lists = [], [], [], [], [], []
     hints = get_type_hints(record_type)
     for index, (name, hint) in enumerate(hints.items()):
@@ -77,7 +74,7 @@ def shape_of(record_type: RecordType) -> Shape:
 
 
 def as_dict(record: Record) -> dict[str, Any]:
-    """Fields of a record by name, and those of the records within it likewise: what JSON takes."""
+    """Convert a record and the records within it into dictionaries of JSON values."""
     shape = shape_of(type(record))
     values = dict(zip(shape.names, shape.read(record), strict=True))
     for _, name, _ in shape.parts:

@@ -1,4 +1,4 @@
-"""The one table of topics: bus, codec, links, recorder, health, access control and docs derive from it."""
+"""Table of topics, from which bus, codec, links, recorder, health, access control and docs are derived."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -23,10 +23,10 @@ KEY_ROOT: Final = "passafe"
 
 
 class Congestion(Enum):
-    """What the publisher does when the network is slower than it is."""
+    """Behaviour of a publisher on congestion."""
 
     DROP = "drop"
-    """Lose the sample: control traffic, where the next one is worth more than this one."""
+    """Drop the sample: control traffic, where the next sample supersedes it."""
 
     BLOCK = "block"
     """Wait: rare messages that must arrive."""
@@ -38,14 +38,14 @@ class Topic:
 
     Attributes:
         name: Last chunk of the key expression, unique.
-        body: Message type carried.
+        body: Message type.
         publishers: Processes that may publish it.
-        rate_hz: Nominal rate; ``None`` where it is the scenario's ``rate_hz``, 0 for on trigger.
-        deadline_s: A reader calls the topic late when nothing arrived for that long; ``None``: never.
-        congestion: What the publisher does on congestion.
-        queue: Capacity of a reader's ring; the oldest is dropped when it is full.
-        recorded: Whether the recorder logs it and its publishers keep a cache for it.
-        links: Names of the injected links on its way, by the process at whose inlet each one sits.
+        rate_hz: Nominal rate; ``None``: the scenario's ``rate_hz``; 0: occasional.
+        deadline_s: Time without a message after which a reader reports the topic as late; ``None``: never.
+        congestion: Behaviour on congestion.
+        queue: Capacity of a reader's ring; the oldest message is dropped when it is full.
+        recorded: Whether the recorder logs it and its publishers keep a cache for the recorder.
+        links: Names of the injected links on its route, by reading process.
     """
 
     name: str
@@ -59,7 +59,7 @@ class Topic:
     links: Mapping[str, str] = field(default_factory=dict)
 
     def key(self, source: str) -> str:
-        """Key expression under which the process ``source`` publishes this topic."""
+        """Return the key expression under which the process ``source`` publishes this topic."""
         return f"{KEY_ROOT}/{source}/{self.name}"
 
     @property
@@ -70,8 +70,8 @@ class Topic:
 
 
 PROCESSES: Final = ("router", "recorder", "dashboard", "operator", "filter", "plant")
-"""Every process of a running system, in the order in which a supervisor starts them: the plant last, since
-the robot moves as soon as it is there, and so the first to be stopped."""
+"""Processes of a running system in the order in which the supervisor starts them: the plant last, because the robot
+moves as soon as it runs; it is stopped first."""
 
 COMMAND: Final = Topic(
     name="command",
@@ -172,17 +172,17 @@ TOPIC_OF_NAME: Final = {topic.name: topic for topic in TOPICS}
 TOPIC_OF_BODY: Final[dict[type[Message], Topic]] = {topic.body: topic for topic in TOPICS}
 
 
-class LinkPlace(NamedTuple):
-    """Where an injected link sits.
+class LinkLocation(NamedTuple):
+    """Topic and reader of an injected link.
 
     Attributes:
         topic: Topic whose messages it carries.
-        reader: Process at whose inlet it is.
+        reader: Process that reads it.
     """
 
     topic: Topic
     reader: str
 
 
-LINKS: Final = {name: LinkPlace(topic, reader) for topic in TOPICS for reader, name in topic.links.items()}
+LINKS: Final = {name: LinkLocation(topic, reader) for topic in TOPICS for reader, name in topic.links.items()}
 """Every injected link by name."""

@@ -1,7 +1,7 @@
-"""What the fields of a message may hold beyond their types: one table of rules, and the check of a message.
+"""Validation of message fields beyond their types: a table of rules and the check of a message.
 
-For every message: floats are finite, enum values are known and not UNSPECIFIED, vectors have at most
-``MAX_VECTOR`` numbers. ``RULES`` adds what is particular to a field. Sender and reader run the same check.
+In every message floats are finite, enum values are known and not UNSPECIFIED, and vectors have at most
+``MAX_VECTOR`` numbers. ``RULES`` adds the rules of single fields. Sender and reader run the same check.
 """
 
 from collections.abc import Callable, Mapping
@@ -43,11 +43,11 @@ MAX_VECTOR: Final = 64
 """Most numbers in a vector."""
 
 UNKNOWN_AGE_NS: Final = -1
-"""Age of a message that never came."""
+"""Age of a message that was never received."""
 
 
 class Rule(NamedTuple):
-    """What one field may hold: ``holds`` tells for the whole message, ``allowed`` says it in words."""
+    """Rule for one field: ``holds`` checks it on the whole message, ``allowed`` states it in words."""
 
     field: str
     allowed: str
@@ -75,7 +75,7 @@ def _between(field: str, least: float, largest: float) -> Rule:
 
 
 def _age(field: str) -> Rule:
-    return Rule(field, "≥ 0, or −1 if none came yet", lambda m: getattr(m, field) >= UNKNOWN_AGE_NS)
+    return Rule(field, "≥ 0, or −1 before the first one", lambda m: getattr(m, field) >= UNKNOWN_AGE_NS)
 
 
 def _plant_time(field: str) -> Rule:
@@ -168,16 +168,16 @@ RULES: Final[dict[RecordType, tuple[Rule, ...]]] = {
 
 
 def check(topic: str, shape: Shape, record: Record, path: str = "") -> None:
-    """Refuse a message whose fields hold what they may not.
+    """Check the fields of a message.
 
     Args:
         topic: Name of the topic, for the error.
         shape: Shape of ``record``.
-        record: The message, or a record within it, its fields of the right types.
-        path: Where ``record`` stands in the message: empty, or such as ``rows[1].``.
+        record: The message, or a record within it, with fields of the right types.
+        path: Path of ``record`` in the message: empty, or such as ``rows[1].``.
 
     Raises:
-        InvalidMessageError: On the first field that is not allowed.
+        InvalidMessageError: A field has a value that is not allowed; the first one is named.
     """
     value = shape.read(record)
     _check_numbers(topic, shape, value, path)
@@ -189,21 +189,21 @@ def check(topic: str, shape: Shape, record: Record, path: str = "") -> None:
     for index, name, part in shape.parts:
         check(topic, part, value[index], f"{path}{name}.")
     for index, name, part in shape.lists:
-        for place, element in enumerate(value[index]):
-            check(topic, part, element, f"{path}{name}[{place}].")
+        for k, element in enumerate(value[index]):
+            check(topic, part, element, f"{path}{name}[{k}].")
 
 
 def member_of(topic: str, field: str, value: int, members: Mapping[int, IntEnum]) -> IntEnum:
-    """Return the member of an enumeration that has a value.
+    """Return the member of an enumeration by its value.
 
     Args:
         topic: Name of the topic, for the error.
-        field: Where the value stands in the message.
+        field: Path of the value in the message.
         value: The value.
         members: Members by value.
 
     Raises:
-        InvalidMessageError: There is none.
+        InvalidMessageError: No member has this value.
     """
     if value not in members:
         allowed = ", ".join(f"{member.value} ({member.name})" for member in members.values())
@@ -220,8 +220,8 @@ def _check_numbers(topic: str, shape: Shape, value: tuple[Any, ...], path: str) 
         total += sum(vector)
     for index, _ in shape.floats:
         total += value[index]
-    # One test for all: a NaN or inf among the numbers makes their sum NaN or inf. So may an overflow of
-    # finite numbers, which the search lets pass.
+    # One test for all numbers: a NaN or inf makes their sum NaN or inf. So may an overflow of finite numbers, which
+    # the search accepts.
     if not isfinite(total):
         _find_not_finite(topic, shape, value, path)
 

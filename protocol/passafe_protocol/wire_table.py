@@ -1,9 +1,8 @@
 """Renders topics and messages as Markdown: the generated part of ``docs/wire-protocol.md``.
 
-``python -m passafe_protocol.wire_table`` prints it, ``--write PAGE`` puts it into the page, ``--check PAGE`` fails if
-the page has another. Names, numbers and types come from the compiled ``passafe.proto``, meanings from its
-comments, and what is allowed from the rules that the codec applies. Needs the ``dev`` extra for the protobuf
-compiler.
+``python -m passafe_protocol.wire_table`` prints it, ``--write PAGE`` updates the page, ``--check PAGE`` fails if the
+page is not current. Names, numbers and types come from the compiled ``passafe.proto``, meanings from its comments, and
+allowed values from the rules of the codec. Needs the ``dev`` extra for the protobuf compiler.
 """
 
 import sys
@@ -44,17 +43,17 @@ Comments: TypeAlias = dict[tuple[int, ...], str]
 
 
 def compiled() -> FileDescriptorProto:
-    """``passafe.proto`` as the protobuf compiler understands it, with its comments."""
+    """Compile ``passafe.proto`` into its descriptor, comments included."""
     with TemporaryDirectory() as folder:
         target = Path(folder) / "passafe.binpb"
         arguments = ["-I", str(_ROOT), "--include_source_info", f"--descriptor_set_out={target}", _PROTO]
         if protoc.main(["protoc", *arguments]) != 0:
-            raise SystemExit(f"{_PROTO}: the protobuf compiler refuses it")
+            raise SystemExit(f"{_PROTO}: refused by the protobuf compiler")
         return FileDescriptorSet.FromString(target.read_bytes()).file[0]
 
 
 def render() -> str:
-    """Topic table, message tables and enum tables as Markdown."""
+    """Render topic table, message tables and enum tables as Markdown."""
     file = compiled()
     comments = {
         tuple(location.path): " ".join(f"{location.leading_comments} {location.trailing_comments}".split())
@@ -72,10 +71,10 @@ def render() -> str:
 
 
 def with_generated_part(page: str, generated: str) -> str:
-    """The page with what stands between its two marker lines replaced.
+    """Return the page with the text between its two marker lines replaced.
 
     Raises:
-        ValueError: If the page has not both marker lines, in order.
+        ValueError: The page does not have both marker lines in order.
     """
     before, begin, rest = page.partition(BEGIN)
     _, end, after = rest.partition(END)
@@ -85,7 +84,7 @@ def with_generated_part(page: str, generated: str) -> str:
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Print the generated part, put it into a page, or check the page that has it."""
+    """Print the generated part, update a page with it, or check that a page is current."""
     parser = ArgumentParser(prog="python -m passafe_protocol.wire_table", description="Documentation of the wire.")
     action = parser.add_mutually_exclusive_group()
     action.add_argument("--write", metavar="PAGE", type=Path, help="rewrite the page between its marker lines")
@@ -142,7 +141,7 @@ def _topic_table(topics: Iterable[Topic]) -> str:
             "## Topics",
             _table(head, rows),
             f"Recorded: every topic. Exceptions: {unrecorded}.",
-            "Injected links, each at the inlet of the process that reads:",
+            "Injected links, each at the inlet of the reading process:",
             _table(("Link", "Topic", "Inlet of"), links),
         )
     )
@@ -151,7 +150,7 @@ def _topic_table(topics: Iterable[Topic]) -> str:
 def _rate(rate_hz: float | None) -> str:
     if rate_hz is None:
         return "`rate_hz` of the scenario"
-    return f"{rate_hz:g} Hz" if rate_hz else "on occasion"
+    return f"{rate_hz:g} Hz" if rate_hz else "occasional"
 
 
 def _message(message: DescriptorProto, path: tuple[int, ...], comments: Comments) -> str:

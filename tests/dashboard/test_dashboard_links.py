@@ -93,7 +93,7 @@ def test_what_the_reader_refuses_is_told_with_its_reason(page: ServedPage, run: 
     refused = page.put(f"/api/links/{LINK}", {"rate_hz": 10})
 
     assert refused.status_code == 422
-    assert "0 where there is a trace" in refused.json()["detail"][0]["msg"]
+    assert "0 if there is a trace" in refused.json()["detail"][0]["msg"]
 
 
 def test_a_link_that_does_not_exist_is_not_found(page: ServedPage) -> None:

@@ -3,7 +3,7 @@ from closed_form import header, state, tick
 from passafe_dashboard.columns import ColumnLayout
 from passafe_dashboard.live.partial_decoding import PARTIAL_DECODERS, decode_state_partially, decode_tick_partially
 from passafe_protocol import passafe_pb2
-from passafe_protocol.checksum import sealed
+from passafe_protocol.checksum import with_checksum
 from passafe_protocol.codec import decode, encode
 from passafe_protocol.messages import SCHEMA_VERSION, FilterTick, PlantState
 from passafe_protocol.topics import STATE, TICK
@@ -48,10 +48,10 @@ def test_another_schema_version_and_an_unknown_word_are_left_to_the_codec() -> N
         source = "filter" if kind is passafe_pb2.FilterTick else "plant"
         message = kind.FromString(encode(header(source, 0), body))
         message.ClearField("checksum")
-        assert decode_partially(sealed(message.SerializeToString())) is not None
+        assert decode_partially(with_checksum(message.SerializeToString())) is not None
         assert decode_partially(message.SerializeToString()) is None
         message.header.schema_version = 99
-        assert decode_partially(sealed(message.SerializeToString())) is None
+        assert decode_partially(with_checksum(message.SerializeToString())) is None
         message.header.schema_version = SCHEMA_VERSION
         message.ClearField("status" if kind is passafe_pb2.FilterTick else "phase")
-        assert decode_partially(sealed(message.SerializeToString())) is None
+        assert decode_partially(with_checksum(message.SerializeToString())) is None

@@ -115,7 +115,7 @@ BODIES: tuple[Message, ...] = (
         config_source="console",
         config_epoch=1_763_800_000_000_000_001,
         config_sequence=4,
-        refusal="link rate_hz: got 5, allowed 0 where there is a trace",
+        refusal="link rate_hz: got 5, allowed 0 if there is a trace",
         sources=(LinkSource("plant", 1_763_800_000_000_000_000, 0, 11, 10),),
     ),
     Health(

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from link_parameters import PARAMETERS
 from msgspec.structs import replace
 from passafe_protocol import codec, passafe_pb2
-from passafe_protocol.checksum import SEAL_BYTES, sealed
+from passafe_protocol.checksum import CHECKSUM_BYTES, with_checksum
 from passafe_protocol.codec import MAX_MESSAGE_BYTES, decode, encode, file_descriptor_set, schema_name
 from passafe_protocol.errors import DecodeError, InvalidMessageError, ProtocolError, SchemaVersionError
 from passafe_protocol.messages import (
@@ -51,7 +51,7 @@ def unchecked(header: Header, body: Message) -> ProtobufMessage:
 
 def wire(message: ProtobufMessage) -> bytes:
     """Its bytes with the right checksum."""
-    return sealed(message.SerializeToString())
+    return with_checksum(message.SerializeToString())
 
 
 def decodes_or_refuses(topic: Topic, data: bytes) -> None:
@@ -92,19 +92,19 @@ def test_bytes_are_ordinary_protobuf(header: Header, body_of: dict[type, Message
 @given(data=st.binary(max_size=300))
 def test_random_bytes(topic: Topic, data: bytes) -> None:
     decodes_or_refuses(topic, data)
-    decodes_or_refuses(topic, sealed(data))
+    decodes_or_refuses(topic, with_checksum(data))
 
 
 @each_topic
 @examples
 @given(data=st.data())
 def test_mutated_message(topic: Topic, data: st.DataObject) -> None:
-    mutant = bytearray(encode(data.draw(headers), data.draw(MESSAGES[topic.body]))[:-SEAL_BYTES])
+    mutant = bytearray(encode(data.draw(headers), data.draw(MESSAGES[topic.body]))[:-CHECKSUM_BYTES])
     edits = st.tuples(st.integers(0, len(mutant) - 1), st.integers(0, 4), st.binary(max_size=4))
     for at, length, replacement in data.draw(st.lists(edits, min_size=1, max_size=4)):
         mutant[at : at + length] = replacement
 
-    decodes_or_refuses(topic, sealed(bytes(mutant)))
+    decodes_or_refuses(topic, with_checksum(bytes(mutant)))
 
 
 @each_topic
@@ -115,21 +115,21 @@ def test_header_followed_by_random_fields(topic: Topic, data: st.DataObject) -> 
     message.header.schema_version = SCHEMA_VERSION
     message.header.source = "plant"
 
-    decodes_or_refuses(topic, sealed(message.SerializeToString() + data.draw(st.binary(max_size=100))))
+    decodes_or_refuses(topic, with_checksum(message.SerializeToString() + data.draw(st.binary(max_size=100))))
 
 
 def test_every_truncation(header: Header, body: Message) -> None:
     topic, whole = TOPIC_OF_BODY[type(body)], encode(header, body)
     for size in range(len(whole)):
         decodes_or_refuses(topic, whole[:size])
-        decodes_or_refuses(topic, sealed(whole[: size - SEAL_BYTES]))
+        decodes_or_refuses(topic, with_checksum(whole[: size - CHECKSUM_BYTES]))
 
 
 def test_truncation_within_a_field_is_no_message(header: Header, body_of: dict[type, Message]) -> None:
     whole = encode(header, body_of[PlantState])
 
     with pytest.raises(DecodeError) as caught:
-        decode(STATE, sealed(whole[: -SEAL_BYTES - 1]))
+        decode(STATE, with_checksum(whole[: -CHECKSUM_BYTES - 1]))
 
     assert (caught.value.topic, caught.value.size) == ("state", len(whole) - 1)
 
@@ -138,13 +138,13 @@ def test_truncation_within_a_field_is_no_message(header: Header, body_of: dict[t
 @pytest.mark.parametrize("data", [b"", b"\x10\x01"], ids=["empty", "without a header"])
 def test_no_header_is_no_message(topic: Topic, data: bytes) -> None:
     with pytest.raises(DecodeError, match="no header") as caught:
-        decode(topic, sealed(data))
+        decode(topic, with_checksum(data))
 
     assert caught.value.topic == topic.name
 
 
 def test_text_that_is_not_utf8_is_no_message(header: Header) -> None:
-    data = sealed(encode(header, Event("info", "abc"))[:-SEAL_BYTES].replace(b"abc", b"a\xffc"))
+    data = with_checksum(encode(header, Event("info", "abc"))[:-CHECKSUM_BYTES].replace(b"abc", b"a\xffc"))
 
     with pytest.raises(DecodeError, match="event"):
         decode(EVENT, data)
@@ -286,14 +286,14 @@ def test_size_is_limited_at_both_ends(header: Header) -> None:
 
 def test_deeply_nested_garbage_is_no_message() -> None:
     with pytest.raises(DecodeError):
-        decode(HEALTH, sealed(b"\x4b" * 100_000))  # group upon group, none of them closed
+        decode(HEALTH, with_checksum(b"\x4b" * 100_000))  # group upon group, none of them closed
 
 
 def test_field_that_the_message_does_not_have_is_refused(header: Header, body: Message) -> None:
     unknown = b"\xa2\x06\x03abc"  # field 100, three bytes
 
     with pytest.raises(InvalidMessageError) as caught:
-        decode(TOPIC_OF_BODY[type(body)], sealed(encode(header, body) + unknown))
+        decode(TOPIC_OF_BODY[type(body)], with_checksum(encode(header, body) + unknown))
 
     assert (caught.value.field, caught.value.got) == (type(body).__name__, "field number 100")
 

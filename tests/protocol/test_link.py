@@ -7,7 +7,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from passafe_protocol.link import Link
-from passafe_protocol.link_effect import CORRUPTED, CUT, DUPLICATED, LOST, OVERFLOWED, UNHARMED
+from passafe_protocol.link_effect import (
+    CORRUPTED,
+    DROPPED_BY_LOSS,
+    DROPPED_BY_OUTAGE,
+    DROPPED_BY_QUEUE,
+    DUPLICATED,
+    NO_EFFECT,
+)
 from passafe_protocol.link_settings import DISTRIBUTIONS, MAX_DELAY_S, LinkSettings
 
 S = 1_000_000_000
@@ -49,8 +56,8 @@ def outcome(settings: LinkSettings, count: int = COUNT, name: str = "a-to-b") ->
     """Delay in ns of each of ``count`` messages put in at time 0, ``None`` for those that were dropped."""
     link: Link[int] = Link(name, settings)
     delays: list[int | None] = [None] * count
-    dropped = {i for i in range(count) if link.put(0, i) == LOST}
-    for arrival_ns, i in link.take(2 * 10 * S):
+    dropped = {i for i in range(count) if link.put(0, i) == DROPPED_BY_LOSS}
+    for arrival_ns, i in link.pop_arrived(2 * 10 * S):
         delays[i] = arrival_ns
     assert dropped == {i for i, delay in enumerate(delays) if delay is None}
     return delays
@@ -63,18 +70,18 @@ def arrived(delays: list[int | None]) -> list[int]:
 def test_without_impairment_everything_is_there_at_once_and_in_order() -> None:
     link: Link[str] = Link("a-to-b", LinkSettings())
 
-    assert [link.put(5, item) for item in "abc"] == [UNHARMED] * 3
-    assert link.take(4) == []
-    assert link.take(5) == [(5, "a"), (5, "b"), (5, "c")]
-    assert link.take(6) == []
+    assert [link.put(5, item) for item in "abc"] == [NO_EFFECT] * 3
+    assert link.pop_arrived(4) == []
+    assert link.pop_arrived(5) == [(5, "a"), (5, "b"), (5, "c")]
+    assert link.pop_arrived(6) == []
 
 
 def test_constant_delay_is_exact() -> None:
     link: Link[str] = Link("a-to-b", LinkSettings(delay_s=0.2))
     link.put(7, "a")
 
-    assert link.take(200 * MS + 6) == []
-    assert link.take(200 * MS + 7) == [(200 * MS + 7, "a")]
+    assert link.pop_arrived(200 * MS + 6) == []
+    assert link.pop_arrived(200 * MS + 7) == [(200 * MS + 7, "a")]
 
 
 def test_items_need_not_be_comparable() -> None:
@@ -82,7 +89,7 @@ def test_items_need_not_be_comparable() -> None:
     link.put(0, {"b": 1})
     link.put(0, {"a": 2})
 
-    assert [item for _, item in link.take(0)] == [{"b": 1}, {"a": 2}]
+    assert [item for _, item in link.pop_arrived(0)] == [{"b": 1}, {"a": 2}]
 
 
 @pytest.mark.parametrize(("loss", "lost"), [(0.0, 0), (1.0, 1000)])
@@ -126,21 +133,21 @@ def test_reconfigured_link_lets_messages_under_way_keep_their_time() -> None:
     link.put(0, "fast")
 
     assert link.settings == LinkSettings(delay_s=0.1)
-    assert link.take(2 * S) == [(100 * MS, "fast"), (S, "slow")]
+    assert link.pop_arrived(2 * S) == [(100 * MS, "fast"), (S, "slow")]
 
 
 def test_reconfigured_link_goes_on_with_its_sequences_unless_the_seed_changes() -> None:
     settings = LinkSettings(delay_s=0.1, jitter_s=0.05, loss=0.5, seed=1)
     expected = outcome(settings, 200)
     link: Link[int] = Link("a-to-b", settings)
-    lost = [link.put(0, i) == LOST for i in range(100)]
+    lost = [link.put(0, i) == DROPPED_BY_LOSS for i in range(100)]
     link.reconfigure(replace(settings, duplicate=1.0, corrupt=0.5, reorder=False))  # another way of putting
-    lost += [LOST[0] in link.put(0, i) for i in range(100, 150)]
+    lost += [DROPPED_BY_LOSS[0] in link.put(0, i) for i in range(100, 150)]
     link.reconfigure(settings)
-    lost += [link.put(0, i) == LOST for i in range(150, 200)]
+    lost += [link.put(0, i) == DROPPED_BY_LOSS for i in range(150, 200)]
     link.reconfigure(replace(settings, seed=2))
     link.reconfigure(settings)
-    from_the_start = [link.put(0, i) == LOST for i in range(200)]
+    from_the_start = [link.put(0, i) == DROPPED_BY_LOSS for i in range(200)]
 
     assert lost == [delay is None for delay in expected]
     assert from_the_start == lost
@@ -154,7 +161,7 @@ def test_without_overtaking_messages_come_out_in_order_also_those_under_way_befo
     link.reconfigure(LinkSettings(delay_s=0.01, jitter_s=0.01, reorder=False, duplicate=0.3))
     for i in range(50, 100):
         link.put(i * MS, i)
-    out = link.take(20 * S)
+    out = link.pop_arrived(20 * S)
 
     assert in_flight == 50
     assert sorted(i for _, i in out[:50]) == list(range(50))
@@ -164,10 +171,12 @@ def test_without_overtaking_messages_come_out_in_order_also_those_under_way_befo
 def test_a_rate_spaces_messages_and_drops_those_that_find_the_queue_full() -> None:
     link: Link[int] = Link("a-to-b", LinkSettings(delay_s=1.0, rate_hz=100.0, queue=3))
 
-    assert [link.put(0, i) for i in range(5)] == [UNHARMED] * 3 + [OVERFLOWED] * 2
-    assert link.put(10 * MS, 5) == UNHARMED  # one is through
-    assert link.put(S, 6) == UNHARMED
-    assert link.take(5 * S) == [(S + n * 10 * MS, i) for n, i in ((1, 0), (2, 1), (3, 2), (4, 5))] + [(2010 * MS, 6)]
+    assert [link.put(0, i) for i in range(5)] == [NO_EFFECT] * 3 + [DROPPED_BY_QUEUE] * 2
+    assert link.put(10 * MS, 5) == NO_EFFECT  # one is through
+    assert link.put(S, 6) == NO_EFFECT
+    assert link.pop_arrived(5 * S) == [(S + n * 10 * MS, i) for n, i in ((1, 0), (2, 1), (3, 2), (4, 5))] + [
+        (2010 * MS, 6)
+    ]
 
 
 def test_a_slower_rate_lets_those_that_wait_go_first() -> None:
@@ -175,11 +184,11 @@ def test_a_slower_rate_lets_those_that_wait_go_first() -> None:
     for i in range(3):
         link.put(0, i)
     link.reconfigure(LinkSettings(rate_hz=1000.0, queue=4))
-    assert [link.put(0, i) for i in (3, 4)] == [UNHARMED, OVERFLOWED]
+    assert [link.put(0, i) for i in (3, 4)] == [NO_EFFECT, DROPPED_BY_QUEUE]
     link.reconfigure(LinkSettings())
     link.put(0, 5)
 
-    assert [i for _, i in link.take(5 * S)] == [5, 0, 1, 2, 3]
+    assert [i for _, i in link.pop_arrived(5 * S)] == [5, 0, 1, 2, 3]
 
 
 def test_a_trace_lets_one_message_through_at_each_of_its_times_and_begins_anew() -> None:
@@ -190,7 +199,7 @@ def test_a_trace_lets_one_message_through_at_each_of_its_times_and_begins_anew()
     link.put(start + 25 * MS, 6)  # opportunities of before are gone
     link.put(start + 25 * MS, 7)
 
-    times = [(arrival_ns - start) / MS for arrival_ns, _ in link.take(start + S)]
+    times = [(arrival_ns - start) / MS for arrival_ns, _ in link.pop_arrived(start + S)]
     assert times == [0, 2, 2, 10, 10, 12, 30, 30]
 
 
@@ -199,7 +208,7 @@ def test_a_message_that_comes_with_the_last_opportunity_of_a_round_takes_it() ->
     for i, now_ns in enumerate((S, S + 10 * MS, S + 20 * MS)):
         link.put(now_ns, i)
 
-    assert [(arrival_ns - S) / MS for arrival_ns, _ in link.take(2 * S)] == [4, 10, 20]
+    assert [(arrival_ns - S) / MS for arrival_ns, _ in link.pop_arrived(2 * S)] == [4, 10, 20]
 
 
 def test_a_trace_of_one_time_is_a_rate() -> None:
@@ -207,15 +216,15 @@ def test_a_trace_of_one_time_is_a_rate() -> None:
     for i in range(5):
         link.put(S, i)
 
-    assert [arrival_ns - S for arrival_ns, _ in link.take(2 * S)] == [MS * n for n in range(1, 6)]
+    assert [arrival_ns - S for arrival_ns, _ in link.pop_arrived(2 * S)] == [MS * n for n in range(1, 6)]
 
 
 def test_outages_count_from_the_first_message_under_them() -> None:
     link: Link[int] = Link("a-to-b", LinkSettings(outages_s=((0.010, 0.020), (0.030, 0.031))))
     start = 3 * S
-    cut = [i for i in range(40) if link.put(start + i * MS, i) == CUT]
+    cut = [i for i in range(40) if link.put(start + i * MS, i) == DROPPED_BY_OUTAGE]
     link.reconfigure(LinkSettings(outages_s=((0.0, 0.002),), delay_s=0.1))
-    cut_again = [i for i in range(5) if link.put(start + S + i * MS, i) == CUT]
+    cut_again = [i for i in range(5) if link.put(start + S + i * MS, i) == DROPPED_BY_OUTAGE]
 
     assert cut == [*range(10, 20), 30]
     assert cut_again == [0, 1]
@@ -228,16 +237,16 @@ def test_other_settings_leave_outages_and_trace_where_they_are() -> None:
     link.put(0, 0)
     link.reconfigure(replace(settings, loss=1.0))
 
-    assert link.put(15 * MS, 1) == CUT
+    assert link.put(15 * MS, 1) == DROPPED_BY_OUTAGE
     link.reconfigure(replace(settings, queue=2))
     link.put(50 * MS, 2)
-    assert link.take(S) == [(5 * MS, 0), (100 * MS, 2)]
+    assert link.pop_arrived(S) == [(5 * MS, 0), (100 * MS, 2)]
 
 
 def test_a_copy_comes_out_with_a_delay_of_its_own() -> None:
     link: Link[int] = Link("a-to-b", LinkSettings(delay_s=0.1, jitter_s=0.05, duplicate=1.0))
     assert [link.put(0, i) for i in range(100)] == [DUPLICATED] * 100
-    out = link.take(S)
+    out = link.pop_arrived(S)
 
     assert sorted(i for _, i in out) == sorted(2 * list(range(100)))
     assert len({arrival_ns for arrival_ns, _ in out}) == 200
@@ -246,7 +255,7 @@ def test_a_copy_comes_out_with_a_delay_of_its_own() -> None:
 def test_a_lost_message_has_no_copy() -> None:
     link: Link[int] = Link("a-to-b", LinkSettings(loss=1.0, duplicate=1.0, corrupt=1.0))
 
-    assert link.put(0, 1) == LOST
+    assert link.put(0, 1) == DROPPED_BY_LOSS
     assert link.counts.duplicated == link.counts.corrupted == 0
 
 
@@ -256,7 +265,7 @@ def test_a_corrupted_item_is_damaged_where_the_sequence_says() -> None:
     def outcomes() -> list[object]:
         link: Link[object] = Link("a-to-b", settings, lambda item, place: (item, place))
         told = [link.put(i, i) for i in range(200)]
-        out = link.take(S)
+        out = link.pop_arrived(S)
         damaged = [item for _, item in out if isinstance(item, tuple)]
         assert len(damaged) == sum(effects.count(CORRUPTED[0]) for effects in told) == link.counts.corrupted
         return out
@@ -272,7 +281,7 @@ def test_without_a_way_to_damage_it_a_corrupted_item_stays_as_it_is() -> None:
     link: Link[str] = Link("a-to-b", LinkSettings(corrupt=1.0))
 
     assert link.put(0, "a") == CORRUPTED
-    assert link.take(0) == [(0, "a")]
+    assert link.pop_arrived(0) == [(0, "a")]
 
 
 @settings(deadline=None)
@@ -293,19 +302,19 @@ def test_every_message_is_accounted_for_at_any_moment(
             link.reconfigure(chosen[i // changes % len(chosen)])
         told += link.put(now_ns, (i, now_ns))
         if i % looks == 0:
-            out += link.take(now_ns)
+            out += link.pop_arrived(now_ns)
             assert all(arrival_ns <= now_ns for arrival_ns, _ in out)
         counts = link.counts
         assert counts.entered == i + 1
         assert counts.entered + counts.duplicated == counts.delivered + counts.dropped + counts.in_flight
         assert counts.delivered == len(out)
-    everything = out + link.take(now_ns + 10**15)
+    everything = out + link.pop_arrived(now_ns + 10**15)
     counts = link.counts
 
     assert counts.in_flight == 0
     assert all(arrival_ns >= put_ns for arrival_ns, (_, put_ns) in everything)
-    assert told.count(LOST[0]) == counts.dropped_loss
-    assert told.count(CUT[0]) == counts.dropped_outage
+    assert told.count(DROPPED_BY_LOSS[0]) == counts.dropped_loss
+    assert told.count(DROPPED_BY_OUTAGE[0]) == counts.dropped_outage
     assert sum(effect.effect == "dropped" for effect in told) == counts.dropped
     assert sum(effect.effect == "duplicated" for effect in told) == counts.duplicated
     assert sum(effect.effect == "corrupted" for effect in told) == counts.corrupted
@@ -324,8 +333,8 @@ def test_what_is_taken_is_in_order_and_without_overtaking_in_that_of_putting(
         now_ns += pause
         link.put(now_ns, i)
         if i % looks == 0:
-            out.append(link.take(now_ns))
-    out.append(link.take(now_ns + 10**15))
+            out.append(link.pop_arrived(now_ns))
+    out.append(link.pop_arrived(now_ns + 10**15))
 
     for taken in out:
         assert [arrival_ns for arrival_ns, _ in taken] == sorted(arrival_ns for arrival_ns, _ in taken)
@@ -339,8 +348,8 @@ Fate = tuple[bool, dict[str, tuple[int, object]]]
 def fates(settings: LinkSettings) -> list[Fate]:
     """For each of 300 messages: whether it was lost, and arrival and item of the message and of its copy."""
     link: Link[object] = Link("a-to-b", settings, lambda _, place: place)
-    lost = [LOST[0] in link.put(i * MS, "whole") for i in range(300)]
-    sent = {number: (arrival_ns, item) for arrival_ns, number, item in link._under_way}
+    lost = [DROPPED_BY_LOSS[0] in link.put(i * MS, "whole") for i in range(300)]
+    sent = {number: (arrival_ns, item) for arrival_ns, number, item in link._in_flight}
     places = ((i + 1, i + 1.5) for i in range(300))
     return [
         (gone, {name: sent[at] for name, at in zip(("message", "copy"), place, strict=True) if at in sent})

@@ -13,7 +13,7 @@ import pytest
 from passafe_protocol.correlated_uniform import CorrelatedUniform
 from passafe_protocol.delay_distribution import LONGEST_NS, PARETO_NORMAL_SIGMA, pareto_normal
 from passafe_protocol.link import Link
-from passafe_protocol.link_effect import CORRUPTED, LOST
+from passafe_protocol.link_effect import CORRUPTED, DROPPED_BY_LOSS
 from passafe_protocol.link_settings import LinkSettings
 from scipy import integrate, stats
 
@@ -29,7 +29,7 @@ def delays_s(settings: LinkSettings, count: int = COUNT) -> np.ndarray:
     link: Link[int] = Link("a-to-b", settings)
     for i in range(count):
         link.put(0, i)
-    arrived = sorted((i, arrival_ns) for arrival_ns, i in link.take(LONGEST_NS))
+    arrived = sorted((i, arrival_ns) for arrival_ns, i in link.pop_arrived(LONGEST_NS))
     assert len(arrived) == count
     return np.array([arrival_ns for _, arrival_ns in arrived]) / S
 
@@ -37,7 +37,7 @@ def delays_s(settings: LinkSettings, count: int = COUNT) -> np.ndarray:
 def losses(settings: LinkSettings, count: int = COUNT) -> list[bool]:
     """Whether each message was lost."""
     link: Link[int] = Link("a-to-b", settings)
-    return [link.put(0, i) == LOST for i in range(count)]
+    return [link.put(0, i) == DROPPED_BY_LOSS for i in range(count)]
 
 
 def within(got: int, share: float, count: int) -> bool:
@@ -202,7 +202,7 @@ def test_a_rate_lets_no_more_through_and_no_less(offered_hz: int, passed_hz: int
     link: Link[int] = Link("a-to-b", LinkSettings(rate_hz=400.0, queue=10))
     for i in range(10 * offered_hz):
         link.put(i * S // offered_hz, i)
-    arrivals = [arrival_ns for arrival_ns, _ in link.take(10 * S)]
+    arrivals = [arrival_ns for arrival_ns, _ in link.pop_arrived(10 * S)]
 
     assert len(arrivals) == pytest.approx(10 * passed_hz, abs=2)
     assert np.diff(arrivals).min() >= S / 400 if offered_hz > 400 else True
@@ -214,7 +214,7 @@ def test_a_trace_delivers_at_its_times_and_at_no_other() -> None:
     link: Link[int] = Link("a-to-b", LinkSettings(trace_s=trace_s, queue=1000))
     for i in range(900):
         link.put(i * MS, i)  # four times as many as get through
-    arrivals = np.array([arrival_ns for arrival_ns, _ in link.take(S)])
+    arrivals = np.array([arrival_ns for arrival_ns, _ in link.pop_arrived(S)])
     expected = [round(S * (lap * 0.020 + at)) for lap in range(50) for at in trace_s]
 
     assert arrivals.tolist() == expected[: len(arrivals)]

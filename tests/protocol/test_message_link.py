@@ -1,4 +1,4 @@
-"""A link of messages: damage is done to bytes and judged by the decoder, and all of it is told."""
+"""A link of messages: damage is done to bytes and classified by the decoder, and all of it is told."""
 
 from dataclasses import replace
 
@@ -58,8 +58,8 @@ def test_messages_come_out_with_their_time() -> None:
     link = MessageLink("filter-to-plant", LinkSettings(delay_s=0.01))
     link.put(0, (head(0), an_input(1)))
 
-    assert link.arrived(9 * MS) == []
-    assert link.arrived(20 * MS) == [Received(head(0), an_input(1), 10 * MS)]
+    assert link.pop_received(9 * MS) == []
+    assert link.pop_received(20 * MS) == [Received(head(0), an_input(1), 10 * MS)]
 
 
 def test_a_corrupted_message_has_one_bit_flipped_and_the_decoder_refuses_it(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -69,7 +69,7 @@ def test_a_corrupted_message_has_one_bit_flipped_and_the_decoder_refuses_it(monk
     )
     link = MessageLink("filter-to-plant", LinkSettings(corrupt=0.5, seed=3))
     told = [link.put(0, (head(i), an_input(i))) for i in range(400)]
-    came = link.arrived(0)
+    came = link.pop_received(0)
 
     assert len(seen) == link.counts.corrupted == link.refused_corrupted == 400 - len(came)
     assert [received.header.sequence for received in came] == [i for i, effects in enumerate(told) if not effects]
@@ -88,7 +88,7 @@ def test_what_the_decoder_lets_pass_is_what_comes_out(monkeypatch: pytest.Monkey
     link = MessageLink("filter-to-plant", LinkSettings(corrupt=1.0))
     link.put(0, (head(7), an_input(1)))
 
-    assert link.arrived(0) == [Received(head(7), an_input(99), 0)]
+    assert link.pop_received(0) == [Received(head(7), an_input(99), 0)]
     assert link.refused_corrupted == 0
 
 
@@ -108,7 +108,7 @@ def test_a_copy_is_refused_wherever_it_comes() -> None:
     link = MessageLink("filter-to-plant", LinkSettings(delay_s=0.1, jitter_s=0.1, duplicate=0.5))
     for i in range(100):
         link.put(i * MS, (head(i), an_input(i)))
-    came = [received.header.sequence for received in link.arrived(10**12)]
+    came = [received.header.sequence for received in link.pop_received(10**12)]
 
     assert sorted(came) == list(range(100))
     assert link.refused_duplicate == link.counts.duplicated > 0
@@ -121,7 +121,7 @@ def test_a_link_that_never_spoils_anything_does_not_judge_and_one_that_did_goes_
     link.put(0, (head(0), an_input(0)))
     link.reconfigure(LinkSettings(delay_s=1.0))
 
-    assert len(link.arrived(10**10)) == 1
+    assert len(link.pop_received(10**10)) == 1
     assert link.refused_duplicate == 1
 
 
@@ -163,7 +163,7 @@ def test_what_contradicts_itself_is_refused_and_the_state_says_why(header: Heade
     link.configure(header, LinkConfig("operator-to-filter", parameters_of(replace(FULL, trace_s=()))))
 
     assert refused.parameters == parameters_of(FULL)
-    assert refused.refusal == "link rate_hz: got 5.0, allowed 0 where there is a trace"
+    assert refused.refusal == "link rate_hz: got 5.0, allowed 0 if there is a trace"
     assert link.state("requested", ()).refusal == ""
 
 
@@ -171,8 +171,8 @@ def test_counts_of_the_state_are_those_of_the_link(body_of: dict[type, Message])
     link = MessageLink("plant-to-filter", LinkSettings(rate_hz=10.0, queue=2))
     for i in range(5):
         link.put(0, (head(i), body_of[PlantState]))
-    link.pass_on(3)
-    link.arrived(100 * MS)
+    link.count_passed(3)
+    link.pop_received(100 * MS)
     state = link.state("period", ())
 
     assert (state.entered, state.delivered, state.dropped_queue, state.in_flight) == (8, 4, 3, 1)

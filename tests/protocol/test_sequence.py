@@ -14,8 +14,8 @@ def header(sequence: int, epoch: int = 1) -> Header:
     return Header("plant", epoch, sequence, 0, 0, 0, 0)
 
 
-def judge_all(guard: SequenceGuard, *sequences: int) -> list[Arrival]:
-    return [guard.judge(header(sequence)) for sequence in sequences]
+def classify_all(guard: SequenceGuard, *sequences: int) -> list[Arrival]:
+    return [guard.classify(header(sequence)) for sequence in sequences]
 
 
 def test_nothing_came_yet() -> None:
@@ -27,14 +27,14 @@ def test_nothing_came_yet() -> None:
 def test_in_order() -> None:
     guard = SequenceGuard()
 
-    assert judge_all(guard, 0, 1, 2) == [Arrival.FRESH] * 3
+    assert classify_all(guard, 0, 1, 2) == [Arrival.FRESH] * 3
     assert (guard.received, guard.gaps, guard.refused) == (3, 0, 0)
 
 
 def test_lost_messages_are_gaps() -> None:
     guard = SequenceGuard()
 
-    judge_all(guard, 0, 3, 10)
+    classify_all(guard, 0, 3, 10)
 
     assert (guard.received, guard.gaps) == (3, 8)
 
@@ -42,7 +42,7 @@ def test_lost_messages_are_gaps() -> None:
 def test_a_late_reader_has_no_gap_before_its_first_message() -> None:
     guard = SequenceGuard()
 
-    judge_all(guard, 1000, 1001)
+    classify_all(guard, 1000, 1001)
 
     assert guard.gaps == 0
 
@@ -50,70 +50,70 @@ def test_a_late_reader_has_no_gap_before_its_first_message() -> None:
 def test_reordered_message_closes_its_gap() -> None:
     guard = SequenceGuard()
 
-    assert judge_all(guard, 0, 2, 1) == [Arrival.FRESH, Arrival.FRESH, Arrival.REORDERED]
+    assert classify_all(guard, 0, 2, 1) == [Arrival.FRESH, Arrival.FRESH, Arrival.REORDERED]
     assert (guard.received, guard.gaps, guard.refused) == (3, 0, 0)
 
 
 def test_reordered_before_the_first_message_seen_opens_the_gap_between() -> None:
     guard = SequenceGuard()
 
-    assert judge_all(guard, 5, 2) == [Arrival.FRESH, Arrival.REORDERED]
+    assert classify_all(guard, 5, 2) == [Arrival.FRESH, Arrival.REORDERED]
     assert guard.gaps == 2  # 3 and 4
 
 
 @pytest.mark.parametrize("again", [0, 7, 8], ids=["oldest", "middle", "newest"])
 def test_repeated_message_is_refused_once_for_each_repetition(again: int) -> None:
     guard = SequenceGuard()
-    judge_all(guard, *range(9))
+    classify_all(guard, *range(9))
 
-    assert judge_all(guard, again, again) == [Arrival.REPEATED] * 2
+    assert classify_all(guard, again, again) == [Arrival.DUPLICATE] * 2
     assert (guard.received, guard.gaps, guard.refused) == (9, 0, 2)
 
 
 def test_the_window_is_large_enough_and_ends_where_it_says() -> None:
     guard = SequenceGuard()
     newest = 10 * WINDOW
-    judge_all(guard, 0, newest)
+    classify_all(guard, 0, newest)
 
     assert WINDOW >= 1024
-    assert judge_all(guard, newest - WINDOW + 1) == [Arrival.REORDERED]
-    assert judge_all(guard, newest - WINDOW) == [Arrival.REPEATED]
+    assert classify_all(guard, newest - WINDOW + 1) == [Arrival.REORDERED]
+    assert classify_all(guard, newest - WINDOW) == [Arrival.DUPLICATE]
 
 
 def test_older_epoch_is_foreign_and_changes_nothing_else() -> None:
     guard = SequenceGuard()
-    guard.judge(header(4, epoch=7))
+    guard.classify(header(4, epoch=7))
 
-    assert guard.judge(header(5, epoch=6)) is Arrival.FOREIGN
-    assert guard.judge(header(5, epoch=7)) is Arrival.FRESH
+    assert guard.classify(header(5, epoch=6)) is Arrival.ENDED_SESSION
+    assert guard.classify(header(5, epoch=7)) is Arrival.FRESH
     assert (guard.received, guard.gaps, guard.refused) == (2, 0, 1)
 
 
 def test_newer_epoch_starts_anew_and_keeps_the_counts() -> None:
     guard = SequenceGuard()
-    judge_all(guard, 10, 13)
+    classify_all(guard, 10, 13)
 
-    assert guard.judge(header(0, epoch=2)) is Arrival.FRESH
-    assert guard.judge(header(0, epoch=2)) is Arrival.REPEATED
-    assert guard.judge(header(2, epoch=2)) is Arrival.FRESH
+    assert guard.classify(header(0, epoch=2)) is Arrival.FRESH
+    assert guard.classify(header(0, epoch=2)) is Arrival.DUPLICATE
+    assert guard.classify(header(2, epoch=2)) is Arrival.FRESH
     assert (guard.received, guard.gaps, guard.refused) == (4, 3, 1)
 
 
 def test_epoch_zero_is_an_epoch() -> None:
     guard = SequenceGuard()
 
-    assert guard.judge(header(0, epoch=0)) is Arrival.FRESH
-    assert guard.judge(header(0, epoch=0)) is Arrival.REPEATED
+    assert guard.classify(header(0, epoch=0)) is Arrival.FRESH
+    assert guard.classify(header(0, epoch=0)) is Arrival.DUPLICATE
 
 
 def test_a_huge_jump_forgets_the_window() -> None:
     guard = SequenceGuard()
 
-    assert judge_all(guard, 0, 2**64 - 1, 0, 1) == [
+    assert classify_all(guard, 0, 2**64 - 1, 0, 1) == [
         Arrival.FRESH,
         Arrival.FRESH,
-        Arrival.REPEATED,
-        Arrival.REPEATED,
+        Arrival.DUPLICATE,
+        Arrival.DUPLICATE,
     ]
     assert guard.gaps == 2**64 - 2
 
@@ -123,7 +123,7 @@ def test_memory_does_not_grow_with_the_numbers(step: int) -> None:
     guard = SequenceGuard()
     tracemalloc.start()
     for i in range(WINDOW + 100):
-        guard.judge(header(i * step))
+        guard.classify(header(i * step))
     _, peak_bytes = tracemalloc.get_traced_memory()
     tracemalloc.stop()
 
@@ -134,8 +134,8 @@ def test_memory_does_not_grow_with_the_numbers(step: int) -> None:
 def test_gaps_stay_what_health_can_carry() -> None:
     guard = SequenceGuard()
     for epoch in range(3):
-        guard.judge(header(0, epoch))
-        guard.judge(header(2**64 - 1, epoch))
+        guard.classify(header(0, epoch))
+        guard.classify(header(2**64 - 1, epoch))
 
     assert guard.gaps == 2**64 - 1
 
@@ -153,16 +153,16 @@ class Oracle:
         here = max(self.seen) - min(self.seen) + 1 - len(self.seen) if self.seen else 0
         return min(self.gaps_before + here, 2**64 - 1)
 
-    def judge(self, message: Header) -> Arrival:
+    def classify(self, message: Header) -> Arrival:
         """What the message is to those before it."""
         if message.epoch < self.epoch:
-            return Arrival.FOREIGN
+            return Arrival.ENDED_SESSION
         if message.epoch > self.epoch:
             self.gaps_before, self.epoch, self.seen = self.gaps(), message.epoch, {message.sequence}
             return Arrival.FRESH
         newest = max(self.seen)
         if message.sequence in self.seen or message.sequence <= newest - WINDOW:
-            return Arrival.REPEATED
+            return Arrival.DUPLICATE
         self.seen.add(message.sequence)
         return Arrival.FRESH if message.sequence > newest else Arrival.REORDERED
 
@@ -179,13 +179,13 @@ NUMBERS = st.one_of(
 @given(st.lists(st.tuples(st.integers(0, 2), NUMBERS), max_size=60))
 def test_agrees_with_an_oracle_that_forgets_nothing(stream: list[tuple[int, int]]) -> None:
     guard, oracle = SequenceGuard(), Oracle()
-    judged = []
+    classified = []
     for epoch, sequence in stream:
         message = header(sequence, epoch)
-        judged.append(guard.judge(message))
-        assert judged[-1] is oracle.judge(message)
+        classified.append(guard.classify(message))
+        assert classified[-1] is oracle.classify(message)
         assert guard.gaps == oracle.gaps()
-    assert guard.received == judged.count(Arrival.FRESH) + judged.count(Arrival.REORDERED)
+    assert guard.received == classified.count(Arrival.FRESH) + classified.count(Arrival.REORDERED)
     assert guard.received + guard.refused == len(stream)
 
 
@@ -193,9 +193,9 @@ def test_sessions_tell_what_was_seen_of_each_and_only_the_newest_are_remembered(
     guard = SequenceGuard()
     assert guard.sessions == ()
     for epoch, sequence in ((1, 5), (1, 7), (1, 4), (3, 0), (2, 9), (3, 2), (3, 2)):
-        guard.judge(Header("plant", epoch, sequence, 0, 0, 0, 0))
+        guard.classify(Header("plant", epoch, sequence, 0, 0, 0, 0))
     assert guard.sessions == (Session(1, 4, 7, 3), Session(3, 0, 2, 2))
     for epoch in range(4, 30):
-        guard.judge(Header("plant", epoch, 1, 0, 0, 0, 0))
+        guard.classify(Header("plant", epoch, 1, 0, 0, 0, 0))
     assert len(guard.sessions) == SESSIONS
     assert guard.sessions[-1] == Session(29, 1, 1, 1)

@@ -70,7 +70,7 @@ def test_row_of_a_topic_holds_its_rate_and_deadline() -> None:
 
     assert row_of(markdown, "## Topics", "state")[3:6] == ["plant", "`rate_hz` of the scenario", "0.05 s"]
     assert row_of(markdown, "## Topics", "health")[4:7] == ["1 Hz", "3 s", "drop"]
-    assert row_of(markdown, "## Topics", "scenario")[4:7] == ["on occasion", "never", "block"]
+    assert row_of(markdown, "## Topics", "scenario")[4:7] == ["occasional", "never", "block"]
 
 
 def test_bar_in_a_comment_does_not_break_the_table() -> None:

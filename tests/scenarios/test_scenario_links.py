@@ -161,7 +161,7 @@ def test_a_trace_is_read_in_the_unit_it_names_or_in_ms(tmp_path: Path, text: str
         (b"time_s\n", "no times"),
         (b"time_us\n1\n", "time_us"),
         (b"1,2\n", "one number a line"),
-        (b"5\n1\n", "none before"),
+        (b"5\n1\n", "non-decreasing"),
         (b"0\n", "above 0"),
         (b"nan\n", "1 times"),
         (b"\xff\xfe\x00", "readable CSV"),

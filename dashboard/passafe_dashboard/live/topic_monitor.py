@@ -58,7 +58,7 @@ class TopicMonitor:
 
     def receive(self, header: Header, received_ns: int) -> bool:
         """Count an arrival; return whether the message is valid: of this session and not received before."""
-        if self._guard.judge(header) in (Arrival.REPEATED, Arrival.FOREIGN):
+        if self._guard.classify(header) in (Arrival.DUPLICATE, Arrival.ENDED_SESSION):
             return False
         self._last_ns = received_ns
         if self._window_start_ns is None:

@@ -76,7 +76,7 @@ class Inlet:
         if guard is None:
             self.foreign += 1
             return ()
-        if guard.judge(header) not in _ADMITTED:
+        if guard.classify(header) not in _ADMITTED:
             return ()
         if self.link is None:
             self._arrived.append(Received(header, body, now_ns))
@@ -89,7 +89,7 @@ class Inlet:
         if self.link is None:
             arrived, self._arrived = self._arrived, []
             return arrived
-        return self.link.arrived(now_ns)
+        return self.link.pop_received(now_ns)
 
     @property
     def sources(self) -> tuple[LinkSource, ...]:

@@ -108,7 +108,7 @@ class Lockstep:
         """
         seat = self._seat_of(node.name)
         for link in seat.links:
-            link.arrived(_FAR_NS)
+            link.pop_received(_FAR_NS)
         for topic, route in seat.routes.items():
             if route.sent:
                 ended = LinkSource(seat.name, seat.epoch, 0, route.sent - 1, route.sent)
@@ -160,7 +160,7 @@ class Lockstep:
     def _count_open_links(self) -> None:
         for seat in self._seats:
             for link in seat.open_links:
-                link.pass_on(sum(source.received for source in self._sources(link)) - link.counts.entered)
+                link.count_passed(sum(source.received for source in self._sources(link)) - link.counts.entered)
 
     def _sources(self, link: MessageLink) -> tuple[LinkSource, ...]:
         """Which messages were put into a link: all that were sent."""
@@ -178,7 +178,7 @@ class Lockstep:
             return
         if seat.links:
             for link in seat.links:
-                inbox += link.arrived(now_ns)
+                inbox += link.pop_received(now_ns)
             if len(inbox) > 1:
                 inbox.sort(key=_arrival)
         for topic, made in seat.node.step(now_ns, inbox):

@@ -88,5 +88,5 @@ class MessageRecorder:
         if header is None or header.source != channel.source or header.wall_ns < 0:
             channel.bad += 1
             return None
-        channel.guard.judge(header)
+        channel.guard.classify(header)
         return header

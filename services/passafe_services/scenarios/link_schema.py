@@ -53,7 +53,7 @@ class ScenarioLink(LinkFields):
         except LinkSettingsError as error:
             raise ValueError(f"{error.field}: {error.allowed}") from error
         if self.trace is not None and self.rate_hz:
-            raise ValueError("rate_hz: 0 where there is a trace")
+            raise ValueError("rate_hz: 0 if there is a trace")
         return self
 
     def settings(self, trace_s: tuple[float, ...] = ()) -> LinkSettings:
