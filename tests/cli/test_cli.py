@@ -72,6 +72,29 @@ def test_nonsense_gets_one_clear_line_and_no_traceback(arguments: tuple[str, ...
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize(
+    ("arguments", "meant"),
+    [
+        (("revew",), "'review'"),
+        (("link", "shw"), "'show'"),
+        (("demo", "--durration", "3"), "--duration"),
+        (("simulate", "--scenario", "notomista-cai-2002", "--out", "x.mcap"), "notomista-cai-2020?"),
+        (("simulate", "--link", "plant-to-filter:dely=1", "--out", "x.mcap"), "delay?"),
+        (("simulate", "--link", "plant-to-filtr:delay=1", "--out", "x.mcap"), "plant-to-filter?"),
+        (("simulate", "--mode", "saef", "--out", "x.mcap"), "safe?"),
+        (("experiment", "dela", "--out", "x"), "delay?"),
+        (("link", "set", "plant-filter", "delay=1"), "plant-to-filter?"),
+        (("link", "set", "plant-to-filter", "dely=1"), "delay?"),
+    ],
+)
+def test_misspelt_name_is_answered_with_the_one_meant(arguments: tuple[str, ...], meant: str, tmp_path: Path) -> None:
+    done = passafe(*arguments, cwd=tmp_path)
+
+    assert done.returncode == 2
+    assert meant in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_barrier_that_the_input_never_reaches_is_told(tmp_path: Path) -> None:
     shipped = passafe("scenarios")
     assert "notomista-cai-2020" in shipped.stdout

@@ -132,7 +132,7 @@ def test_a_value_out_of_range_is_refused_before_anybody_is_asked(typed: str) -> 
     [
         ("delay=soon", "delay_s 'soon'"),
         ("loss=2", "loss '2'"),
-        ("distribution=histogram", "quantiles_s: 2 to 64 non-decreasing numbers"),
+        ("distribution=histogram", "quantiles_s (), allowed 2 to 64 non-decreasing numbers"),
         ("outage=3:1", "outages_s"),
     ],
 )

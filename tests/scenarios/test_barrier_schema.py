@@ -29,32 +29,32 @@ def with_barriers(*barriers: dict[str, Any], model: str = "damped-point", states
 @pytest.mark.parametrize(
     ("barrier", "field", "allowed"),
     [
-        (DISK | {"centre": [0]}, "centre", "at least 2 items"),
-        (DISK | {"centre": [0, 0, 0]}, "centre", "at most 2 items"),
-        (DISK | {"radius": 0}, "radius", "greater than 0"),
-        (DISK | {"point": 3}, "point", "less than or equal to 2"),
-        (DISK | {"colour": "red"}, "colour", "not permitted"),
-        (DISK | {"motion": {"kind": "jump"}}, "motion", "'travel', 'swing', 'circle'"),
-        (DISK | {"motion": SWING | {"frequency_hz": 0}}, "motion.swing.frequency_hz", "greater than 0"),
-        (DISK | {"motion": CIRCLE | {"radius_m": -1}}, "motion.circle.radius_m", "greater than 0"),
-        (DISK | {"motion": TRAVEL | {"velocity_m_per_s": [1]}}, "motion.travel.velocity_m_per_s", "at least 2 items"),
-        (ELLIPSE | {"semi_axes_m": [1, 0]}, "semi_axes_m.1", "greater than 0"),
-        (ELLIPSE | {"semi_axes_m": [1]}, "semi_axes_m", "at least 2 items"),
-        (WALL | {"normal": [0, 0]}, "half-plane", "a vector that is not zero"),
+        (DISK | {"centre": [0]}, "centre", "a list no shorter than 2"),
+        (DISK | {"centre": [0, 0, 0]}, "centre", "a list no longer than 2"),
+        (DISK | {"radius": 0}, "radius", "above 0"),
+        (DISK | {"point": 3}, "point", "at most 2"),
+        (DISK | {"colour": "red"}, "colour", "kind, name, centre, radius, motion, point, class_k"),
+        (DISK | {"motion": {"kind": "jump"}}, "motion.kind", "travel, swing, circle"),
+        (DISK | {"motion": SWING | {"frequency_hz": 0}}, "motion.frequency_hz", "above 0"),
+        (DISK | {"motion": CIRCLE | {"radius_m": -1}}, "motion.radius_m", "above 0"),
+        (DISK | {"motion": TRAVEL | {"velocity_m_per_s": [1]}}, "motion.velocity_m_per_s", "a list no shorter than 2"),
+        (ELLIPSE | {"semi_axes_m": [1, 0]}, "semi_axes_m.1", "above 0"),
+        (ELLIPSE | {"semi_axes_m": [1]}, "semi_axes_m", "a list no shorter than 2"),
+        (WALL | {"normal": [0, 0]}, "normal", "a vector that is not zero"),
         (WALL | {"offset": float("inf")}, "offset", "finite number"),
-        (ROOM | {"high_m": [3, -2]}, "room", "every high above its low"),
-        (LIMITS | {"low": [-1]}, "coordinate-limits", "as many numbers in both"),
+        (ROOM | {"high_m": [3, -2]}, "low_m, high_m", "every high above its low"),
+        (LIMITS | {"low": [-1]}, "low, high", "as many numbers in both"),
         (LIMITS | {"of": "force"}, "of", "'position' or 'velocity'"),
-        (SPEED | {"limit_m_per_s": 0}, "limit_m_per_s", "greater than 0"),
-        (APART | {"distance_m": -1}, "distance_m", "greater than 0"),
-        ({"kind": "fence", "name": "a"}, "filter.barriers.0", "'keep-apart'"),
+        (SPEED | {"limit_m_per_s": 0}, "limit_m_per_s", "above 0"),
+        (APART | {"distance_m": -1}, "distance_m", "above 0"),
+        ({"kind": "fence", "name": "a"}, "kind", "keep-apart"),
     ],
 )
 def test_a_field_that_holds_what_it_may_not_is_named(barrier: dict[str, Any], field: str, allowed: str) -> None:
     with pytest.raises(ScenarioError) as refused:
         with_barriers(barrier)
 
-    assert field in refused.value.field
+    assert refused.value.field == f"filter.barriers.0.{field}"
     assert allowed in refused.value.allowed
 
 

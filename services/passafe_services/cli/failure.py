@@ -21,5 +21,5 @@ def with_one_line(command: Callable[[], object]) -> None:
     except Exception as error:
         if type(error).__module__.partition(".")[0] not in _OURS:
             raise
-        sys.stderr.write(f"passafe: {' '.join(str(error).split())}\n")
+        sys.stderr.write(f"passafe: {error}\n")
         sys.exit(REFUSED)

@@ -10,7 +10,9 @@ from passafe_protocol.messages import LinkParameters, LinkState
 from pydantic import ValidationError
 
 from passafe_services.cli.errors import OptionError
+from passafe_services.scenarios.field_problems import problems_of
 from passafe_services.scenarios.link_schema import LinkFields, ScenarioLink
+from passafe_services.suggestion import suggestion
 
 LINK_KEYS: Final = {
     "delay": "delay_s",
@@ -53,7 +55,8 @@ def link_fields(parts: Iterable[str], where: str) -> dict[str, Any]:
     for part in parts:
         key, equals, value = part.partition("=")
         if key not in LINK_KEYS or not equals:
-            raise OptionError(where, repr(part), f"KEY=VALUE with one of {', '.join(LINK_KEYS)}")
+            near = suggestion(key, LINK_KEYS) if key not in LINK_KEYS else ""
+            raise OptionError(where, repr(part), f"KEY=VALUE with one of {', '.join(LINK_KEYS)}{near}")
         fields[LINK_KEYS[key]] = _value(key, value)
     return fields
 
@@ -71,7 +74,7 @@ def require_ranges(fields: Mapping[str, Any], where: str) -> None:
     try:
         LinkFields.model_validate(fields)
     except ValidationError as error:
-        raise _option_error(error, fields, where) from error
+        raise _option_error(error, where) from error
 
 
 def changed_parameters(before: LinkSettings, fields: Mapping[str, Any], where: str) -> LinkParameters:
@@ -90,7 +93,7 @@ def changed_parameters(before: LinkSettings, fields: Mapping[str, Any], where: s
     try:
         return parameters_of(ScenarioLink.model_validate(values | dict(fields)).settings())
     except ValidationError as error:
-        raise _option_error(error, fields, where) from error
+        raise _option_error(error, where) from error
 
 
 def settings_text(state: LinkState) -> str:
@@ -106,12 +109,10 @@ def settings_text(state: LinkState) -> str:
     return " ".join(parts) or "lets everything through at once"
 
 
-def _option_error(error: ValidationError, fields: Mapping[str, Any], where: str) -> OptionError:
-    first = error.errors()[0]
-    allowed = first["msg"].removeprefix("Input should be ").removeprefix("Value error, ")
-    place = ".".join(str(part) for part in first["loc"])
-    asked = ", ".join(f"{name} {value!r}" for name, value in fields.items())
-    return OptionError(where, f"{place} {first['input']!r}" if place else asked, allowed)
+def _option_error(error: ValidationError, where: str) -> OptionError:
+    first, *more = problems_of(error, ScenarioLink)
+    allowed = "; ".join([first.allowed, *map(str, more)])
+    return OptionError(where, f"{first.field} {first.got}", allowed)
 
 
 def _text(key: str, value: object) -> str:

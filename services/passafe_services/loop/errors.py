@@ -12,6 +12,8 @@
 
 from collections.abc import Sequence
 
+from passafe_services.suggestion import suggestion
+
 
 class RuntimeFault(Exception):  # noqa: N818  "RuntimeError" is taken, and means something else
     """Anything that keeps a process of a running system from starting or going on."""
@@ -88,7 +90,7 @@ class LinkNameError(RuntimeFault):
     def __init__(self, got: str, allowed: Sequence[str]) -> None:
         self.got = got
         self.allowed = tuple(allowed)
-        super().__init__(f"link: got {got!r}, allowed {', '.join(allowed)}")
+        super().__init__(f"link: got {got!r}, allowed {', '.join(allowed)}{suggestion(got, allowed)}")
 
 
 class LinkSilentError(RuntimeFault):

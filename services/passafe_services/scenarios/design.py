@@ -25,6 +25,7 @@ from passafe_services.scenarios.barriers import barrier_function
 from passafe_services.scenarios.errors import ScenarioError
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.scenarios.single_barriers import CoordinateLimit, SingleBarrier
+from passafe_services.suggestion import suggestion
 
 _MODELS: Final[dict[str, tuple[Callable[..., Robot], tuple[str, ...]]]] = {
     "damped-point": (damped_point, ("sigma",)),
@@ -47,7 +48,8 @@ def robot_of(scenario: Scenario) -> Robot:
     model, parameters = _MODELS[name]
     unknown = sorted(set(scenario.plant.parameters) - set(parameters))
     if unknown:
-        raise ScenarioError(scenario.name, "plant.parameters", unknown, f"{sorted(parameters)}")
+        allowed = ", ".join(parameters) + suggestion(unknown[0], parameters)
+        raise ScenarioError(scenario.name, "plant.parameters", ", ".join(unknown), allowed)
     extra: dict[str, float] = {"gamma_1": _largest_gain(scenario, 0)}
     if name == "lagged-point":
         extra["gamma_2"] = _largest_gain(scenario, 1)

@@ -9,30 +9,36 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from passafe_services.scenarios.field_problems import FieldProblem, problems_text
+from passafe_services.suggestion import suggestion
+
 
 class ScenarioError(Exception):
-    """A scenario with a field that holds what it may not.
+    """A scenario with fields that hold what they may not.
 
     Attributes:
         scenario: Its name or file.
-        field: Dotted name of the field.
+        field: Dotted name of the first of them.
         got: What it holds.
         allowed: What is allowed, in words.
     """
 
-    def __init__(self, scenario: str, field: str, got: object, allowed: str) -> None:
+    def __init__(self, scenario: str, field: str, got: object, allowed: str, *more: FieldProblem) -> None:
         self.scenario = scenario
         self.field = field
         self.got = got
         self.allowed = allowed
-        super().__init__(f"scenario {scenario}: {field}: got {got}, allowed {allowed}")
+        first = FieldProblem(field=field, got=str(got), allowed=allowed)
+        super().__init__(problems_text(f"scenario {scenario}", (first, *more)))
 
 
 class UnknownScenarioError(ScenarioError):
     """No shipped scenario has that name, and there is no such file."""
 
     def __init__(self, name: str, shipped: Sequence[str]) -> None:
-        super().__init__(name, "name", repr(name), f"a TOML file or one of {', '.join(shipped)}")
+        super().__init__(
+            name, "name", repr(name), f"a TOML file or one of {', '.join(shipped)}{suggestion(name, shipped)}"
+        )
 
 
 class UnreadableScenarioError(ScenarioError):

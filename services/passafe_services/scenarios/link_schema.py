@@ -51,9 +51,9 @@ class ScenarioLink(LinkFields):
         try:
             self.settings()
         except LinkSettingsError as error:
-            raise ValueError(f"{error.field}: {error.allowed}") from error
+            raise ValueError(f"{error.field}: got {error.got}, allowed {error.allowed}") from error
         if self.trace is not None and self.rate_hz:
-            raise ValueError("rate_hz: 0 if there is a trace")
+            raise ValueError(f"rate_hz: got {self.rate_hz:g}, allowed 0 if there is a trace")
         return self
 
     def settings(self, trace_s: tuple[float, ...] = ()) -> LinkSettings:

@@ -1,7 +1,6 @@
 """Finds, reads and checks scenario files; the one place where configuration is loaded."""
 
 import json
-import textwrap
 import tomllib
 from collections.abc import Mapping
 from importlib.resources import files
@@ -11,8 +10,10 @@ from typing import Any
 from pydantic import ValidationError
 
 from passafe_services.scenarios.errors import ScenarioError, UnknownScenarioError, UnreadableScenarioError
+from passafe_services.scenarios.field_problems import problems_of, shown
 from passafe_services.scenarios.links import link_changes, link_settings
 from passafe_services.scenarios.schema import Scenario
+from passafe_services.suggestion import suggestion
 
 
 def shipped_scenarios() -> list[str]:
@@ -57,7 +58,7 @@ def scenario_from(data: Any, source: str, overrides: Mapping[str, Any] | None = 
         overrides: As for ``load_scenario``.
 
     Raises:
-        ScenarioError: A field that holds what it may not; the first one is named.
+        ScenarioError: Fields that hold what they may not; all of them are named.
         LinkTraceError: A recorded trace of a link that cannot be used.
     """
     if not isinstance(data, dict):
@@ -67,10 +68,8 @@ def scenario_from(data: Any, source: str, overrides: Mapping[str, Any] | None = 
     try:
         scenario = Scenario.model_validate(data)
     except ValidationError as error:
-        first = error.errors()[0]
-        field = ".".join(str(part) for part in first["loc"]) or "scenario"
-        more = "" if error.error_count() == 1 else f" (and {error.error_count() - 1} more)"
-        raise ScenarioError(source, field, _shown(first["input"]), _allowed(first["msg"]) + more) from error
+        first, *more = problems_of(error, Scenario)
+        raise ScenarioError(source, first.field, first.got, first.allowed, *more) from error
     link_settings(scenario)  # a trace that cannot be read is told now, not when the processes start
     link_changes(scenario)
     return scenario
@@ -90,22 +89,12 @@ def _put(data: dict[str, Any], source: str, dotted: str, value: object) -> None:
 def _index(place: object, part: str, source: str, dotted: str) -> int:
     """Return the index of the entry of a list that a part of a dotted name means."""
     if not isinstance(place, list):
-        raise ScenarioError(
-            source, dotted, f"{part!r} of {_shown(place)}", "a name that leads through tables and lists"
-        )
+        raise ScenarioError(source, dotted, f"{part!r} of {shown(place)}", "a name that leads through tables and lists")
     names = [entry.get("name") if isinstance(entry, dict) else None for entry in place]
     if part in names:
         return names.index(part)
     if part.isdecimal() and int(part) < len(place):
         return int(part)
     allowed = [*filter(None, names), *map(str, range(len(place)))]
-    raise ScenarioError(source, dotted, repr(part), ", ".join(allowed) or "nothing: the list is empty")
-
-
-def _allowed(message: str) -> str:
-    """Return what pydantic says is wanted, as the end of "got …, allowed …"."""
-    return message.removeprefix("Input should be ").removeprefix("Value error, ")
-
-
-def _shown(value: object) -> str:
-    return textwrap.shorten(repr(value), width=60, placeholder="…")
+    listed = ", ".join(allowed) or "nothing: the list is empty"
+    raise ScenarioError(source, dotted, repr(part), listed + suggestion(part, allowed))

@@ -1,6 +1,5 @@
 """Finds, reads and checks experiment files, and the scenario that each is about."""
 
-import textwrap
 import tomllib
 from copy import deepcopy
 from importlib.resources import files
@@ -9,6 +8,7 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, JsonValue, ValidationError
 
+from passafe_services.scenarios.field_problems import problems_of
 from passafe_services.scenarios.load import load_scenario, scenario_from, shipped_scenarios
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.experiment.axes import Overrides
@@ -82,24 +82,10 @@ def experiment_from(data: Any, source: str) -> Experiment:  # noqa: ANN401 - TOM
         source: Name or file, for messages.
 
     Raises:
-        ExperimentError: A field that holds what it may not; the first one is named.
+        ExperimentError: Fields that hold what they may not; all of them are named.
     """
     try:
         return Experiment.model_validate(data)
     except ValidationError as error:
-        raise _refusal(source, error) from error
-
-
-def _refusal(source: str, error: ValidationError) -> ExperimentError:
-    """Return what is wrong first; our own messages name field, got and allowed themselves."""
-    first = error.errors()[0]
-    field = ".".join(str(part) for part in first["loc"])
-    message = first["msg"].removeprefix("Input should be ").removeprefix("Value error, ")
-    more = "" if error.error_count() == 1 else f" (and {error.error_count() - 1} more)"
-    told, separator, allowed = message.partition(", allowed ")
-    if separator:
-        inner, _, got = told.rpartition("got ")
-        field = ".".join(filter(None, (field, inner.rstrip(": "))))
-    else:
-        got, allowed = textwrap.shorten(repr(first["input"]), width=60, placeholder="…"), message
-    return ExperimentError(source, field or "experiment", got, allowed + more)
+        first, *more = problems_of(error, Experiment)
+        raise ExperimentError(source, first.field, first.got, first.allowed, *more) from error

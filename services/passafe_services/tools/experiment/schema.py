@@ -7,6 +7,7 @@ from pydantic import Field, JsonValue, field_validator, model_validator
 
 from passafe_services.scenarios.fields import Config, Finite
 from passafe_services.scenarios.schema import Scenario
+from passafe_services.suggestion import suggestion
 from passafe_services.tools.experiment.axes import NAME, AnyAxis, BisectAxis, GridAxis, Overrides, RandomAxis
 from passafe_services.tools.experiment.metrics import NUMERIC, Metrics
 
@@ -46,7 +47,7 @@ class Criterion(Config):
     @classmethod
     def _is_a_figure(cls, figure: str) -> str:
         if figure not in NUMERIC:
-            raise ValueError(f"got {figure!r}, allowed one of {', '.join(NUMERIC)}")
+            raise ValueError(f"got {figure!r}, allowed one of {', '.join(NUMERIC)}{suggestion(figure, NUMERIC)}")
         return figure
 
     @model_validator(mode="after")
@@ -160,7 +161,8 @@ class Experiment(Config):
     @model_validator(mode="after")
     def _has_a_worst(self) -> Self:
         if self.worst_by and self.worst_by not in self.criteria:
-            raise ValueError(f"worst_by: got {self.worst_by!r}, allowed one of {', '.join(self.criteria)}")
+            near = suggestion(self.worst_by, self.criteria)
+            raise ValueError(f"worst_by: got {self.worst_by!r}, allowed one of {', '.join(self.criteria)}{near}")
         if not self.tracking:
             for name, criterion in self.criteria.items():
                 if criterion.figure.startswith("tracking_") or criterion.figure == "final_error":
