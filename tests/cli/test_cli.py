@@ -31,7 +31,7 @@ def simulated(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize(
-    "command", ["", "demo", "run", "simulate", "campaign", "review", "replay", "recover", "link", "link set"]
+    "command", ["", "demo", "run", "simulate", "campaign", "review", "replay", "recover", "kill", "link", "link set"]
 )
 def test_every_command_explains_itself(command: str) -> None:
     done = passafe(*command.split(), "--help")
@@ -57,6 +57,7 @@ def test_every_command_explains_itself(command: str) -> None:
         (("replay", "missing.mcap"), "missing.mcap"),
         (("recover", "missing.mcap", "--out", "whole.mcap"), "missing.mcap"),
         (("run", "plant", "--router", "nowhere"), "--router"),
+        (("kill", "filter", "--router", "127.0.0.1:1"), "127.0.0.1:1"),
         (("link", "set", "plant-to-moon", "delay=1"), "plant-to-moon"),
         (("link", "set", "plant-to-filter", "loss=2"), "loss"),
         (("link", "set", "plant-to-filter", "trace=x.csv"), "trace"),

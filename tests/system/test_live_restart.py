@@ -2,6 +2,8 @@
 
 import os
 import signal
+import subprocess
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -37,6 +39,11 @@ def wait_for(bus: Bus, topic: Topic, wanted: Callable[[Header, Message], bool]) 
     raise AssertionError(f"no such {topic.name} within {PATIENCE_S:g} s")
 
 
+def passafe(*arguments: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-P", "-m", "passafe_services.cli", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE_S, check=False)
+
+
 def is_running(_header: Header, body: Message) -> bool:
     return isinstance(body, PlantState) and body.phase is PlantPhase.RUNNING
 
@@ -63,7 +70,8 @@ def test_filter_router_and_operator_are_killed_and_the_robot_stays_safe_and_goes
             wait_for(bus, STATE, lambda header, body: is_running(header, body) and header.sequence > stopped.sequence)
 
             router = bus.router
-            os.kill(first["router"], signal.SIGKILL)
+            killed = passafe("kill", "router", "--router", demo.router)
+            assert killed.stdout == f"killed router (process {first['router']})\n", killed.stderr
             demo.wait_for("router died: killed by SIGKILL; started again", timeout_s=5.0)
             wait_for(bus, STATE, lambda header, body: bus.router not in {"", router} and is_running(header, body))
 

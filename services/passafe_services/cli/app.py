@@ -9,6 +9,7 @@ from passafe_services.cli import (
     demo,
     experiment,
     feasibility,
+    kill,
     link,
     recover,
     replay,
@@ -53,6 +54,7 @@ app.command("feasibility")(feasibility.feasibility)
 app.command("review")(review.review)
 app.command("replay")(replay.replay)
 app.command("recover")(recover.recover_log)
+app.command("kill")(kill.kill)
 app.add_typer(link.app, name="link")
 app.command("scenarios")(scenarios.scenarios)
 

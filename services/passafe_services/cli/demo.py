@@ -1,7 +1,6 @@
 """``passafe demo``: the whole system as processes on this machine."""
 
-import sys
-from collections.abc import Callable, Container
+from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Final
@@ -10,6 +9,7 @@ import typer
 from passafe_dashboard.address import require_free_page_port
 from rich.console import Console
 
+from passafe_services.cli.demo_processes import demo_processes
 from passafe_services.cli.options import (
     DEFAULT_SCENARIO,
     DurationOption,
@@ -23,7 +23,7 @@ from passafe_services.cli.options import (
 )
 from passafe_services.cli.verdict import exit_code, print_verdict
 from passafe_services.loop.keep_awake import awake_specs
-from passafe_services.loop.process_exit import GRACE_S, ExitCause, ProcessSpec, Restarts, RunOutcome
+from passafe_services.loop.process_exit import ExitCause, Restarts, RunOutcome
 from passafe_services.loop.realtime import processors
 from passafe_services.loop.router_endpoint import DEFAULT_PORT, LOOPBACK, RouterEndpoint
 from passafe_services.loop.supervisor import supervise
@@ -40,9 +40,6 @@ from passafe_services.tools.review.verdict import Verdict
 DIED: Final = 3
 """Exit code when a process died for good, could not be started or did not come to its end."""
 
-RESTARTED: Final = ("router", "dashboard", "operator", "filter")
-"""What ``--restart`` starts again: not the recorder, whose log would be in two parts, nor the plant, the robot."""
-
 PATIENCE_S: Final = 60.0
 """How much longer than ``--duration`` a run may take by the clock: plant time begins with the filter's first input."""
 
@@ -50,9 +47,6 @@ PAGE_RATE_HZ: Final = 500.0
 FEW_PROCESSORS: Final = 2
 """With a page on so few processors there are at most so many ticks a second, unless a rate is asked for: six processes
 at 1 kHz leave a browser there nothing to draw with (``docs/decisions/0014-slower-beside-a-page.md``)."""
-
-RECORDER_GRACE_S: Final = 20.0
-"""How long the recorder may take to end: on a busy machine it has a backlog to write."""
 
 
 def demo(
@@ -91,8 +85,8 @@ def demo(
 
     With a page on two processors there are at most 500 ticks a second, so that a browser has room; `--rate` insists.
 
-    With `--restart`, `pkill -9 -f 'passafe_services.cli.run filter'` shows what a dead process does to the robot:
-    its own fail-safe stops it, and the next filter takes over from there.
+    With `--restart`, `passafe kill filter` in another terminal shows what a dead process does to the robot: its own
+    fail-safe stops it, and the next filter takes over from there.
 
     Example: `passafe demo --mode off --duration 10`
     """
@@ -113,7 +107,14 @@ def demo(
     log = base.with_suffix(".mcap")
     specs = [
         *(awake_specs() if keep_awake else ()),
-        *_specs(effective, endpoint, log, None if headless else port, duration, RESTARTED if restart else ()),
+        *demo_processes(
+            effective,
+            endpoint,
+            log,
+            page_port=None if headless else port,
+            duration_s=duration,
+            restart=restart,
+        ),
     ]
 
     def say_ready() -> None:
@@ -145,44 +146,6 @@ def with_room_for_a_page(scenario: Scenario, count: int, say: Callable[[str], ob
         f"on the same {count} processors; --rate {scenario.rate_hz:g} insists, --headless does without a page"
     )
     return slower
-
-
-def _specs(
-    scenario_file: Path,
-    endpoint: RouterEndpoint,
-    log: Path,
-    port: int | None,
-    duration_s: float | None,
-    restarted: Container[str],
-) -> list[ProcessSpec]:
-    """Return the processes in the order in which they start; the plant last, so that it is stopped first."""
-    extra: dict[str, list[str]] = {
-        "router": [],
-        "recorder": ["--out", str(log)],
-        "dashboard": ["--port", str(port)],
-        "operator": [],
-        "filter": [],
-        "plant": [] if duration_s is None else ["--duration", str(duration_s)],
-    }
-    if port is None:
-        del extra["dashboard"]
-    common = [
-        "--scenario",
-        str(scenario_file),
-        "--router",
-        f"{endpoint.host}:{endpoint.port}",
-        "--lifeline",
-    ]
-    graces = {"recorder": RECORDER_GRACE_S}
-    return [
-        ProcessSpec(
-            name=name,
-            argv=(sys.executable, "-P", "-m", "passafe_services.cli.run", name, *common, *arguments),
-            grace_s=graces.get(name, GRACE_S),
-            restarts=Restarts() if name in restarted else None,
-        )
-        for name, arguments in extra.items()
-    ]
 
 
 def _conclude(outcome: RunOutcome, log: Path, scenario: Scenario, console: Console) -> int:

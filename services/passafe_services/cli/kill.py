@@ -1,0 +1,38 @@
+"""``passafe kill``: end a process of a running demo the hard way."""
+
+import os
+from typing import Annotated
+
+import psutil
+import typer
+
+from passafe_services.cli.demo_processes import is_demo_process
+from passafe_services.cli.errors import OptionError
+from passafe_services.cli.options import DEFAULT_ROUTER, RouterOption, parse_endpoint
+from passafe_services.loop.process_options import ProcessName
+
+
+def kill(
+    process: Annotated[ProcessName, typer.Argument(help="Which process of the demo.")],
+    router: RouterOption = DEFAULT_ROUTER,
+) -> None:
+    """Kill a process of a demo on this machine (SIGKILL): the robot's own fail-safe has to stop it.
+
+    Only a process of your own that `passafe demo` started is killed, and only of the demo with that router. A demo
+    with `--restart` starts it again.
+
+    Example: `passafe kill filter`
+    """
+    endpoint = parse_endpoint(router)
+    found = [
+        each
+        for each in psutil.process_iter(["cmdline", "uids"])
+        if each.info["cmdline"]
+        and each.info["uids"].real == os.getuid()
+        and is_demo_process(each.info["cmdline"], process, endpoint)
+    ]
+    if not found:
+        raise OptionError("PROCESS", process, f"one that a demo with its router at {router} runs on this machine")
+    for each in found:
+        each.kill()
+        typer.echo(f"killed {process} (process {each.pid})")
