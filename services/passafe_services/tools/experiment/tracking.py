@@ -5,8 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from passafe.batch.batch_function import BatchFunction
 from passafe.models.robot import Robot
-from passafe_services.tools.review.elementwise import Elementwise
+from passafe.workspace import dense_function
 from passafe_services.tools.review.plant_evaluator import FloatArray
 from passafe_services.tools.review.trajectory import Trajectory
 
@@ -54,10 +55,11 @@ class Motion:
     """Takes a robot's position from its states."""
 
     def __init__(self, robot: Robot) -> None:
-        self._position = Elementwise("position", [robot.system.x], robot.position)
+        function = dense_function("position", [robot.system.x], [robot.position])
+        self._position = BatchFunction(function, by_casadi=True)
 
     def of(self, trajectory: Trajectory) -> Tracking:
         """Return where the robot was in a run."""
         if not trajectory.samples:
             return Tracking(t_s=trajectory.t_s, position=np.zeros((0, 0)))
-        return Tracking(t_s=trajectory.t_s, position=self._position(trajectory.x))
+        return Tracking(t_s=trajectory.t_s, position=self._position(trajectory.x)[0])

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from passafe.barrier_chain import derive_chain
+from passafe.batch.batch_function import BatchFunction
 from passafe.derivation import CUSHION, TRUST, Derivation
 from passafe.design import FilterDesign, Law, Mode
 from passafe.limits import Limits
@@ -79,6 +80,7 @@ class BatchRows:
         self.limits: Limits = design.limits
         self.least_trust: Array = TRUST * np.array(design.limits.magnitude)
         self.tolerance = design.tolerance.residual
+        self._prepare = BatchFunction(self._derivation.prepare, by_casadi=True)
         self._m, self._hard = design.system.m, self._derivation.hard
         tank = design.passivity.tank
         self._constant = {
@@ -118,12 +120,12 @@ class BatchRows:
             for name, size in sizes.items()
         ]
         names = list(self._derivation.sizes_derived)
-        found = dict(zip(names, self._derivation.prepare(*columns), strict=True))
+        found = dict(zip(names, self._prepare(*columns), strict=True))
         duties, k = self._derivation.duties, self._derivation.k
-        G = found["G"].full().reshape(duties, count, k).transpose(1, 0, 2)[:, :, :m]
+        G = found["G"].reshape(k, duties, count).transpose(2, 1, 0)[:, :, :m]
         # fmin and fmax swallow a NaN; the filter tells by its poison, too.
-        sound = found["poison"].full().T <= 1.0
-        d, u_ref = np.where(sound, found["d"].full().T, np.nan), found["u_ref"].full().T
+        sound = found["poison"].T <= 1.0
+        d, u_ref = np.where(sound, found["d"].T, np.nan), found["u_ref"].T
         chosen = duties if passive else self._hard
         return _hardened(G[:, :chosen], d[:, :chosen], u_ref, FURTHEST * self.limits.reach)
 
