@@ -10,7 +10,7 @@ from importlib import import_module
 from typing import Any, Final, NamedTuple, Protocol
 
 import numpy as np
-from passafe_services.scenarios.barrier_schema import DiskBarrier
+from passafe_services.scenarios.barrier_kinds.disk import DiskBarrier
 from passafe_services.scenarios.design import design_of, robot_of
 from passafe_services.scenarios.schema import Scenario
 

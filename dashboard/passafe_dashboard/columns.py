@@ -10,12 +10,10 @@ from math import asinh, sinh
 from typing import Final
 
 from passafe_protocol.messages import FilterTick, PlantState
+from passafe_services.scenarios.barrier_kinds.barrier_kind import SingleBarrier
 from passafe_services.scenarios.schema import Scenario
-from passafe_services.scenarios.single_barriers import POINTS
 
 from passafe_dashboard.decimation import Keep
-from passafe_dashboard.motion import displacement
-from passafe_dashboard.obstacles import Obstacle, Region, obstacles_of, unit_of_h
 
 TIME: Final = "time_s"
 START: Final = "start_s"
@@ -72,13 +70,13 @@ class ColumnLayout:
     """Columns of one scenario, and their values for a message.
 
     Attributes:
-        obstacles: Shape of each barrier, in the scenario's order.
+        barriers: Every barrier, in the scenario's order.
         levels: Number of ψ of each barrier, h included.
         points: Number of points in the plane the state begins with; 0 for joints.
         states: Length of the state.
     """
 
-    obstacles: tuple[Obstacle, ...]
+    barriers: tuple[SingleBarrier, ...]
     levels: tuple[int, ...]
     points: int = 1
     states: int = 2
@@ -87,21 +85,21 @@ class ColumnLayout:
     def of(cls, scenario: Scenario) -> "ColumnLayout":
         """Return the layout of a scenario: a barrier with r + 1 class-K functions has ψ₀ … ψ_r."""
         return cls(
-            obstacles=obstacles_of(scenario),
+            barriers=scenario.barriers,
             levels=tuple(len(barrier.class_k) for barrier in scenario.barriers),
-            points=POINTS[scenario.plant.model],
+            points=scenario.plant.robot_model.points,
             states=len(scenario.plant.x0),
         )
 
     @property
     def names(self) -> tuple[str, ...]:
         """Name of each barrier."""
-        return tuple(obstacle.name for obstacle in self.obstacles)
+        return tuple(barrier.name for barrier in self.barriers)
 
     @property
     def h_unit(self) -> str:
         """Unit of h for an axis label, also when barriers differ."""
-        units = sorted({unit_of_h(obstacle) for obstacle in self.obstacles})
+        units = sorted({barrier.h_unit for barrier in self.barriers})
         return " or ".join(units) or "m"
 
     @property
@@ -132,7 +130,7 @@ class ColumnLayout:
         """Value kept of each column of a PlantState."""
         return {
             **dict.fromkeys(self.place_columns, Keep.LAST),
-            **{measured_h(i): Keep.LOWEST for i in range(len(self.obstacles))},
+            **{measured_h(i): Keep.LOWEST for i in range(len(self.barriers))},
         }
 
     def tick_values(self, tick: FilterTick) -> list[float] | None:
@@ -153,28 +151,13 @@ class ColumnLayout:
             values.extend(chain.psi)
         return values
 
-    def state_values(self, state: PlantState) -> list[float] | None:
-        """Return the values of ``state_columns``, or ``None`` for a state of another scenario."""
-        if not self.fits(state):
-            return None
-        return [*state.x[: 2 * self.points], *self.measured(state)]
+    def state_values(self, state: PlantState, h: Sequence[float]) -> list[float]:
+        """Return the values of ``state_columns`` for a state that fits, with h of every barrier at that state."""
+        return [*state.x[: 2 * self.points], *h]
 
     def fits(self, state: PlantState) -> bool:
         """Return whether a state is long enough to be one of this scenario."""
         return len(state.x) >= self.states
-
-    def measured(self, state: PlantState) -> list[float]:
-        """Return h of every barrier at a state that fits."""
-        t_s = state.plant_ns * 1e-9
-        return [obstacle.h(state.x, t_s) for obstacle in self.obstacles]
-
-    def moved(self, t_s: float) -> dict[str, tuple[float, float]]:
-        """Return the displacement of every obstacle that moves, m, by the name of its table."""
-        return {
-            moving_table(i): displacement(obstacle.motion, t_s)
-            for i, obstacle in enumerate(self.obstacles)
-            if isinstance(obstacle, Region) and obstacle.motion is not None
-        }
 
     @property
     def log_columns(self) -> tuple[str, ...]:

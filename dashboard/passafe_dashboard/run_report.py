@@ -1,13 +1,11 @@
 """The HTML report of a log."""
 
 from passafe_protocol.messages import FilterTick
-from passafe_services.scenarios.single_barriers import POINTS
 from passafe_services.tools.review.plant_evaluator import PlantEvaluator
 from passafe_services.tools.review.run_log import RunLog
 from passafe_services.tools.review.verdict import Verdict, trajectory_of
 
 from passafe_dashboard.decimation import NS_PER_S
-from passafe_dashboard.obstacles import obstacles_of
 from passafe_dashboard.reports.run_page import report_page
 from passafe_dashboard.reports.run_series import RunSeries, status_spans
 
@@ -48,7 +46,7 @@ def series_of(log: RunLog, mathematics: PlantEvaluator) -> RunSeries:
         u=trajectory.u,
         h=mathematics.h(trajectory.x, trajectory.t_s),
         power_margin_w=mathematics.power_margin(trajectory.x, trajectory.u),
-        obstacles=obstacles_of(scenario),
+        barriers=scenario.barriers,
         statuses=status_spans(ticks, period_s=scenario.dt_s),
-        points=POINTS[scenario.plant.model],
+        points=scenario.plant.robot_model.points,
     )

@@ -3,8 +3,8 @@
 from typing import Any
 
 import numpy as np
+from barrier_examples import disk
 from closed_form import h, position, power_margin
-from passafe_dashboard.obstacles import Disk
 from passafe_dashboard.reports.run_series import RunSeries, StatusSpan
 from passafe_protocol.messages import FilterStatus
 
@@ -18,7 +18,7 @@ def run_series(samples: int = 10_000) -> RunSeries:
         u=np.zeros((2, samples)),
         h=np.array([[h(time) for time in t]]),
         power_margin_w=np.array([power_margin(time) for time in t]),
-        obstacles=(Disk(name="disk", centre=(0.0, 0.0), radius=1.0),),
+        barriers=(disk("disk"),),
         statuses=(
             StatusSpan(FilterStatus.PASSED, 0.0, 4.0),
             StatusSpan(FilterStatus.INFEASIBLE, 4.0, 4.002),

@@ -1,6 +1,7 @@
 from collections.abc import Iterator
 
 import pytest
+from barrier_examples import disk, half_plane
 from bokeh.models import ColumnDataSource, HBar, Line
 from bokeh.models.annotations import Legend
 from bokeh.plotting import figure
@@ -12,13 +13,12 @@ from passafe_dashboard.charts.over_time import full_range, live_range
 from passafe_dashboard.charts.plane import plane_figure
 from passafe_dashboard.charts.timeline import age_figure, status_figure
 from passafe_dashboard.columns import P1, P2, PLACES, TIME, ZERO, ColumnLayout, drawn_columns, signed_log
-from passafe_dashboard.obstacles import Disk, HalfPlane
 from passafe_protocol.messages import FilterStatus
 
 LAYOUT = ColumnLayout(
-    obstacles=(
-        Disk(name="disk", centre=(0.0, 0.0), radius=1.0),
-        HalfPlane(name="wall", normal=(1.0, 0.0), offset=-3.0),
+    barriers=(
+        disk("disk"),
+        half_plane("wall", (1.0, 0.0), -3.0),
     ),
     levels=(3, 3),
 )
@@ -40,7 +40,7 @@ def every_chart() -> Iterator[figure]:
     yield tank_figure(ticks=ticks, x_range=x_range)
     yield age_figure(ticks=ticks, x_range=x_range)
     yield status_figure(source=ticks, x_range=x_range)
-    yield plane_figure(LAYOUT.obstacles, trail=states, robot=table(P1, P2), starts=[(2.0, 2.0)])
+    yield plane_figure(LAYOUT.barriers, trail=states, robot=table(P1, P2), starts=[(2.0, 2.0)])
 
 
 def chart_named(name: str) -> figure:
@@ -89,8 +89,8 @@ def test_every_barrier_has_its_own_named_lines() -> None:
 
 
 def test_where_there_are_many_barriers_some_lines_are_left_out() -> None:
-    walls = tuple(HalfPlane(name=f"wall {i}", normal=(1.0, 0.0), offset=-3.0 - i) for i in range(MOST_SHOWN + 1))
-    layout = ColumnLayout(obstacles=walls, levels=(3,) * len(walls))
+    walls = tuple(half_plane(f"wall {i}", (1.0, 0.0), -3.0 - i) for i in range(MOST_SHOWN + 1))
+    layout = ColumnLayout(barriers=walls, levels=(3,) * len(walls))
     ticks = table(*drawn_columns(tuple(layout.tick_columns), layout.log_columns))
     states = table(*drawn_columns(tuple(layout.state_columns), ()))
     live = h_figure(layout, ticks=ticks, states=states, x_range=full_range())
@@ -100,7 +100,7 @@ def test_where_there_are_many_barriers_some_lines_are_left_out() -> None:
 
 
 def test_a_barrier_of_relative_degree_zero_has_no_chain() -> None:
-    layout = ColumnLayout(obstacles=LAYOUT.obstacles[:1], levels=(1,))
+    layout = ColumnLayout(barriers=LAYOUT.barriers[:1], levels=(1,))
     assert chain_figure(layout, ticks=table(TIME, ZERO), x_range=full_range()) is None
 
 
@@ -132,12 +132,12 @@ def test_the_page_has_a_chart_for_everything() -> None:
 
 
 def test_without_barriers_there_are_no_charts_of_them() -> None:
-    charts = live_charts(ColumnLayout(obstacles=(), levels=()), starts=((2.0, 2.0),), window_s=20.0)
+    charts = live_charts(ColumnLayout(barriers=(), levels=()), starts=((2.0, 2.0),), window_s=20.0)
     assert set(charts.divs) == {"plane", "power_margin", "tank", "status", "ages"}
 
 
 def test_joints_have_no_plane() -> None:
-    charts = live_charts(ColumnLayout(obstacles=(), levels=(), points=0), starts=(), window_s=20.0)
+    charts = live_charts(ColumnLayout(barriers=(), levels=(), points=0), starts=(), window_s=20.0)
     assert set(charts.divs) == {"power_margin", "tank", "status", "ages"}
 
 

@@ -1,7 +1,7 @@
-from dataclasses import replace
 from math import inf
 
 import pytest
+from barrier_examples import speed_limit
 from closed_form import MS, h, paper_scenario, position, state, tick
 from hypothesis import given
 from hypothesis import strategies as st
@@ -11,9 +11,9 @@ from passafe_dashboard.columns import (
     signed_log,
     signed_log_inverse,
 )
-from passafe_dashboard.obstacles import Disk, SpeedLimit
+from passafe_dashboard.live.feed import Feed
 from passafe_protocol.messages import BarrierReport
-from passafe_services.scenarios.barrier_schema import Swing
+from passafe_services.scenarios.load import load_scenario
 
 LAYOUT = ColumnLayout.of(paper_scenario())
 
@@ -39,8 +39,7 @@ def test_values_of_a_tick_stand_under_their_columns() -> None:
 
 
 def test_values_of_a_state_stand_under_their_columns() -> None:
-    values = LAYOUT.state_values(state(500))
-    assert values is not None
+    values = LAYOUT.state_values(state(500), [h(0.5)])
     named = dict(zip(LAYOUT.state_columns, values, strict=True))
     assert (named["p1_m"], named["p2_m"]) == position(0.5)
     assert named["h_0"] == pytest.approx(h(0.5))
@@ -55,27 +54,29 @@ def test_a_tick_of_another_scenario_has_no_values(barriers: tuple[BarrierReport,
 
 @pytest.mark.parametrize("x", [(1.0,), (1.0, 2.0, 3.0), ()])
 def test_a_state_of_another_scenario_has_no_values(x: tuple[float, ...]) -> None:
-    assert LAYOUT.state_values(state(0, x=x)) is None
-    assert LAYOUT.state_values(state(0, x=(1.0, 2.0, 3.0, 4.0))) is not None
+    feed = Feed(paper_scenario())
+    assert feed.measured_h(state(0, x=x)) is None
+    assert feed.measured_h(state(0, x=(1.0, 2.0, 3.0, 4.0))) is not None
 
 
 def test_two_points_have_two_places_and_joints_none() -> None:
-    obstacles = (SpeedLimit(name="speed", limit=2.0, first=6),)
-    both = ColumnLayout(obstacles=obstacles, levels=(2,), points=2, states=8)
-    values = both.state_values(state(0, x=(1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 0.6, 0.8)))
+    both = ColumnLayout(barriers=(speed_limit("speed", 2.0),), levels=(2,), points=2, states=8)
+    values = both.state_values(state(0, x=(1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 0.6, 0.8)), [3.0])
     assert list(both.state_columns) == ["p1_m", "p2_m", "p3_m", "p4_m", "h_0"]
     assert values == [1.0, 2.0, 3.0, 4.0, pytest.approx(3.0)]
-    joints = ColumnLayout(obstacles=(), levels=(), points=0, states=2)
+    joints = ColumnLayout(barriers=(), levels=(), points=0, states=2)
     assert joints.place_columns == ()
-    assert joints.state_values(state(0, x=(1.0, 2.0))) == []
+    assert joints.state_values(state(0, x=(1.0, 2.0)), []) == []
 
 
-def test_what_moves_is_where_it_is_at_the_state_s_time() -> None:
-    swing = Swing(kind="swing", amplitude_m=(2.0, 0.0), frequency_hz=0.25)
-    disk = Disk(name="disk", centre=(0.0, 0.0), radius=1.0)
-    layout = ColumnLayout(obstacles=(disk, replace(disk, motion=swing)), levels=(3, 3), states=4)
-    assert layout.moved(1.0) == {"moving_1": (2.0, 0.0)}
-    assert layout.measured(state(1000, x=(2.0, 0.0, 0.0, 0.0))) == [3.0, -1.0]
+def test_page_shows_h_and_displacement_at_the_time_of_the_state() -> None:
+    motion = {"kind": "swing", "amplitude_m": (2.0, 0.0), "frequency_hz": 0.25}
+    [still] = paper_scenario().model_dump()["filter"]["barriers"]
+    barriers = [still, still | {"name": "moving", "motion": motion}]
+    feed = Feed(load_scenario("notomista-cai-2020", {"filter.barriers": barriers}))
+    after_1_s = state(1000, x=(2.0, 0.0, 0.0, 0.0))
+    assert feed.displacements_m(after_1_s) == {"moving_1": (2.0, 0.0)}
+    assert feed.measured_h(after_1_s) == [3.0, -1.0]
 
 
 def test_drawn_columns_add_time_zero_line_and_signed_logarithms() -> None:

@@ -8,7 +8,7 @@ from passafe_protocol.codec import decode, encode
 from passafe_protocol.messages import SCHEMA_VERSION, FilterTick, PlantState
 from passafe_protocol.topics import STATE, TICK
 
-LAYOUT = ColumnLayout(obstacles=(), levels=(3,))
+LAYOUT = ColumnLayout(barriers=(), levels=(3,))
 
 
 def test_a_thin_tick_has_what_charts_need() -> None:

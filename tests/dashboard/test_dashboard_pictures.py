@@ -20,7 +20,7 @@ def test_the_picture_of_a_run_has_the_paper_s_plots() -> None:
 
 def test_a_run_without_barriers_has_a_taller_power_margin() -> None:
     series = run_series()
-    text = run_picture(replace(series, h=series.h[:0], obstacles=()), title="circle")
+    text = run_picture(replace(series, h=series.h[:0], barriers=()), title="circle")
     words = [node.text for node in ET.fromstring(text).iter(f"{SVG}text")]  # noqa: S314 - our own output
     assert "power margin (W)" in words
     assert "barrier h (m)" not in words

@@ -3,9 +3,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from barrier_examples import disk
 from closed_form_series import run_series, verdict
 from passafe_dashboard.charts.run_charts import lowest_barriers
-from passafe_dashboard.obstacles import Disk
 from passafe_dashboard.pictures.__main__ import run_picture
 from passafe_dashboard.reports.run_page import descriptions, inline_script, number, report_page
 
@@ -47,8 +47,8 @@ def test_properties_say_whether_they_hold_with_worst_value_and_time(page: str) -
 
 def test_of_many_barriers_those_that_came_lowest_are_shown() -> None:
     series = run_series(100)
-    disks = tuple(Disk(name=f"disk {n}", centre=(0.0, 0.0), radius=1.0) for n in range(10))
-    many = replace(series, obstacles=disks, h=np.vstack([series.h + 9 - n for n in range(10)]))
+    disks = tuple(disk(f"disk {n}") for n in range(10))
+    many = replace(series, barriers=disks, h=np.vstack([series.h + 9 - n for n in range(10)]))
     assert lowest_barriers(many) == tuple(range(2, 10))
     words = descriptions(many)["h"]
     assert "disk 2 lowest sample" in words
@@ -112,7 +112,7 @@ def test_a_violation_that_the_mode_allows_is_told() -> None:
 
 def test_a_run_without_barriers_and_ticks_has_its_plots() -> None:
     series = run_series(100)
-    bare = replace(series, h=series.h[:0], obstacles=(), statuses=())
+    bare = replace(series, h=series.h[:0], barriers=(), statuses=())
     page = report_page(verdict(), bare, configuration={}, versions={})
     assert markup(page).count("data-root-id") == 2
     assert "Obstacles: none." in page

@@ -34,7 +34,7 @@ def test_series_hold_what_the_plant_measured(log: RunLog) -> None:
     assert series.h[0] == pytest.approx(series.x[0] ** 2 + series.x[1] ** 2 - 1.0)
     # y = x₂ = 0 and V = ‖x‖² give h_u = yᵀu − 2x₁ᵀx₂ − 2x₂ᵀ(−σx₂ + u) = 0.
     assert series.power_margin_w == pytest.approx(np.zeros(500))
-    assert [obstacle.name for obstacle in series.obstacles] == ["disk"]
+    assert [obstacle.name for obstacle in series.barriers] == ["disk"]
     assert {span.status for span in series.statuses} == {FilterStatus.PASSED, FilterStatus.MODIFIED}
 
 

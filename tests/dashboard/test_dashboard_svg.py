@@ -1,9 +1,11 @@
+import re
 import xml.etree.ElementTree as ET
 from dataclasses import replace
-from math import nan
+from math import hypot, nan
 
 import numpy as np
 import pytest
+from barrier_examples import disk
 from bokeh.models import Annulus, ColumnDataSource, HBar, Line, Patch, Range1d, Scatter
 from closed_form_series import run_series
 from hypothesis import given
@@ -11,7 +13,6 @@ from hypothesis import strategies as st
 from passafe_dashboard.charts.run_charts import run_charts
 from passafe_dashboard.charts.style import plain_figure
 from passafe_dashboard.errors import UndrawableError
-from passafe_dashboard.obstacles import Disk
 from passafe_dashboard.svg.chart import Placed, picture
 from passafe_dashboard.svg.extent import Extent, extent_of, round_ticks, same_scale, ticks_of
 from passafe_dashboard.svg.marks import Scale, draw, element
@@ -132,18 +133,22 @@ def test_the_disk_of_the_picture_is_round_and_of_its_size() -> None:
     root = ET.fromstring(  # noqa: S314 - our own output
         picture([Placed(chart, 0, 0, 400, 400)], width=400, height=400, title="a", description="b")
     )
-    disk = max(root.iter(f"{SVG}circle"), key=lambda node: float(node.get("r", "0")))
+    outline = next(node for node in root.iter(f"{SVG}path") if node.get("fill-opacity") == "0.18").get("d", "")
+    places = [(float(x), float(y)) for x, y in re.findall(r"[ML](\S+) ([\d.-]+)", outline)]
     ticks = {
         node.text: float(node.get("x", "0")) for node in root.iter(f"{SVG}text") if node.get("text-anchor") == "middle"
     }
-    assert float(disk.get("r", "0")) == pytest.approx((ticks["1"] - ticks["−1"]) / 2, abs=0.02)
-    assert float(disk.get("cx", "0")) == pytest.approx(ticks["0"], abs=0.02)
+    left, right = (edge(x for x, _ in places) for edge in (min, max))
+    assert (right - left) / 2 == pytest.approx((ticks["1"] - ticks["−1"]) / 2, abs=0.02)
+    assert (right + left) / 2 == pytest.approx(ticks["0"], abs=0.02)
+    middle = (min(y for _, y in places) + max(y for _, y in places)) / 2
+    assert all(hypot(x - ticks["0"], y - middle) == pytest.approx((right - left) / 2, abs=0.02) for x, y in places)
 
 
 def test_a_legend_with_many_entries_has_rows_inside_the_chart() -> None:
     series = run_series(1_000)
-    disks = tuple(Disk(name=f"disk number {n}", centre=(0.0, 0.0), radius=1.0) for n in range(6))
-    many = replace(series, obstacles=disks, h=np.repeat(series.h, 6, axis=0))
+    disks = tuple(disk(f"disk number {n}") for n in range(6))
+    many = replace(series, barriers=disks, h=np.repeat(series.h, 6, axis=0))
     chart = run_charts(many, bins=100)["h"]
     text = picture([Placed(chart, 0, 0, 400, 300)], width=400, height=300, title="a", description="b")
     words = [node for node in ET.fromstring(text).iter(f"{SVG}text") if "disk" in (node.text or "")]  # noqa: S314

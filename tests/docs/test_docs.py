@@ -13,10 +13,11 @@ import pytest
 from passafe_protocol.topics import LINKS
 from passafe_services.cli.link_text import LINK_KEYS
 from passafe_services.operator.sources.scenario_source import crossover_loop
-from passafe_services.scenarios.barrier_schema import BarrierConfig, Motion
+from passafe_services.scenarios.barrier_kinds.motion import Motion
+from passafe_services.scenarios.barrier_kinds.registry import SHIPPED, kind_words
 from passafe_services.scenarios.link_schema import ScenarioLink
 from passafe_services.scenarios.load import load_scenario, scenario_from
-from passafe_services.scenarios.single_barriers import POINTS
+from passafe_services.scenarios.robot_models import ROBOT_MODELS
 from passafe_services.scenarios.source_schema import AdversarySource, HumanSource, Source
 from passafe_services.simulation import lockstep_loop
 from passafe_services.tools.experiment.check import check
@@ -73,9 +74,9 @@ def test_every_kind_of_barrier_motion_and_robot_is_in_the_examples_or_tables() -
     kinds = {barrier["kind"] for barrier in example["filter"]["barriers"]}
     motions = {barrier["motion"]["kind"] for barrier in example["filter"]["barriers"] if "motion" in barrier}
 
-    assert kinds == kinds_of(BarrierConfig)
+    assert kinds == {word for kind in SHIPPED for word in kind_words(kind)}
     assert motions == kinds_of(Motion)
-    for word in (*kinds, *motions, *POINTS):
+    for word in (*kinds, *motions, *ROBOT_MODELS):
         assert f"| `{word}` |" in page or f"`{word}` (" in page, word
 
 

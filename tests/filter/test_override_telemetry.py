@@ -8,7 +8,7 @@ from passafe_protocol.topics import TICK
 from passafe_services.filter.telemetry import Telemetry, TickRecord
 from passafe_services.scenarios.design import design_of, robot_of
 from passafe_services.scenarios.load import load_scenario
-from passafe_services.scenarios.units import input_unit
+from passafe_services.scenarios.robot_models import ROBOT_MODELS
 from passafe_services.simulation import lockstep_loop
 
 from passafe.decision import Status
@@ -92,8 +92,6 @@ def test_a_run_says_why_it_holds_back_at_most_once_a_second() -> None:
     assert all(later - previous_u >= 1_000_000_000 for (previous_u, _), (later, _) in pairwise(told))
 
 
-def test_a_model_of_unknown_unit_has_units_of_u() -> None:
-    plant = SCENARIO.plant.model_copy(update={"model": "something-new"})
-
-    assert input_unit(SCENARIO) == "m/s²"
-    assert input_unit(SCENARIO.model_copy(update={"plant": plant})) == "units of u"
+def test_robot_model_gives_the_input_its_unit() -> None:
+    assert SCENARIO.plant.robot_model.input_unit == "m/s²"
+    assert ROBOT_MODELS["joint-chain"].input_unit == "rad/s²"

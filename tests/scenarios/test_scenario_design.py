@@ -3,8 +3,8 @@ import pytest
 from passafe_services.scenarios.design import barriers_of, design_of, robot_of, sampled_plant_of, storage_of, tank_of
 from passafe_services.scenarios.errors import ScenarioError
 from passafe_services.scenarios.load import load_scenario
+from passafe_services.scenarios.robot_models import ROBOT_MODELS
 from passafe_services.scenarios.schema import Scenario
-from passafe_services.scenarios.single_barriers import POINTS
 
 from passafe import Cubic, DesignError, Law, Linear, Mode, Piecewise, SafetyPassivityFilter
 
@@ -103,7 +103,7 @@ def test_every_model_becomes_a_robot(model: str, states: int, inputs: int, point
     robot = robot_of(with_plant(model, states))
 
     assert (robot.system.n, robot.system.m, robot.points) == (states, inputs, points)
-    assert POINTS[model] == points
+    assert ROBOT_MODELS[model].points == points
 
 
 @pytest.mark.parametrize("states", [1, 3, 16])

@@ -55,8 +55,8 @@ def live_charts(layout: ColumnLayout, *, starts: tuple[tuple[float, float], ...]
         age_figure(ticks=ticks, x_range=x_range),
     ]
     if starts:
-        charts.append(plane_figure(layout.obstacles, trail=states, robot=robot, starts=starts))
-    if layout.obstacles:
+        charts.append(plane_figure(layout.barriers, trail=states, robot=robot, starts=starts))
+    if layout.barriers:
         charts.append(h_figure(layout, ticks=ticks, states=states, x_range=x_range))
     chain = chain_figure(layout, ticks=ticks, x_range=x_range)
     if chain is not None:

@@ -6,11 +6,11 @@ from typing import Final
 from bokeh.models import ColumnDataSource, DataRange1d, Line, Model, Scatter
 from bokeh.models.annotations import LegendItem
 from bokeh.plotting import figure
+from passafe_services.scenarios.barrier_kinds.barrier_kind import SingleBarrier
 
 from passafe_dashboard.charts.regions import LIVE, Drawing, draw_regions
 from passafe_dashboard.charts.style import add_legend, key, plain_figure
 from passafe_dashboard.columns import PLACES
-from passafe_dashboard.obstacles import Obstacle
 from passafe_dashboard.palette import INK, LINE_COLOURS, PAPER, TRAIL_COLOUR
 
 TRAILS: Final = ((TRAIL_COLOUR, "solid"), (LINE_COLOURS[1], "dashed"))
@@ -18,7 +18,7 @@ TRAILS: Final = ((TRAIL_COLOUR, "solid"), (LINE_COLOURS[1], "dashed"))
 
 
 def plane_figure(
-    obstacles: tuple[Obstacle, ...],
+    barriers: tuple[SingleBarrier, ...],
     *,
     trail: ColumnDataSource,
     robot: ColumnDataSource,
@@ -26,10 +26,10 @@ def plane_figure(
     drawing: Drawing = LIVE,
     height: int = 560,
 ) -> figure:
-    """Obstacles, trail and robot with equal scales on both axes; barriers that are no places are not drawn.
+    """Draw obstacles, trail and robot with equal scales on both axes; barriers that are no places are not drawn.
 
     Args:
-        obstacles: Every barrier.
+        barriers: Every barrier.
         trail: Columns ``PLACES`` of every point, in order of time, m.
         robot: The same columns with one row, the newest positions.
         starts: Where the run begins, for every point, m.
@@ -43,7 +43,7 @@ def plane_figure(
         height=height,
         match_aspect=True,
     )
-    regions = draw_regions(chart, obstacles, drawing)
+    regions = draw_regions(chart, barriers, drawing)
     items, drawn = list(regions.legend), list(regions.in_view)
     for number, start in enumerate(starts):
         which = f" {number + 1}" if len(starts) > 1 else ""

@@ -1,20 +1,18 @@
 """Obstacles in the plane: filled where the robot must not be, and again wherever they move to."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from typing import Final, NamedTuple
 
 import numpy as np
-from bokeh.models import Circle, ColumnDataSource, Line, Model, Patch, Scatter
+from bokeh.models import ColumnDataSource, Line, Model, Patch, Scatter
 from bokeh.models.annotations import LegendItem
 from bokeh.plotting import figure
-from passafe_services.scenarios.barrier_schema import Travel
+from passafe_services.scenarios.barrier_kinds.barrier_kind import SingleBarrier
+from passafe_services.scenarios.barrier_kinds.motion import FloatArray
+from passafe_services.scenarios.barrier_kinds.outline import Outline, Polyline
 
 from passafe_dashboard.charts.style import key
 from passafe_dashboard.columns import P1, P2, moving_table
-from passafe_dashboard.motion import displacement
-from passafe_dashboard.obstacles import Disk, HalfPlane, Obstacle, Region
-from passafe_dashboard.outlines import border, reference, shifted, unsafe_side
 from passafe_dashboard.palette import UNSAFE_COLOUR
 
 UNSAFE_ALPHA: Final = 0.18
@@ -25,6 +23,9 @@ EARLIER: Final = 7
 WAY_POINTS: Final = 200
 BORDER: Final = "_border"
 """End of the name of the table with the border of a region without an end; see ``static/charts.js``."""
+
+
+NOT_MOVED: Final = np.zeros(2)
 
 
 class Drawing(NamedTuple):
@@ -56,73 +57,71 @@ class DrawnRegions(NamedTuple):
     in_view: tuple[Model, ...]
 
 
-def draw_regions(chart: figure, obstacles: Sequence[Obstacle], drawing: Drawing) -> DrawnRegions:
-    """Draw every obstacle that is a place, once where it holds for several points."""
+def draw_regions(chart: figure, barriers: Sequence[SingleBarrier], drawing: Drawing) -> DrawnRegions:
+    """Draw every barrier that is a place, once where it holds for several points."""
     in_view: list[Model] = []
-    moved = False
-    regions = _distinct(obstacles)
-    for i, region in regions:
-        if region.motion is None or drawing.live:
-            by, name = (0.0, 0.0), moving_table(i) if region.motion is not None else None
+    outlines = _distinct(barriers)
+    for i, outline in outlines:
+        motion = outline.motion
+        if motion is None or drawing.live:
+            now = _draw(chart, outline, NOT_MOVED, name=None if motion is None else moving_table(i))
         else:
-            moved = True
-            in_view += _draw_way(chart, region, drawing)
-            by, name = displacement(region.motion, drawing.end_s), None
-        now = _draw(chart, region, by, name=name)
+            in_view += _draw_way(chart, outline, drawing)
+            now = _draw(chart, outline, outline.displacements_m(np.array([drawing.end_s]))[:, 0])
         # What goes away for good must not take the view along; a line has no end to be in view.
-        if not isinstance(region, HalfPlane) and not (drawing.live and isinstance(region.motion, Travel)):
+        if outline.is_closed and not (drawing.live and motion is not None and not motion.returns):
             in_view.append(now)
     legend = []
-    if regions:
+    if outlines:
         legend.append(key(chart, "keep out", _sample(earlier=False)))
-    if moved:
+    if not drawing.live and any(outline.motion is not None for _, outline in outlines):
         legend.append(key(chart, "keep out, earlier", _sample(earlier=True)))
     return DrawnRegions(tuple(legend), tuple(in_view))
 
 
-def _distinct(obstacles: Sequence[Obstacle]) -> list[tuple[int, Region]]:
-    """Return the regions with their numbers; of those that are alike but for name and point, the first one."""
-    seen: dict[Region, int] = {}
-    for i, one in enumerate(obstacles):
-        if isinstance(one, Region):
-            seen.setdefault(replace(one, name="", first=0), i)
-    return [(i, region) for region, i in seen.items()]
+def _distinct(barriers: Sequence[SingleBarrier]) -> list[tuple[int, Outline]]:
+    """Return the outlines with the numbers of their barriers; of equal ones, the first."""
+    seen: dict[Outline, int] = {}
+    for i, barrier in enumerate(barriers):
+        if barrier.outline is not None:
+            seen.setdefault(barrier.outline, i)
+    return [(i, outline) for outline, i in seen.items()]
 
 
-def _draw_way(chart: figure, region: Region, drawing: Drawing) -> Iterator[Model]:
-    """Draw the way of what moves and where it was on it; yield what must be in view."""
-    for t_s in np.linspace(drawing.begin_s, drawing.end_s, EARLIER, endpoint=False):
-        drawn = _draw(chart, region, displacement(region.motion, float(t_s)), earlier=True)
-        if not isinstance(region, HalfPlane):
+def _draw_way(chart: figure, outline: Outline, drawing: Drawing) -> Iterator[Model]:
+    """Draw the way of an outline that moves and some of its places on it; yield what must be in view."""
+    earlier_s = np.linspace(drawing.begin_s, drawing.end_s, EARLIER, endpoint=False)
+    for moved in outline.displacements_m(earlier_s).T:
+        drawn = _draw(chart, outline, moved, earlier=True)
+        if outline.is_closed:
             yield drawn
-    times = np.linspace(drawing.begin_s, drawing.end_s, WAY_POINTS)
-    way = [shifted((reference(region),), displacement(region.motion, float(t_s)))[0] for t_s in times]
-    chart.add_glyph(_places(way), Line(x=P1, y=P2, line_color=UNSAFE_COLOUR, line_dash="dotted", line_width=1.5))
+    times_s = np.linspace(drawing.begin_s, drawing.end_s, WAY_POINTS)
+    way = np.array(outline.reference)[:, None] + outline.displacements_m(times_s)
+    line = Line(x=P1, y=P2, line_color=UNSAFE_COLOUR, line_dash="dotted", line_width=1.5)
+    chart.add_glyph(ColumnDataSource({P1: way[0].tolist(), P2: way[1].tolist()}), line)
 
 
 def _draw(
-    chart: figure, region: Region, by: tuple[float, float], *, name: str | None = None, earlier: bool = False
+    chart: figure, outline: Outline, moved: FloatArray, *, name: str | None = None, earlier: bool = False
 ) -> Model:
-    """Draw a region moved by ``by``, m; return the renderer whose data are its extent."""
-    if isinstance(region, Disk) and not region.keep_in:
-        disk = Circle(x=P1, y=P2, radius=region.radius)
-        disk.update(**_fill(earlier=earlier), **_edge(earlier=earlier))
-        return chart.add_glyph(_places(shifted((reference(region),), by), name), disk)
-    unbounded = isinstance(region, HalfPlane) or region.keep_in
-    if not (unbounded and earlier):  # fills without an end would lie upon one another
-        shut_off = Patch(x=P1, y=P2)
+    """Draw an outline displaced by ``moved``, shape (2,), m; return the renderer whose data are its extent."""
+    if outline.is_bounded or not earlier:  # fills without an end would lie upon one another
+        unsafe = Patch(x=P1, y=P2)
         # The polygon of what lies outside has a cut and sides far away, which must not show.
-        shut_off.update(**_fill(earlier=earlier), **({"line_color": None} if unbounded else _edge(earlier=earlier)))
-        drawn = chart.add_glyph(_places(shifted(unsafe_side(region), by), name), shut_off)
-        if not unbounded:
+        unsafe.update(
+            **_fill(earlier=earlier), **(_edge(earlier=earlier) if outline.is_bounded else {"line_color": None})
+        )
+        drawn = chart.add_glyph(_places(outline.unsafe, moved, name), unsafe)
+        if outline.is_bounded:
             return drawn
-    rim = Line(x=P1, y=P2)
-    rim.update(**_edge(earlier=earlier))
-    return chart.add_glyph(_places(shifted(border(region), by), None if name is None else name + BORDER), rim)
+    border = Line(x=P1, y=P2)
+    border.update(**_edge(earlier=earlier))
+    return chart.add_glyph(_places(outline.border, moved, None if name is None else name + BORDER), border)
 
 
-def _places(line: Sequence[tuple[float, float]], name: str | None = None) -> ColumnDataSource:
-    data = {P1: [p1 for p1, _ in line], P2: [p2 for _, p2 in line]}
+def _places(line: Polyline, moved: FloatArray, name: str | None) -> ColumnDataSource:
+    p1, p2 = (np.array(line) + moved).T.tolist()
+    data = {P1: p1, P2: p2}
     return ColumnDataSource(data) if name is None else ColumnDataSource(data, name=name)
 
 

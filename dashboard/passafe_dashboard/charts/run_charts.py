@@ -22,11 +22,11 @@ BINS: Final = 2000
 
 def run_charts(series: RunSeries, *, bins: int = BINS) -> dict[str, figure]:
     """Charts of a run: plane (if a point moves in it), h (if there are barriers), power_margin, status (if any)."""
-    layout = ColumnLayout(obstacles=series.obstacles, levels=(1,) * len(series.obstacles))
+    layout = ColumnLayout(barriers=series.barriers, levels=(1,) * len(series.barriers))
     signals = _signals(series, bins)
     x_range = full_range()
     charts = {"plane": _plane(series, bins)} if series.points else {}
-    if series.obstacles:
+    if series.barriers:
         charts["h"] = h_figure(layout, ticks=None, states=signals, x_range=x_range, shown=lowest_barriers(series))
     charts["power_margin"] = power_margin_figure(source=signals, x_range=x_range, with_slack=False)
     if series.statuses:
@@ -57,7 +57,7 @@ def _plane(series: RunSeries, bins: int) -> figure:
     }
     kept = kept_samples([*coordinates.values(), *series.h], bins=bins)
     return plane_figure(
-        series.obstacles,
+        series.barriers,
         trail=ColumnDataSource({column: values[kept] for column, values in coordinates.items()}),
         robot=ColumnDataSource({column: values[-1:] for column, values in coordinates.items()}),
         starts=[(float(p1[0]), float(p2[0])) for p1, p2 in positions],

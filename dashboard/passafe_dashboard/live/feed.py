@@ -24,9 +24,12 @@ from passafe_protocol.messages import (
 )
 from passafe_protocol.topics import EVENT, HEALTH, LINK_EVENT, LINK_STATE, SCENARIO, STATE, TICK, TOPIC_OF_BODY, Topic
 from passafe_services.loop.link_board import LinkBoard
+from passafe_services.scenarios.errors import ScenarioError
 from passafe_services.scenarios.schema import Scenario
 from pydantic import ValidationError
 
+from passafe.errors import DesignError
+from passafe_dashboard.barrier_values import BarrierValues
 from passafe_dashboard.columns import ColumnLayout
 from passafe_dashboard.decimation import NS_PER_S, DecimatedSeries, WorstSample
 from passafe_dashboard.live.topic_monitor import TopicMonitor
@@ -111,7 +114,8 @@ class Feed:
     ) -> None:
         self.scenario: Scenario | None = None
         self.scenario_id = scenario_id(None)
-        self.layout = ColumnLayout(obstacles=(), levels=())
+        self.layout = ColumnLayout(barriers=(), levels=())
+        self._barrier_values: BarrierValues | None = None
         self.info: ScenarioInfo | None = None
         self.run = 0
         self.end: str | None = None
@@ -192,6 +196,16 @@ class Feed:
         """End the run for a reason; the page keeps its last state."""
         self.end = reason
 
+    def measured_h(self, state: PlantState) -> list[float] | None:
+        """Return h of every barrier at a state of the plant; ``None`` for a state of another scenario."""
+        if not self.layout.fits(state):
+            return None
+        return [] if self._barrier_values is None else self._barrier_values.h(state.x, state.plant_ns / NS_PER_S)
+
+    def displacements_m(self, state: PlantState) -> dict[str, tuple[float, float]]:
+        """Return how far each outline that moves is from where it was drawn, m, by the name of its table."""
+        return {} if self._barrier_values is None else self._barrier_values.displacements_m(state.plant_ns / NS_PER_S)
+
     def _clear(self) -> None:
         self.tick: FilterTick | None = None
         self.state: PlantState | None = None
@@ -206,6 +220,7 @@ class Feed:
         self._clear()
 
     def _adopt(self, scenario: Scenario) -> None:
+        self._barrier_values = BarrierValues(scenario)
         self.scenario = scenario
         self.scenario_id = scenario_id(scenario)
         self.layout = ColumnLayout.of(scenario)
@@ -239,7 +254,8 @@ class Feed:
 
     def _add_state_to_charts(self, header: Header, state: PlantState) -> None:
         self._check_session(header)
-        self._add_row(self.states, state.plant_ns, self.layout.state_values(state))
+        h = self.measured_h(state)
+        self._add_row(self.states, state.plant_ns, None if h is None else self.layout.state_values(state, h))
 
     def _add_row(self, series: DecimatedSeries, time_ns: int, values: list[float] | None) -> None:
         if values is None or not all(map(isfinite, values)):
@@ -262,16 +278,15 @@ class Feed:
         self.info = info
         try:
             scenario = Scenario.model_validate_json(info.scenario_json)
+            if scenario != self.scenario:
+                self._adopt(scenario)
         except ValidationError as error:
-            self._add_event(
-                header.source,
-                "error",
-                f"its scenario does not fit this dashboard: {error.error_count()} errors",
-                received_ns,
-            )
-            return
-        if scenario != self.scenario:
-            self._adopt(scenario)
+            self._refuse_scenario(header, f"{error.error_count()} errors", received_ns)
+        except (DesignError, ScenarioError) as error:
+            self._refuse_scenario(header, str(error), received_ns)
+
+    def _refuse_scenario(self, header: Header, reason: str, received_ns: int) -> None:
+        self._add_event(header.source, "error", f"its scenario does not fit this dashboard: {reason}", received_ns)
 
     def _add_event(self, source: str, severity: str, text: str, received_ns: int) -> None:
         self.events.append(ReceivedEvent(self._events_received, source, severity, text, received_ns))

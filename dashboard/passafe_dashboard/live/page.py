@@ -6,6 +6,7 @@ from passafe_protocol.topics import LINKS
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.review.properties import Tolerances
 
+from passafe_dashboard.barrier_values import BarrierValues
 from passafe_dashboard.charts.live_charts import ROBOT, STATES, TICKS, LiveCharts, live_charts
 from passafe_dashboard.columns import ColumnLayout, drawn_columns
 from passafe_dashboard.json_text import json_text
@@ -96,7 +97,7 @@ class LivePage:
                 STATES: drawn_columns(tuple(layout.state_columns), ()),
                 ROBOT: layout.place_columns,
             }
-            moved = layout.moved(0.0)
+            moved = BarrierValues(scenario).displacements_m(0.0)
         return {
             "layout": scenario_id(scenario),
             "columns": columns,

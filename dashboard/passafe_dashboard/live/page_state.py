@@ -105,7 +105,7 @@ def _scenario_json(feed: Feed) -> Json | None:
 
 
 def _filter_json(feed: Feed, tick: FilterTick) -> Json:
-    fits = len(tick.barriers) == len(feed.layout.obstacles)
+    fits = len(tick.barriers) == len(feed.layout.barriers)
     return {
         "tick": tick.tick,
         "time_s": tick.effective_plant_ns / NS_PER_S,
@@ -156,17 +156,16 @@ def _age_ms(age_ns: int) -> float | None:
 
 
 def _plant_json(feed: Feed, state: PlantState) -> Json:
-    t_s, layout = state.plant_ns / NS_PER_S, feed.layout
-    h = zip(layout.names, layout.measured(state), strict=True) if layout.fits(state) else ()
+    h = dict(zip(feed.layout.names, feed.measured_h(state) or (), strict=False))
     return {
-        "time_s": t_s,
+        "time_s": state.plant_ns / NS_PER_S,
         "phase": state.phase.name,
         "meaning": PHASE_MEANINGS[state.phase],
         "x": state.x,
         "y": state.y,
         "u": state.u,
-        "h": [{"name": name, "value": value} for name, value in h],
-        "moved_m": layout.moved(t_s),
+        "h": [{"name": name, "value": value} for name, value in h.items()],
+        "moved_m": feed.displacements_m(state),
         "applied_tick": state.applied_tick,
         "energy_in_j": state.energy_in_j,
         "energy_stored_j": state.energy_stored_j,

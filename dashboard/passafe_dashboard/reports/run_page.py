@@ -12,7 +12,6 @@ from bokeh.settings import settings as bokeh_settings
 
 from passafe_dashboard.charts.run_charts import lowest_barriers, run_charts
 from passafe_dashboard.markup import TEMPLATES, report_css
-from passafe_dashboard.obstacles import Region
 from passafe_dashboard.palette import STATUS_STYLES
 from passafe_dashboard.reports.run_series import RunSeries
 
@@ -148,13 +147,13 @@ def _timing_lines(timing: Mapping[str, Any]) -> list[TimingLine]:
 
 def descriptions(series: RunSeries) -> dict[str, str]:
     """What each chart shows, for who cannot see it."""
-    names = ", ".join(obstacle.name for obstacle in series.obstacles if isinstance(obstacle, Region))
+    names = ", ".join(barrier.name for barrier in series.barriers if barrier.outline is not None)
     shown = lowest_barriers(series)
     lowest_h = "; ".join(
-        f"{series.obstacles[i].name} lowest sample {number(h.min().item())} at {series.times_s[h.argmin()]:.3f} s"
+        f"{series.barriers[i].name} lowest sample {number(h.min().item())} at {series.times_s[h.argmin()]:.3f} s"
         for i, h in ((i, series.h[i]) for i in shown)
     )
-    if len(shown) < len(series.obstacles):
+    if len(shown) < len(series.barriers):
         rest = np.delete(series.h, shown, axis=0)
         lowest_h += f"; {len(rest)} others not shown, none below {number(rest.min().item())}"
     worst = series.power_margin_w.argmin()

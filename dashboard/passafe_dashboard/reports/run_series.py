@@ -7,9 +7,9 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 from passafe_protocol.messages import FilterStatus
+from passafe_services.scenarios.barrier_kinds.barrier_kind import SingleBarrier
 
 from passafe_dashboard.errors import SeriesError
-from passafe_dashboard.obstacles import Obstacle
 
 FloatArray: TypeAlias = NDArray[np.float64]
 
@@ -34,7 +34,7 @@ class RunSeries:
         u: Input in force, shape (m, N).
         h: Barrier values at x, shape (barriers, N).
         power_margin_w: Power margin h_u(x, u), W, shape (N,).
-        obstacles: Shape of each barrier, in the order of ``h``.
+        barriers: Every barrier, in the order of ``h``.
         statuses: What the filter's status was, in order of time.
         points: How many points in the plane the state begins with; 0 for joints.
     """
@@ -44,20 +44,19 @@ class RunSeries:
     u: FloatArray
     h: FloatArray
     power_margin_w: FloatArray
-    obstacles: tuple[Obstacle, ...]
+    barriers: tuple[SingleBarrier, ...]
     statuses: tuple[StatusSpan, ...]
     points: int = 1
 
     def __post_init__(self) -> None:
         """Check that the arrays fit together."""
         samples = self.times_s.size
-        barriers = len(self.obstacles)
         states = self.x.shape[0] if self.x.ndim else 0
         inputs = self.u.shape[0] if self.u.ndim else 0
         _require("times_s", self.times_s, (samples,), "one dimension")
         _require("x", self.x, (states, samples), "a row for each state")
         _require("u", self.u, (inputs, samples), "a row for each input")
-        _require("h", self.h, (barriers, samples), "a row for each obstacle")
+        _require("h", self.h, (len(self.barriers), samples), "a row for each barrier")
         _require("power_margin_w", self.power_margin_w, (samples,), "one dimension")
         if not samples:
             raise SeriesError("times_s", "no samples", "at least one")

@@ -22,7 +22,6 @@ from passafe_services.plant_contract.plant_model import PlantModel
 from passafe_services.scenarios.design import design_of, tank_of
 from passafe_services.scenarios.info import scenario_info
 from passafe_services.scenarios.schema import Scenario, WhiteAccelerationEstimator
-from passafe_services.scenarios.units import input_unit
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,7 +49,7 @@ class CompiledFilter:
         return cls(
             core=core,
             explainer=Explainer(core),
-            override_text=OverrideText(core, robot, input_unit(scenario)),
+            override_text=OverrideText(core, robot, scenario.plant.robot_model.input_unit),
         )
 
 

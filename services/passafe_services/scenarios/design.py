@@ -1,40 +1,19 @@
 """From a scenario to the core's objects: robot, storage, barriers, filter design, sampled plant."""
 
-from collections.abc import Callable
-from typing import Final
-
 import casadi as ca
 
 from passafe.barrier_chain import Barrier
-from passafe.class_k import ClassK, Cubic, Linear, Piecewise
 from passafe.design import FilterDesign, Law, Mode
 from passafe.limits import Limits
-from passafe.models.damped_point import damped_point
-from passafe.models.drag_point import drag_point
-from passafe.models.joint_chain import MOST_JOINTS, joint_chain
-from passafe.models.lagged_point import lagged_point
+from passafe.models.joint_chain import MOST_JOINTS
 from passafe.models.robot import Robot
-from passafe.models.saturating_point import saturating_point
-from passafe.models.two_points import two_points
 from passafe.passivity import Passivity
 from passafe.sampled_plant import SampledPlant
 from passafe.storage import kinetic_energy, spring_energy, squared_norm
 from passafe.tank import Tank
-from passafe_services.scenarios.barrier_schema import ClassKConfig, SpeedBarrier
-from passafe_services.scenarios.barriers import barrier_function
 from passafe_services.scenarios.errors import ScenarioError
 from passafe_services.scenarios.schema import Scenario
-from passafe_services.scenarios.single_barriers import CoordinateLimit, SingleBarrier
 from passafe_services.suggestion import suggestion
-
-_MODELS: Final[dict[str, tuple[Callable[..., Robot], tuple[str, ...]]]] = {
-    "damped-point": (damped_point, ("sigma",)),
-    "drag-point": (drag_point, ("sigma", "drag")),
-    "lagged-point": (lagged_point, ("sigma", "lag_s")),
-    "saturating-point": (saturating_point, ("sigma", "force")),
-    "two-points": (two_points, ("sigma",)),
-    "joint-chain": (joint_chain, ("sigma",)),
-}
 
 
 def robot_of(scenario: Scenario) -> Robot:
@@ -44,18 +23,17 @@ def robot_of(scenario: Scenario) -> Robot:
         ScenarioError: A parameter that the model does not have, or an x0 of the wrong length.
         DesignError: A parameter outside its range.
     """
-    name, x0 = scenario.plant.model, scenario.plant.x0
-    model, parameters = _MODELS[name]
-    unknown = sorted(set(scenario.plant.parameters) - set(parameters))
+    model, x0 = scenario.plant.robot_model, scenario.plant.x0
+    unknown = sorted(set(scenario.plant.parameters) - set(model.parameters))
     if unknown:
-        allowed = ", ".join(parameters) + suggestion(unknown[0], parameters)
+        allowed = ", ".join(model.parameters) + suggestion(unknown[0], model.parameters)
         raise ScenarioError(scenario.name, "plant.parameters", ", ".join(unknown), allowed)
     extra: dict[str, float] = {"gamma_1": _largest_gain(scenario, 0)}
-    if name == "lagged-point":
+    if model.name == "lagged-point":
         extra["gamma_2"] = _largest_gain(scenario, 1)
-    if name == "joint-chain":
+    if model.name == "joint-chain":
         extra["joints"] = _joints(scenario)
-    robot = model(**scenario.plant.parameters, **extra)
+    robot = model.build(**scenario.plant.parameters, **extra)
     if len(x0) != robot.system.n:
         raise ScenarioError(
             scenario.name, "plant.x0", f"{len(x0)} numbers", f"{robot.system.n}, the states of the model"
@@ -68,13 +46,9 @@ def _largest_gain(scenario: Scenario, level: int) -> float:
     gains = [
         barrier.class_k[level].gain
         for barrier in scenario.barriers
-        if _is_of_position(barrier) and level < len(barrier.class_k)
+        if barrier.is_of_position and level < len(barrier.class_k)
     ]
     return max(gains, default=0.0)
-
-
-def _is_of_position(barrier: SingleBarrier) -> bool:
-    return barrier.of == "position" if isinstance(barrier, CoordinateLimit) else not isinstance(barrier, SpeedBarrier)
 
 
 def _joints(scenario: Scenario) -> int:
@@ -100,8 +74,8 @@ def barriers_of(scenario: Scenario, robot: Robot) -> tuple[Barrier, ...]:
     return tuple(
         Barrier(
             name=config.name,
-            h=barrier_function(config, robot),
-            class_k=tuple(_class_k(gamma) for gamma in config.class_k),
+            h=config.h(robot),
+            class_k=tuple(gamma.function() for gamma in config.class_k),
         )
         for config in scenario.barriers
     )
@@ -133,7 +107,7 @@ def design_of(scenario: Scenario, robot: Robot) -> FilterDesign:
         barriers=barriers_of(scenario, robot),
         passivity=Passivity(
             V=storage_of(scenario, robot),
-            class_k=_class_k(passivity.class_k),
+            class_k=passivity.class_k.function(),
             slack_weight=passivity.slack_weight,
             tank=tank_of(scenario) if passivity.kind == "tank" else None,
         ),
@@ -159,11 +133,3 @@ def limits_of(scenario: Scenario, robot: Robot) -> Limits:
 def sampled_plant_of(scenario: Scenario, robot: Robot) -> SampledPlant:
     """Return the scenario's plant, stepped at its rate."""
     return SampledPlant(robot.system, storage_of(scenario, robot), scenario.dt_s)
-
-
-def _class_k(config: ClassKConfig) -> ClassK:
-    if config.kind == "linear":
-        return Linear(gain=config.gain)
-    if config.kind == "cubic":
-        return Cubic(gain=config.gain)
-    return Piecewise(gain=config.gain, gain_below=config.gain_below or config.gain)

@@ -5,10 +5,13 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from passafe.human_input import PROPORTIONS
-from passafe_services.scenarios.barrier_schema import BarrierConfig, ClassKConfig
+from passafe_services.scenarios.barrier_kinds.barrier_kind import SingleBarrier
+from passafe_services.scenarios.barrier_kinds.registry import AnyBarrier
+from passafe_services.scenarios.class_k import ClassKConfig
 from passafe_services.scenarios.fields import Config, NonNegative, Positive, Vector
 from passafe_services.scenarios.link_schema import LinkChangeConfig, LinkName, ScenarioLink, changed_links
-from passafe_services.scenarios.single_barriers import SingleBarrier, single_barriers
+from passafe_services.scenarios.robot_models import ROBOT_MODELS, RobotModel
+from passafe_services.scenarios.single_barriers import single_barriers
 from passafe_services.scenarios.source_schema import Source
 
 
@@ -29,6 +32,11 @@ class PlantConfig(Config):
     hold_s: Annotated[float, Field(ge=0, le=0.2)] = 0.01
     start_low: Vector | None = None
     start_high: Vector | None = None
+
+    @property
+    def robot_model(self) -> RobotModel:
+        """Return the model of that name."""
+        return ROBOT_MODELS[self.model]
 
 
 class AsSentEstimator(Config):
@@ -122,7 +130,7 @@ class FilterConfig(Config):
     between_samples: bool = True
     feedback: FeedbackConfig = FeedbackConfig()
     passivity: PassivityConfig = PassivityConfig()
-    barriers: tuple[BarrierConfig, ...] = ()
+    barriers: tuple[AnyBarrier, ...] = ()
     stale_s: Positive = 0.2
     prediction: bool = True
     repeats: Annotated[int, Field(ge=0, le=64)] = 16
@@ -153,12 +161,12 @@ class Scenario(Config):
 
     @property
     def barriers(self) -> tuple[SingleBarrier, ...]:
-        """The filter's barriers one by one, each with a name of its own."""
-        return single_barriers(self.filter.barriers, self.plant.model)
+        """Return the filter's barriers with one h each, every one with a name of its own."""
+        return single_barriers(self.filter.barriers, self.plant.robot_model)
 
     @model_validator(mode="after")
     def _barriers_fit_the_model(self) -> Self:
-        single_barriers(self.filter.barriers, self.plant.model)
+        single_barriers(self.filter.barriers, self.plant.robot_model)
         return self
 
     @model_validator(mode="after")

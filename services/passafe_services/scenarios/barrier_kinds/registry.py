@@ -1,0 +1,62 @@
+"""Kinds of barriers that a scenario file may name: those of this folder, and those of installed distributions.
+
+Another kind takes its own file and one line: here, or in the ``pyproject.toml`` of the distribution that brings it::
+
+    [project.entry-points."passafe.barrier_kinds"]
+    rounded-box = "my_barriers.rounded_box:RoundedBox"
+"""
+
+from functools import cache, reduce
+from importlib.metadata import entry_points
+from operator import or_
+from typing import Annotated, Any, Final, get_args
+
+from pydantic import Field, PlainValidator, SerializeAsAny, TypeAdapter
+
+from passafe_services.scenarios.barrier_kinds.barrier_kind import BarrierKind
+from passafe_services.scenarios.barrier_kinds.coordinate_limits import CoordinatesBarrier
+from passafe_services.scenarios.barrier_kinds.disk import DiskBarrier
+from passafe_services.scenarios.barrier_kinds.ellipse import EllipseBarrier
+from passafe_services.scenarios.barrier_kinds.half_plane import HalfPlaneBarrier
+from passafe_services.scenarios.barrier_kinds.keep_apart import ApartBarrier
+from passafe_services.scenarios.barrier_kinds.room import RoomBarrier
+from passafe_services.scenarios.barrier_kinds.speed_limit import SpeedBarrier
+
+SHIPPED: Final[tuple[type[BarrierKind], ...]] = (
+    DiskBarrier,
+    EllipseBarrier,
+    HalfPlaneBarrier,
+    RoomBarrier,
+    SpeedBarrier,
+    CoordinatesBarrier,
+    ApartBarrier,
+)
+
+ENTRY_POINTS: Final = "passafe.barrier_kinds"
+"""Group of entry points by which installed distributions add kinds."""
+
+
+@cache
+def barrier_kinds() -> tuple[type[BarrierKind], ...]:
+    """Return the kinds of this folder, then those of installed distributions in the order of their names."""
+    added = sorted(entry_points(group=ENTRY_POINTS), key=lambda entry: entry.name)
+    return (*SHIPPED, *(entry.load() for entry in added))
+
+
+def kind_words(kind: type[BarrierKind]) -> tuple[str, ...]:
+    """Return the words by which a scenario file names a kind."""
+    return get_args(kind.model_fields["kind"].annotation)
+
+
+@cache
+def _any_kind() -> TypeAdapter[BarrierKind]:
+    union: Any = reduce(or_, barrier_kinds())
+    return TypeAdapter(Annotated[union, Field(discriminator="kind")])
+
+
+def _of_its_kind(value: object) -> BarrierKind:
+    return _any_kind().validate_python(value)
+
+
+AnyBarrier = Annotated[SerializeAsAny[BarrierKind], PlainValidator(_of_its_kind)]
+"""A barrier of any kind, as a field of a schema."""

@@ -1,0 +1,31 @@
+"""Limits of the speed: ``speed-limit``."""
+
+from typing import Literal
+
+import casadi as ca
+
+from passafe.barriers.speed_limit import speed_limit
+from passafe.models.robot import Robot
+from passafe_services.scenarios.barrier_kinds.point_barrier import PointBarrier
+from passafe_services.scenarios.fields import Positive
+
+
+class SpeedBarrier(PointBarrier):
+    """A speed to stay below: h = limit² − ‖v‖², (m/s)²."""
+
+    kind: Literal["speed-limit"]
+    limit_m_per_s: Positive
+
+    @property
+    def h_unit(self) -> str:
+        """Return m²/s²."""
+        return "m²/s²"
+
+    @property
+    def is_of_position(self) -> bool:
+        """Return ``False``: h limits velocities."""
+        return False
+
+    def h(self, robot: Robot) -> ca.SX:
+        """Return h of the point's velocity."""
+        return speed_limit(self.of_point(robot.velocity), limit=self.limit_m_per_s)
