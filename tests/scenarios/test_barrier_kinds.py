@@ -11,7 +11,7 @@ from passafe_dashboard.columns import moving_table
 from passafe_services.scenarios.barrier_kinds.disk import DiskBarrier
 from passafe_services.scenarios.barrier_kinds.ellipse import EllipseBarrier
 from passafe_services.scenarios.barrier_kinds.half_plane import HalfPlaneBarrier
-from passafe_services.scenarios.barrier_kinds.registry import barrier_kinds, kind_words
+from passafe_services.scenarios.barrier_kinds.registry import BARRIER_KINDS, kind_words
 from passafe_services.scenarios.barrier_kinds.speed_limit import SpeedBarrier
 from passafe_services.scenarios.design import barriers_of, robot_of
 from passafe_services.scenarios.load import load_scenario
@@ -161,6 +161,6 @@ def test_limits_have_the_unit_of_their_coordinate() -> None:
 
 
 def test_every_kind_has_a_word_of_its_own() -> None:
-    words = [word for kind in barrier_kinds() for word in kind_words(kind)]
+    words = [word for kind in BARRIER_KINDS for word in kind_words(kind)]
     assert len(words) == len(set(words))
     assert set(words) >= {"disk-keep-out", "disk-keep-in", "room", "keep-apart"}

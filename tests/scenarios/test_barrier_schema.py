@@ -33,7 +33,7 @@ def with_barriers(*barriers: dict[str, Any], model: str = "damped-point", states
         (DISK | {"centre": [0, 0, 0]}, "centre", "a list no longer than 2"),
         (DISK | {"radius": 0}, "radius", "above 0"),
         (DISK | {"point": 3}, "point", "at most 2"),
-        (DISK | {"colour": "red"}, "colour", "kind, name, centre, radius, motion, point, class_k"),
+        (DISK | {"colour": "red"}, "colour", "kind, name, class_k, point, motion, centre, radius"),
         (DISK | {"motion": {"kind": "jump"}}, "motion.kind", "travel, swing, circle"),
         (DISK | {"motion": SWING | {"frequency_hz": 0}}, "motion.frequency_hz", "above 0"),
         (DISK | {"motion": CIRCLE | {"radius_m": -1}}, "motion.radius_m", "above 0"),

@@ -6,12 +6,12 @@ Another kind takes its own file and one line: here, or in the ``pyproject.toml``
     rounded-box = "my_barriers.rounded_box:RoundedBox"
 """
 
-from functools import cache, reduce
+from functools import reduce
 from importlib.metadata import entry_points
 from operator import or_
-from typing import Annotated, Any, Final, get_args
+from typing import TYPE_CHECKING, Annotated, Final, TypeAlias, get_args
 
-from pydantic import Field, PlainValidator, SerializeAsAny, TypeAdapter
+from pydantic import Field
 
 from passafe_services.scenarios.barrier_kinds.barrier_kind import BarrierKind
 from passafe_services.scenarios.barrier_kinds.coordinate_limits import CoordinatesBarrier
@@ -36,27 +36,21 @@ ENTRY_POINTS: Final = "passafe.barrier_kinds"
 """Group of entry points by which installed distributions add kinds."""
 
 
-@cache
-def barrier_kinds() -> tuple[type[BarrierKind], ...]:
-    """Return the kinds of this folder, then those of installed distributions in the order of their names."""
-    added = sorted(entry_points(group=ENTRY_POINTS), key=lambda entry: entry.name)
-    return (*SHIPPED, *(entry.load() for entry in added))
+def _installed() -> tuple[type[BarrierKind], ...]:
+    """Return the kinds of installed distributions in the order of their names."""
+    entries = sorted(entry_points(group=ENTRY_POINTS), key=lambda entry: entry.name)
+    return tuple(entry.load() for entry in entries)
+
+
+BARRIER_KINDS: Final = (*SHIPPED, *_installed())
+
+if TYPE_CHECKING:
+    AnyBarrier: TypeAlias = BarrierKind
+else:
+    AnyBarrier = Annotated[reduce(or_, BARRIER_KINDS), Field(discriminator="kind")]
+    """A barrier of any kind, as a field of a schema."""
 
 
 def kind_words(kind: type[BarrierKind]) -> tuple[str, ...]:
     """Return the words by which a scenario file names a kind."""
     return get_args(kind.model_fields["kind"].annotation)
-
-
-@cache
-def _any_kind() -> TypeAdapter[BarrierKind]:
-    union: Any = reduce(or_, barrier_kinds())
-    return TypeAdapter(Annotated[union, Field(discriminator="kind")])
-
-
-def _of_its_kind(value: object) -> BarrierKind:
-    return _any_kind().validate_python(value)
-
-
-AnyBarrier = Annotated[SerializeAsAny[BarrierKind], PlainValidator(_of_its_kind)]
-"""A barrier of any kind, as a field of a schema."""
