@@ -6,7 +6,6 @@
     * ``SeriesError``: a series for the report that does not fit together
     * ``LinkUpdateError``: settings of a link that do not go together
     * ``LinkAnswerError``: nothing was heard of a link
-    * ``UndrawableError``: a part of a figure that the picture writer does not know
 """
 
 
@@ -56,20 +55,6 @@ class SeriesError(DashboardError):
         self.got = got
         self.allowed = allowed
         super().__init__(f"series {field}: got {got}, allowed {allowed}")
-
-
-class UndrawableError(DashboardError):
-    """A part of a figure that the picture writer does not know: better no picture than one that omits it.
-
-    Attributes:
-        part: Type of the part.
-        allowed: Types that it knows.
-    """
-
-    def __init__(self, part: str, allowed: tuple[str, ...]) -> None:
-        self.part = part
-        self.allowed = allowed
-        super().__init__(f"picture: got a {part}, allowed {', '.join(allowed)}")
 
 
 class LinkUpdateError(DashboardError):

@@ -7,7 +7,7 @@ from passafe_services.tools.review.verdict import Verdict, trajectory_of
 
 from passafe_dashboard.decimation import NS_PER_S
 from passafe_dashboard.reports.run_page import report_page
-from passafe_dashboard.reports.run_series import RunSeries, status_spans
+from passafe_dashboard.run_series import RunSeries, status_spans
 
 
 def render_report(log: RunLog, mathematics: PlantEvaluator, verdict: Verdict) -> str:

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from barrier_examples import disk
 from closed_form import h, position, power_margin
-from passafe_dashboard.reports.run_series import RunSeries, StatusSpan
+from passafe_dashboard.run_series import RunSeries, StatusSpan
 from passafe_protocol.messages import FilterStatus
 
 

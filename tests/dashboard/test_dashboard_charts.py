@@ -6,7 +6,7 @@ from bokeh.models import ColumnDataSource, HBar, Line
 from bokeh.models.annotations import Legend
 from bokeh.plotting import figure
 from closed_form import paper_scenario
-from passafe_dashboard.charts.barriers import MOST_SHOWN, chain_figure, h_figure, signed_log_ticks
+from passafe_dashboard.charts.barriers import MOST_WITH_FILTER, chain_figure, h_figure, signed_log_ticks
 from passafe_dashboard.charts.energy import power_margin_figure, tank_figure
 from passafe_dashboard.charts.live_charts import live_charts
 from passafe_dashboard.charts.over_time import full_range, live_range
@@ -89,12 +89,12 @@ def test_every_barrier_has_its_own_named_lines() -> None:
 
 
 def test_where_there_are_many_barriers_some_lines_are_left_out() -> None:
-    walls = tuple(half_plane(f"wall {i}", (1.0, 0.0), -3.0 - i) for i in range(MOST_SHOWN + 1))
+    walls = tuple(half_plane(f"wall {i}", (1.0, 0.0), -3.0 - i) for i in range(MOST_WITH_FILTER + 1))
     layout = ColumnLayout(barriers=walls, levels=(3,) * len(walls))
     ticks = table(*drawn_columns(tuple(layout.tick_columns), layout.log_columns))
     states = table(*drawn_columns(tuple(layout.state_columns), ()))
     live = h_figure(layout, ticks=ticks, states=states, x_range=full_range())
-    assert legend_words(live)[1:] == [f"h of wall {i}, measured" for i in range(MOST_SHOWN + 1)]
+    assert legend_words(live)[1:] == [f"h of wall {i}, measured" for i in range(MOST_WITH_FILTER + 1)]
     some = h_figure(layout, ticks=None, states=states, x_range=full_range(), shown=(1, 4))
     assert legend_words(some)[1:] == ["h of wall 1, measured", "h of wall 4, measured"]
 

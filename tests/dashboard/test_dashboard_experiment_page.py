@@ -6,8 +6,9 @@ from base64 import b64decode
 from typing import Any
 
 import pytest
+from passafe_dashboard.pictures.line_chart import LineChart, line_chart_picture
 from passafe_dashboard.reports.experiment_charts import boundary_charts, charts_of
-from passafe_dashboard.reports.experiment_page import KeptLine, sweep_page, sweep_picture
+from passafe_dashboard.reports.experiment_page import KeptLine, experiment_page
 from passafe_services.tools.experiment.live_agreement import Agreement
 from passafe_services.tools.experiment.load import experiment_from
 from passafe_services.tools.experiment.metrics import Metrics
@@ -84,7 +85,7 @@ def test_a_boundary_that_is_not_monotone_is_marked(monkeypatch: pytest.MonkeyPat
     safe, _ = boundary_charts(plan.experiment, summary)
 
     assert safe.curves[0].doubtful_at == (0, 1, 2)
-    assert "not monotone" in sweep_page(plan, summary, [])
+    assert "not monotone" in experiment_page(plan, summary, [])
 
 
 def test_what_is_drawn_at_random_is_a_cloud_with_a_point_for_each_run() -> None:
@@ -98,10 +99,15 @@ def test_what_is_drawn_at_random_is_a_cloud_with_a_point_for_each_run() -> None:
     assert charts[0].curves[0].x == charts[0].curves[1].x
 
 
+def picture_of(charts: list[LineChart]) -> str:
+    words = " ".join(chart.description for chart in charts)
+    return line_chart_picture(charts, columns=1, title="Boundaries", description=words)
+
+
 def test_the_picture_is_well_formed_and_says_what_it_shows() -> None:
     plan, summary = finished(DELAY, HOLD)
     charts = boundary_charts(plan.experiment, summary)
-    root = ET.fromstring(sweep_picture(charts, columns=1, title="Boundaries"))  # noqa: S314 - our own output
+    root = ET.fromstring(picture_of(charts))  # noqa: S314 - our own output
     texts = ["".join(element.itertext()) for element in root.iter()]
 
     assert root.tag.endswith("svg")
@@ -112,8 +118,8 @@ def test_the_picture_is_well_formed_and_says_what_it_shows() -> None:
 def test_the_page_needs_nothing_else_and_names_every_cell() -> None:
     plan, summary = finished(DELAY, LOSS)
     agreement = Agreement("both, delay_s = 0", "h_min", 0.4, 0.5, 0.5, 0.1, 0.01, "because")
-    kept = KeptLine(cell="off, delay_s = 0.2", seed=3, file="logs/a.mcap", figure="h_min -0.7")
-    page = sweep_page(plan, summary, [kept], [agreement])
+    kept = KeptLine(cell="off, delay_s = 0.2", seed=3, file="logs/a.mcap", metric="h_min -0.7")
+    page = experiment_page(plan, summary, [kept], [agreement])
     images = re.findall(r'src="data:image/svg\+xml;base64,([^"]+)"', page)
 
     assert "<h1>Made &lt;up&gt;</h1>" in page
@@ -131,4 +137,4 @@ def test_an_experiment_without_axes_has_a_table_and_no_chart() -> None:
     plan, summary = finished()
 
     assert charts_of(plan, summary) == []
-    assert "<h2>Charts</h2>" not in sweep_page(plan, summary, [])
+    assert "<h2>Charts</h2>" not in experiment_page(plan, summary, [])

@@ -8,7 +8,6 @@ from passafe_dashboard.charts.live_charts import unfilled_table
 from passafe_dashboard.charts.plane import plane_figure
 from passafe_dashboard.charts.regions import EARLIER, LIVE, Drawing
 from passafe_dashboard.columns import P1, P2, PLACES
-from passafe_dashboard.svg.chart import Placed, picture
 from passafe_services.scenarios.barrier_kinds.barrier_kind import SingleBarrier
 from passafe_services.scenarios.barrier_kinds.motion import Circle, Swing, Travel
 
@@ -114,11 +113,3 @@ def test_a_wall_has_no_end_to_be_in_view() -> None:
         chart = plane(STILL[3], piston, drawing=drawing)
         assert isinstance(chart.x_range, DataRange1d)
         assert not [one for one in chart.x_range.renderers if isinstance(one.glyph, Patch)]
-
-
-def test_every_kind_of_place_can_be_drawn_without_a_browser() -> None:
-    moving = ellipse("cage", (0.0, 0.0), (3.0, 2.0), keep_in=True, motion=ROUND)
-    chart = plane(*STILL, moving, drawing=Drawing(begin_s=0.0, end_s=5.0))
-    text = picture([Placed(chart, 0, 0, 400, 400)], width=400, height=400, title="a", description="b")
-    assert text.count('stroke-dasharray="6"') == EARLIER + 1
-    assert 'stroke="None"' not in text

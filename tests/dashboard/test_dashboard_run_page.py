@@ -5,9 +5,10 @@ import numpy as np
 import pytest
 from barrier_examples import disk
 from closed_form_series import run_series, verdict
-from passafe_dashboard.charts.run_charts import lowest_barriers
-from passafe_dashboard.pictures.__main__ import run_picture
-from passafe_dashboard.reports.run_page import descriptions, inline_script, number, report_page
+from passafe_dashboard.number_text import number
+from passafe_dashboard.pictures.run_picture import run_picture
+from passafe_dashboard.reports.run_page import inline_script, report_page
+from passafe_dashboard.run_description import descriptions
 
 CONFIGURATION = {"name": "circle", "title": "a <b>circle</b> & </script>"}
 VERSIONS = {"passafe": "0.1.0"}
@@ -49,7 +50,7 @@ def test_of_many_barriers_those_that_came_lowest_are_shown() -> None:
     series = run_series(100)
     disks = tuple(disk(f"disk {n}") for n in range(10))
     many = replace(series, barriers=disks, h=np.vstack([series.h + 9 - n for n in range(10)]))
-    assert lowest_barriers(many) == tuple(range(2, 10))
+    assert many.lowest_barriers == tuple(range(2, 10))
     words = descriptions(many)["h"]
     assert "disk 2 lowest sample" in words
     assert "disk 1 lowest sample" not in words

@@ -8,7 +8,7 @@ from closed_form_series import run_series
 from hypothesis import given
 from hypothesis import strategies as st
 from passafe_dashboard.errors import SeriesError
-from passafe_dashboard.reports.run_series import StatusSpan, status_spans
+from passafe_dashboard.run_series import StatusSpan, status_spans
 from passafe_protocol.messages import FilterStatus
 
 A, B = FilterStatus.PASSED, FilterStatus.MODIFIED

@@ -8,7 +8,9 @@ from math import inf, nan, sqrt
 import numpy as np
 import pytest
 from closed_form_designs import mass
-from passafe_dashboard.pictures.feasibility_atlas import atlas_figure, atlas_picture, outline, regions_of
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+from passafe_dashboard.feasibility_picture import answers_of, atlas_picture, draw_atlas
 from passafe_services.tools.feasibility.atlas import Atlas, Counts, SampleSummary
 from passafe_services.tools.feasibility.constraint_feasibility import ConstraintFeasibility, Findings
 from passafe_services.tools.feasibility.errors import FeasibilityError
@@ -122,7 +124,7 @@ def test_sums_count_what_is_inside_only(atlas: Atlas) -> None:
     assert "does not say" in atlas.summary(sample).what_it_says
 
 
-def test_every_cell_belongs_to_one_region() -> None:
+def test_every_cell_gives_one_answer() -> None:
     """In the order of the questions: the first that is answered with no."""
     h = np.array([-1.0, 0.5, 1.0, 1.0, 1.0, nan])
     found = Findings(
@@ -134,26 +136,21 @@ def test_every_cell_belongs_to_one_region() -> None:
         tolerance=1e-6,
         unsettled=np.zeros(6, dtype=np.bool_),
     )
-    masks = np.array([mask for _, mask in regions_of(found)])
+    masks = np.array([mask for _, mask in answers_of(found)])
 
     assert masks.sum(axis=0).tolist() == [1] * 6
     assert masks.argmax(axis=0).tolist() == [0, 1, 2, 3, 4, 0]
 
 
-def test_rectangles_cover_the_cells_of_a_mask_and_nothing_else() -> None:
-    mask = np.random.default_rng(2).random((8, 8)) < 0.5
-    xs, ys = (np.array(values).reshape(-1, 6)[:, :5] for values in outline(mask, grid()))
-    area = sum(np.ptp(x) * np.ptp(y) for x, y in zip(xs, ys, strict=True))
+def test_every_cell_is_drawn_in_the_colour_of_its_answer(atlas: Atlas) -> None:
+    axes = Figure().add_subplot()
+    draw_atlas(axes, atlas, across="x0", up="x1", same_scale=False)
+    [image] = axes.get_images()
+    colours = image.to_rgba(image.get_array())[..., :3].reshape(64, 3)
 
-    assert area == pytest.approx(mask.sum() * 0.5)
-    for x, y in zip(*np.nonzero(mask.T), strict=True):
-        centre = -0.75 + 0.5 * x, -3.5 + y
-        inside = (xs.min(1) < centre[0]) & (centre[0] < xs.max(1)) & (ys.min(1) < centre[1]) & (centre[1] < ys.max(1))
-        assert inside.sum() == 1
-
-
-def test_an_empty_mask_draws_nothing() -> None:
-    assert outline(np.zeros((8, 8), dtype=np.bool_), grid()) == ([], [])
+    for answer, mask in answers_of(atlas.found):
+        assert np.allclose(colours[mask], to_rgb(answer.colour), atol=1e-6)
+    assert (image.origin, list(image.get_extent())) == ("lower", [-1.0, 3.0, -4.0, 4.0])
 
 
 def test_the_picture_names_every_answer_and_says_what_it_shows(atlas: Atlas) -> None:
@@ -161,7 +158,7 @@ def test_the_picture_names_every_answer_and_says_what_it_shows(atlas: Atlas) -> 
     root = ET.fromstring(text)  # noqa: S314 - our own text
     words = [element.text for element in root.iter(f"{SVG}text")]
 
-    labels = [region.label for region, _ in regions_of(atlas.found)]
+    labels = [answer.label for answer, _ in answers_of(atlas.found)]
     assert len(set(labels)) == 5
     for word in [*labels, "x0 (position)", "x1 (velocity)"]:
         assert word in words
@@ -171,6 +168,8 @@ def test_the_picture_names_every_answer_and_says_what_it_shows(atlas: Atlas) -> 
     assert text == atlas_picture(atlas, across="x0 (position)", up="x1 (velocity)", same_scale=False)
 
 
-def test_positions_have_one_scale(atlas: Atlas) -> None:
-    assert atlas_figure(atlas, across="a", up="b", same_scale=True).match_aspect
-    assert not atlas_figure(atlas, across="a", up="b", same_scale=False).match_aspect
+@pytest.mark.parametrize(("same_scale", "aspect"), [(True, 1.0), (False, "auto")])
+def test_positions_have_one_scale(atlas: Atlas, same_scale: bool, aspect: object) -> None:
+    axes = Figure().add_subplot()
+    draw_atlas(axes, atlas, across="a", up="b", same_scale=same_scale)
+    assert axes.get_aspect() == aspect

@@ -11,8 +11,8 @@ from passafe_dashboard.columns import ColumnLayout, measured_h, psi, signed_log,
 
 SUBSCRIPTS = "₀₁₂₃₄₅₆₇₈₉"
 
-MOST_SHOWN: Final = 8
-"""Barriers beyond which a chart leaves lines out: the filter's h on the page, those that stayed high in a report."""
+MOST_WITH_FILTER: Final = 8
+"""Barriers up to which the page's chart draws the filter's h beside the measured one."""
 
 
 def h_figure(
@@ -33,7 +33,7 @@ def h_figure(
         shown: Numbers of the barriers to show; all of them unless told otherwise.
     """
     traces = []
-    step = 2 if ticks is not None and len(layout.names) <= MOST_SHOWN else 1
+    step = 2 if ticks is not None and len(layout.names) <= MOST_WITH_FILTER else 1
     for index, name in enumerate(layout.names):
         if shown is not None and index not in shown:
             continue

@@ -60,7 +60,7 @@ class DrawnRegions(NamedTuple):
 def draw_regions(chart: figure, barriers: Sequence[SingleBarrier], drawing: Drawing) -> DrawnRegions:
     """Draw every barrier that is a place, once where it holds for several points."""
     in_view: list[Model] = []
-    outlines = _distinct(barriers)
+    outlines = distinct_outlines(barriers)
     for i, outline in outlines:
         motion = outline.motion
         if motion is None or drawing.live:
@@ -79,7 +79,7 @@ def draw_regions(chart: figure, barriers: Sequence[SingleBarrier], drawing: Draw
     return DrawnRegions(tuple(legend), tuple(in_view))
 
 
-def _distinct(barriers: Sequence[SingleBarrier]) -> list[tuple[int, Outline]]:
+def distinct_outlines(barriers: Sequence[SingleBarrier]) -> list[tuple[int, Outline]]:
     """Return the outlines with the numbers of their barriers; of equal ones, the first."""
     seen: dict[Outline, int] = {}
     for i, barrier in enumerate(barriers):

@@ -1,4 +1,4 @@
-"""Charts of a whole run, made from its arrays: for the report and the pictures."""
+"""Make the charts of a whole run from its arrays, for the report."""
 
 from typing import Final
 
@@ -6,7 +6,7 @@ import numpy as np
 from bokeh.models import ColumnDataSource
 from bokeh.plotting import figure
 
-from passafe_dashboard.charts.barriers import MOST_SHOWN, h_figure
+from passafe_dashboard.charts.barriers import h_figure
 from passafe_dashboard.charts.energy import power_margin_figure
 from passafe_dashboard.charts.over_time import full_range
 from passafe_dashboard.charts.plane import plane_figure
@@ -14,30 +14,24 @@ from passafe_dashboard.charts.regions import Drawing
 from passafe_dashboard.charts.timeline import status_figure
 from passafe_dashboard.columns import PLACES, POWER_MARGIN, START, STATUS, TIME, ZERO, ColumnLayout, measured_h
 from passafe_dashboard.decimation import kept_samples
-from passafe_dashboard.reports.run_series import RunSeries
+from passafe_dashboard.run_series import RunSeries
 
 BINS: Final = 2000
-"""A chart a few hundred pixels wide shows no more; lowest and highest samples of each bin stay."""
+"""A chart a few hundred pixels wide shows no more; lowest and highest samples of each bin are kept."""
 
 
 def run_charts(series: RunSeries, *, bins: int = BINS) -> dict[str, figure]:
-    """Charts of a run: plane (if a point moves in it), h (if there are barriers), power_margin, status (if any)."""
+    """Return the charts of a run: plane (if a point moves in it), h (if any barrier), power_margin, status (if any)."""
     layout = ColumnLayout(barriers=series.barriers, levels=(1,) * len(series.barriers))
     signals = _signals(series, bins)
     x_range = full_range()
     charts = {"plane": _plane(series, bins)} if series.points else {}
     if series.barriers:
-        charts["h"] = h_figure(layout, ticks=None, states=signals, x_range=x_range, shown=lowest_barriers(series))
+        charts["h"] = h_figure(layout, ticks=None, states=signals, x_range=x_range, shown=series.lowest_barriers)
     charts["power_margin"] = power_margin_figure(source=signals, x_range=x_range, with_slack=False)
     if series.statuses:
         charts["status"] = status_figure(source=_statuses(series), x_range=x_range)
     return charts
-
-
-def lowest_barriers(series: RunSeries) -> tuple[int, ...]:
-    """Numbers of the barriers that a chart shows: all, or those that came lowest if there are many."""
-    lowest = series.h.min(axis=1)
-    return tuple(sorted(int(i) for i in np.argsort(lowest, kind="stable")[:MOST_SHOWN]))
 
 
 def _signals(series: RunSeries, bins: int) -> ColumnDataSource:

@@ -1,6 +1,6 @@
-"""The paper's two plots of a run as one picture, and the README's four pictures by one command.
+"""Draw the README's pictures: the reference scenario in each mode.
 
-``python -m passafe_dashboard.pictures FOLDER`` runs the reference scenario live in each mode and draws its log;
+``python -m passafe_dashboard.pictures FOLDER`` runs it live and draws the logs;
 ``python -m passafe_dashboard.pictures FOLDER RUN.mcap …`` draws the logs given.
 """
 
@@ -14,40 +14,11 @@ from typing import Final
 from passafe_services.tools.review.core_evaluator import CoreEvaluator
 from passafe_services.tools.review.run_log import RunLog
 
-from passafe_dashboard.charts.run_charts import run_charts
-from passafe_dashboard.reports.run_page import descriptions
-from passafe_dashboard.reports.run_series import RunSeries
+from passafe_dashboard.pictures.run_picture import run_picture
 from passafe_dashboard.run_report import series_of
-from passafe_dashboard.svg.chart import Placed, picture
 
 MODES: Final = ("off", "passive", "safe", "both")
 DURATION_S: Final = 10
-PLANE_SIDE: Final = 440.0
-CHART_WIDTH: Final = 520.0
-BINS: Final = 400
-"""Enough for a chart 450 units wide; lowest and highest samples of each bin stay."""
-
-
-def run_picture(series: RunSeries, *, title: str) -> str:
-    """SVG of a run: its path in the plane, if it has one, beside h and power margin over time.
-
-    Raises:
-        UndrawableError: A chart has a part that SVG export does not know.
-    """
-    charts = run_charts(series, bins=BINS)
-    over_time = [charts[name] for name in ("h", "power_margin") if name in charts]
-    height = PLANE_SIDE / len(over_time)
-    left = PLANE_SIDE if "plane" in charts else 0.0
-    placed = [Placed(charts["plane"], 0, 0, PLANE_SIDE, PLANE_SIDE)] if "plane" in charts else []
-    placed += [Placed(chart, left, number * height, CHART_WIDTH, height) for number, chart in enumerate(over_time)]
-    texts = descriptions(series)
-    return picture(
-        placed,
-        width=left + CHART_WIDTH,
-        height=PLANE_SIDE,
-        title=title,
-        description=" ".join(texts[name] for name in ("plane", "h", "power_margin") if name in charts),
-    )
 
 
 def draw_log(path: Path, folder: Path) -> Path:
@@ -62,7 +33,7 @@ def draw_log(path: Path, folder: Path) -> Path:
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Draw pictures; returns the exit code."""
+    """Draw pictures; return the exit code."""
     if not arguments:
         sys.stderr.write("usage: python -m passafe_dashboard.pictures FOLDER [RUN.mcap …]\n")
         return 2
@@ -76,7 +47,7 @@ def main(arguments: Sequence[str]) -> int:
 
 
 def _run_live(mode: str, scratch: Path) -> Path:
-    """Log of a live run of the reference scenario."""
+    """Run the reference scenario live and return its log."""
     folder = scratch / mode
     command = [sys.executable, "-P", "-m", "passafe_services.cli", "demo", "--headless", "--mode", mode]
     subprocess.run([*command, "--duration", str(DURATION_S), "--out", str(folder)], check=True)  # noqa: S603 - ours

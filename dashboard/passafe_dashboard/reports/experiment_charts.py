@@ -1,4 +1,4 @@
-"""What of an experiment is drawn: for each criterion its figure over the axes, or the boundary where it first fails."""
+"""Choose the charts of an experiment: each criterion's metric over the axes, or the boundary where it first fails."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from math import isfinite
@@ -12,29 +12,32 @@ from passafe_services.tools.experiment.schema import Criterion, Experiment
 from passafe_services.tools.experiment.summary import CellBoundaries, CellSummary, ExperimentSummary, in_order
 from pydantic import JsonValue
 
-from passafe_dashboard.charts.sweep import Chart, Curve
+from passafe_dashboard.pictures.line_chart import Curve, LineChart
 
 MOST_CHARTS: Final = 40
 MOST_POINTS: Final = 2000
-"""Points of a cloud for each variant; of more, evenly spread ones are drawn."""
+"""Points of a scatter chart for each variant; of more, evenly spread ones are drawn."""
 
 LEAST_PLACES: Final = 2
 
 
-def charts_of(plan: Plan, summary: ExperimentSummary) -> list[Chart]:
+def charts_of(plan: Plan, summary: ExperimentSummary) -> list[LineChart]:
     """Return the charts of an experiment, no more than ``MOST_CHARTS``."""
-    drawn = [*boundary_charts(plan.experiment, summary), *_spread_charts(plan.experiment, summary), *_clouds(plan)]
+    drawn = [
+        *boundary_charts(plan.experiment, summary),
+        *_spread_charts(plan.experiment, summary),
+        *_scatter_charts(plan),
+    ]
     return drawn[:MOST_CHARTS]
 
 
-def boundary_charts(experiment: Experiment, summary: ExperimentSummary) -> list[Chart]:
+def boundary_charts(experiment: Experiment, summary: ExperimentSummary) -> list[LineChart]:
     """Return a chart for each criterion and each combination of the other listed axes: boundary over one axis."""
     axis, over = experiment.bisected, _longest(experiment)
     if axis is None or over is None:
         return []
     return [
-        Chart(
-            name=f"boundary-{name}-{number}",
+        LineChart(
             x_label=f"{over.name}{where}",
             y_label=f"{name} up to {axis.name}",
             curves=tuple(_boundary_curve(found, name, over, axis, experiment) for found in _by_variant(cells)),
@@ -43,18 +46,17 @@ def boundary_charts(experiment: Experiment, summary: ExperimentSummary) -> list[
             least=axis.low,
         )
         for name in experiment.criteria
-        for number, (where, cells) in enumerate(_panels(summary.boundaries, over).items())
+        for where, cells in _panels(summary.boundaries, over).items()
     ]
 
 
-def _spread_charts(experiment: Experiment, summary: ExperimentSummary) -> list[Chart]:
-    """Return a chart for each criterion's figure: its median with a band from the lowest to the highest run."""
+def _spread_charts(experiment: Experiment, summary: ExperimentSummary) -> list[LineChart]:
+    """Return a chart for each criterion's metric: its median with a band from the lowest to the highest run."""
     over = _longest(experiment)
     if experiment.bisected is not None or over is None:
         return []
     return [
-        Chart(
-            name=f"{name}-{number}",
+        LineChart(
             x_label=f"{over.name}{where}",
             y_label=criterion.figure,
             curves=tuple(_spread_curve(found, criterion.figure, over, experiment) for found in _by_variant(cells)),
@@ -62,12 +64,12 @@ def _spread_charts(experiment: Experiment, summary: ExperimentSummary) -> list[C
             limit_label=f"limit of {name}",
         )
         for name, criterion in experiment.criteria.items()
-        for number, (where, cells) in enumerate(_panels(summary.cells, over).items())
+        for where, cells in _panels(summary.cells, over).items()
     ]
 
 
-def _clouds(plan: Plan) -> Iterator[Chart]:
-    """Yield a chart for each criterion's figure and each axis that is drawn at random: a point a run."""
+def _scatter_charts(plan: Plan) -> Iterator[LineChart]:
+    """Yield a chart for each criterion's metric and each axis that is drawn at random: a point a run."""
     runs = sorted(plan.results.values(), key=in_order)
     for axis in plan.experiment.random:
         for name, criterion in plan.experiment.criteria.items():
@@ -77,7 +79,7 @@ def _clouds(plan: Plan) -> Iterator[Chart]:
                 x, y = tuple(x for x, _ in points), tuple(y for _, y in points)
                 curves.append(Curve(label=variant, style=style, x=x, y=y))
             if any(curve.x for curve in curves):
-                yield _cloud(axis, name, criterion, curves)
+                yield _scatter_chart(axis, name, criterion, curves)
 
 
 def _points(runs: Sequence[Result], axis: RandomAxis, criterion: Criterion) -> list[tuple[float, float]]:
@@ -89,9 +91,8 @@ def _points(runs: Sequence[Result], axis: RandomAxis, criterion: Criterion) -> l
     return known[:: -(-len(known) // MOST_POINTS) or 1]
 
 
-def _cloud(axis: RandomAxis, name: str, criterion: Criterion, curves: Sequence[Curve]) -> Chart:
-    return Chart(
-        name=f"cloud-{axis.name}-{name}",
+def _scatter_chart(axis: RandomAxis, name: str, criterion: Criterion, curves: Sequence[Curve]) -> LineChart:
+    return LineChart(
         x_label=axis.name,
         y_label=criterion.figure,
         curves=tuple(curves),

@@ -1,4 +1,4 @@
-"""The page of an experiment: one file that needs nothing else, and its charts as one picture."""
+"""Make the HTML report of an experiment: one file that needs neither network nor server."""
 
 from base64 import b64encode
 from collections.abc import Sequence
@@ -11,48 +11,41 @@ from passafe_services.tools.experiment.runs import Cell, shown
 from passafe_services.tools.experiment.summary import CellSummary, ExperimentSummary
 from passafe_services.tools.feasibility.share import Share
 
-from passafe_dashboard.charts.sweep import Chart, sweep_figure
 from passafe_dashboard.markup import TEMPLATES, report_css
+from passafe_dashboard.number_text import number
+from passafe_dashboard.pictures.line_chart import LineChart, line_chart_picture
 from passafe_dashboard.reports.experiment_charts import charts_of
-from passafe_dashboard.reports.run_page import number
-from passafe_dashboard.svg.chart import Placed, picture
 
-WIDTH, HEIGHT = 470.0, 320.0
-"""Of one chart."""
-
-LEAST_ROWS: Final = 2000
+MOST_ROWS: Final = 2000
 """Rows of cells that the page shows; the tables beside it have them all."""
 
 
-class Drawn(NamedTuple):
-    """A chart on the page: where its picture is, and what it shows for who cannot see it."""
+class ChartImage(NamedTuple):
+    """Image of a chart as a data URL, and its description."""
 
     source: str
-    text: str
+    description: str
 
 
 class KeptLine(NamedTuple):
-    """A log that was kept, in words."""
+    """One line of the table of kept logs, as text."""
 
     cell: str
     seed: int
     file: str
-    figure: str
+    metric: str
 
 
-def sweep_page(
+def experiment_page(
     plan: Plan, summary: ExperimentSummary, kept: Sequence[KeptLine], agreement: Sequence[Agreement] = ()
 ) -> str:
     """Return the page as HTML that refers to no other host, and to no other file but the logs that were kept.
 
     Args:
         plan: The experiment with its results.
-        summary: What they came to.
+        summary: Summary of the results.
         kept: Logs of single runs.
-        agreement: Figures of runs that were made live too.
-
-    Raises:
-        UndrawableError: A chart has a part that the picture writer does not know.
+        agreement: Metrics of runs that were made live too.
     """
     experiment = plan.experiment
     return TEMPLATES.get_template("experiment.html").render(
@@ -60,13 +53,13 @@ def sweep_page(
         summary=summary,
         criteria={name: str(criterion) for name, criterion in experiment.criteria.items()},
         figures=list(dict.fromkeys(criterion.figure for criterion in experiment.criteria.values())),
-        cells=summary.cells[:LEAST_ROWS],
-        left_out=max(0, len(summary.cells) - LEAST_ROWS),
+        cells=summary.cells[:MOST_ROWS],
+        left_out=max(0, len(summary.cells) - MOST_ROWS),
         cell_values=_values,
         number=number,
         percent=_percent,
         spread=_spread,
-        charts=[_drawn(chart) for chart in charts_of(plan, summary)],
+        charts=[_image_of(chart) for chart in charts_of(plan, summary)],
         kept=kept,
         agreement=agreement,
         configuration=experiment.model_dump_json(indent=2),
@@ -75,39 +68,11 @@ def sweep_page(
     )
 
 
-def sweep_picture(charts: Sequence[Chart], *, columns: int, title: str) -> str:
-    """Return charts as one SVG, in rows of so many.
-
-    Raises:
-        UndrawableError: A chart has a part that the picture writer does not know.
-    """
-    placed = [
-        Placed(sweep_figure(chart), WIDTH * (number % columns), HEIGHT * (number // columns), WIDTH, HEIGHT)
-        for number, chart in enumerate(charts)
-    ]
-    return picture(
-        placed,
-        width=WIDTH * min(columns, len(placed)),
-        height=HEIGHT * -(-len(placed) // columns),
-        title=title,
-        description=" ".join(_text(chart) for chart in charts),
-    )
-
-
-def _drawn(chart: Chart) -> Drawn:
-    """Return a chart as an image of its own: names within one picture do not meet those of another."""
-    svg = sweep_picture([chart], columns=1, title=f"{chart.y_label} over {chart.x_label}")
-    return Drawn(f"data:image/svg+xml;base64,{b64encode(svg.encode()).decode()}", _text(chart))
-
-
-def _text(chart: Chart) -> str:
-    ends = "; ".join(
-        f"{curve.label} from {number(curve.y[0])} at {number(curve.x[0])} to {number(curve.y[-1])} at "
-        f"{number(curve.x[-1])}"
-        for curve in chart.curves
-        if curve.x and not chart.points
-    )
-    return f"{chart.y_label} over {chart.x_label}" + (f": {ends}." if ends else ".")
+def _image_of(chart: LineChart) -> ChartImage:
+    """Return a chart as an image of its own, so that identifiers of one picture do not clash with another's."""
+    title = f"{chart.y_label} over {chart.x_label}"
+    svg = line_chart_picture([chart], columns=1, title=title, description=chart.description)
+    return ChartImage(f"data:image/svg+xml;base64,{b64encode(svg.encode()).decode()}", chart.description)
 
 
 def _values(cell: Cell) -> list[str]:

@@ -1,25 +1,24 @@
-"""The HTML report: one file that needs nothing else, neither network nor server."""
+"""Make the HTML report of a run: one file that needs neither network nor server."""
 
 import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Final, NamedTuple
+from typing import Any, NamedTuple
 
-import numpy as np
 from bokeh.embed import components
 from bokeh.model import Model
 from bokeh.settings import settings as bokeh_settings
 
-from passafe_dashboard.charts.run_charts import lowest_barriers, run_charts
+from passafe_dashboard.charts.run_charts import run_charts
 from passafe_dashboard.markup import TEMPLATES, report_css
+from passafe_dashboard.number_text import MINUS, number, signed
 from passafe_dashboard.palette import STATUS_STYLES
-from passafe_dashboard.reports.run_series import RunSeries
-
-MINUS: Final = "−"
+from passafe_dashboard.run_description import descriptions
+from passafe_dashboard.run_series import RunSeries
 
 
 class PropertyLine(NamedTuple):
-    """A line of the verdict's table, in words."""
+    """One line of the verdict's table, as text."""
 
     name: str
     outcome: str
@@ -30,9 +29,9 @@ class PropertyLine(NamedTuple):
 
 
 class TimingLine(NamedTuple):
-    """A line of the timing table; percentiles in ``unit``."""
+    """One line of the timing table; percentiles in ``unit``."""
 
-    what: str
+    quantity: str
     unit: str
     percentiles: tuple[str, ...]
 
@@ -44,13 +43,13 @@ def report_page(
     configuration: Mapping[str, Any],
     versions: Mapping[str, str],
 ) -> str:
-    """Make the report.
+    """Return the report.
 
     Args:
-        verdict: What ``passafe review --json`` prints; a figure that is missing or null is shown as unknown.
+        verdict: Output of ``passafe review --json``; a metric that is missing or null is shown as unknown.
         series: Signals of the run.
         configuration: Effective scenario.
-        versions: Version of what it was computed with, by name.
+        versions: Version of each package that computed it, by name.
 
     Returns:
         HTML that refers to no other file or host.
@@ -78,24 +77,12 @@ def report_page(
 
 
 def inline_script(text: str) -> str:
-    """Text of a script so that no string in it ends the element that it stands in."""
+    """Return the text of a script so that no string in it ends the script element."""
     return text.replace("</script", "<\\/script").replace("<!--", "<\\!--")
 
 
 def _bokehjs() -> str:
     return (Path(bokeh_settings.bokehjs_path()) / "js" / "bokeh.min.js").read_text("utf-8")
-
-
-def number(value: object, digits: int = 4) -> str:
-    """A number as the report writes it; ``unknown`` for what is none."""
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return "unknown"
-    return signed(f"{value:.{digits}g}")
-
-
-def signed(text: str) -> str:
-    """Text of numbers with minus signs instead of hyphens."""
-    return text.replace("-", MINUS)
 
 
 def _property_lines(verdict: Mapping[str, Any]) -> list[PropertyLine]:
@@ -139,40 +126,7 @@ def _timing_lines(timing: Mapping[str, Any]) -> list[TimingLine]:
         ("operator to plant", "ms", timing.get("operator_to_plant_ms")),
     ]
     return [
-        TimingLine(what, unit, tuple(number(spread.get(key), 3) for key in ("p50", "p99", "p99_9", "max")))
-        for what, unit, spread in entries
+        TimingLine(quantity, unit, tuple(number(spread.get(key), 3) for key in ("p50", "p99", "p99_9", "max")))
+        for quantity, unit, spread in entries
         if spread is not None
     ]
-
-
-def descriptions(series: RunSeries) -> dict[str, str]:
-    """What each chart shows, for who cannot see it."""
-    names = ", ".join(barrier.name for barrier in series.barriers if barrier.outline is not None)
-    shown = lowest_barriers(series)
-    lowest_h = "; ".join(
-        f"{series.barriers[i].name} lowest sample {number(h.min().item())} at {series.times_s[h.argmin()]:.3f} s"
-        for i, h in ((i, series.h[i]) for i in shown)
-    )
-    if len(shown) < len(series.barriers):
-        rest = np.delete(series.h, shown, axis=0)
-        lowest_h += f"; {len(rest)} others not shown, none below {number(rest.min().item())}"
-    worst = series.power_margin_w.argmin()
-    margin = number(series.power_margin_w[worst].item())
-    return {
-        "plane": f"{_paths(series)}. Obstacles: {names or 'none'}.",
-        "h": f"Barrier values over plant time with the line h = 0: {lowest_h}.",
-        "power_margin": (
-            f"Power margin over plant time with the line 0: lowest sample {margin} W at {series.times_s[worst]:.3f} s."
-        ),
-        "status": "A lane for each filter status; a bar where the filter's ticks had it.",
-    }
-
-
-def _paths(series: RunSeries) -> str:
-    paths = []
-    for point in range(series.points):
-        p1, p2 = series.position(point)
-        which = f" {point + 1}" if series.points > 1 else ""
-        ends = f"({p1[0]:.3f}, {p2[0]:.3f}) m to ({p1[-1]:.3f}, {p2[-1]:.3f}) m"
-        paths.append(signed(f"Path of the robot{which} from {ends}"))
-    return ". ".join(paths)

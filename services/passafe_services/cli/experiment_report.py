@@ -29,9 +29,7 @@ def write_report(
     plan: Plan, summary: ExperimentSummary, kept: Sequence[KeptLog], agreement: Sequence[Agreement], folder: Path
 ) -> None:
     """Write tables, summary, page and, where an axis was bisected, the picture of its boundaries."""
-    from passafe_dashboard.reports.experiment_charts import boundary_charts  # noqa: PLC0415 - likewise
-    from passafe_dashboard.reports.experiment_page import KeptLine, sweep_page, sweep_picture  # noqa: PLC0415 - likewise
-    from passafe_dashboard.reports.run_page import number  # noqa: PLC0415 - a second that a refusal need not wait
+    from passafe_dashboard.experiment_report import write_experiment_report  # noqa: PLC0415 - a second to import
 
     tables = {"runs": runs_table(plan), "cells": cells_table(summary)}
     if summary.boundaries:
@@ -40,22 +38,7 @@ def write_report(
         tables["agreement"] = agreement_table(agreement)
     write_tables(tables, folder)
     (folder / "summary.json").write_text(summary.model_dump_json(indent=2), encoding="utf-8")
-    worst = plan.experiment.worst.figure
-    lines = [
-        KeptLine(
-            cell=plan.cells[log.result.run.cell].describe(),
-            seed=log.result.run.seed,
-            file=str(log.path.relative_to(folder)),
-            figure=f"{worst} {number(None if log.result.figures is None else log.result.figures.number(worst))}",
-        )
-        for log in kept
-    ]
-    (folder / "report.html").write_text(sweep_page(plan, summary, lines, agreement), encoding="utf-8")
-    charts = boundary_charts(plan.experiment, summary)
-    if charts:
-        columns = len(charts) // len(plan.experiment.criteria)
-        svg = sweep_picture(charts, columns=columns, title=plan.experiment.title)
-        (folder / "boundaries.svg").write_text(svg, encoding="utf-8")
+    write_experiment_report(plan, summary, kept, agreement, folder)
 
 
 def show(summary: ExperimentSummary, experiment: Experiment, console: Console) -> None:

@@ -175,7 +175,7 @@ def _with_gain(scenario: Scenario, gain: float | None) -> Scenario:
 
 
 def _write(atlas: Atlas, summary: AtlasSummary, robot: Robot, folder: Path) -> list[Path]:
-    from passafe_dashboard.pictures.feasibility_atlas import atlas_picture  # noqa: PLC0415 - a second that a refusal need not wait
+    from passafe_dashboard.feasibility_picture import atlas_picture  # noqa: PLC0415 - a second that a refusal need not wait
 
     table, drawing, sums = (folder / f"{atlas.scenario}.{kind}" for kind in ("csv", "svg", "summary.json"))
     with table.open("w", encoding="utf-8", newline="") as file:

@@ -1,8 +1,8 @@
-"""A whole run as arrays: what the report and the pictures draw."""
+"""Hold the signals of a whole run as arrays, for report and pictures."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import NamedTuple, TypeAlias
+from typing import Final, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,9 @@ from passafe_dashboard.errors import SeriesError
 
 FloatArray: TypeAlias = NDArray[np.float64]
 
-PLANE_DIMENSIONS = 2
+PLANE_DIMENSIONS: Final = 2
+MOST_BARRIERS: Final = 8
+"""Barriers that a chart of a run shows; of more, those that stayed high are left out."""
 
 
 class StatusSpan(NamedTuple):
@@ -35,8 +37,8 @@ class RunSeries:
         h: Barrier values at x, shape (barriers, N).
         power_margin_w: Power margin h_u(x, u), W, shape (N,).
         barriers: Every barrier, in the order of ``h``.
-        statuses: What the filter's status was, in order of time.
-        points: How many points in the plane the state begins with; 0 for joints.
+        statuses: Status of the filter, in order of time.
+        points: Number of points in the plane the state begins with; 0 for joints.
     """
 
     times_s: FloatArray
@@ -64,8 +66,14 @@ class RunSeries:
         if states < least:
             raise SeriesError("x", f"{states} rows", f"{least} or more: positions come first")
 
+    @property
+    def lowest_barriers(self) -> tuple[int, ...]:
+        """Numbers of the barriers that a chart shows: all, or the ``MOST_BARRIERS`` lowest ones."""
+        lowest = self.h.min(axis=1)
+        return tuple(sorted(int(i) for i in np.argsort(lowest, kind="stable")[:MOST_BARRIERS]))
+
     def position(self, point: int) -> FloatArray:
-        """Position in the plane of a point, counted from 0, m, shape (2, N)."""
+        """Return the position in the plane of a point, counted from 0, m, shape (2, N)."""
         return self.x[PLANE_DIMENSIONS * point : PLANE_DIMENSIONS * (point + 1)]
 
 
