@@ -33,7 +33,7 @@ def simulated(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize(
     "command", ["", "demo", "run", "simulate", "campaign", "review", "replay", "recover", "kill", "link", "link set"]
 )
-def test_every_command_explains_itself(command: str) -> None:
+def test_every_command_has_help(command: str) -> None:
     done = passafe(*command.split(), "--help")
 
     assert done.returncode == 0
@@ -64,7 +64,7 @@ def test_every_command_explains_itself(command: str) -> None:
         (("link", "show", "plant-to-moon"), "plant-to-moon"),
     ],
 )
-def test_nonsense_gets_one_clear_line_and_no_traceback(arguments: tuple[str, ...], named: str, tmp_path: Path) -> None:
+def test_unusable_input_is_refused_in_one_line(arguments: tuple[str, ...], named: str, tmp_path: Path) -> None:
     done = passafe(*arguments, cwd=tmp_path)
 
     assert done.returncode != 0
@@ -96,7 +96,7 @@ def test_misspelt_name_is_answered_with_the_one_meant(arguments: tuple[str, ...]
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_barrier_that_the_input_never_reaches_is_told(tmp_path: Path) -> None:
+def test_class_k_chain_of_wrong_length_is_refused(tmp_path: Path) -> None:
     shipped = passafe("scenarios")
     assert "notomista-cai-2020" in shipped.stdout
     from passafe_services.scenarios.load import load_scenario  # noqa: PLC0415 - only this test needs it
@@ -112,7 +112,7 @@ def test_a_barrier_that_the_input_never_reaches_is_told(tmp_path: Path) -> None:
     assert "barrier 'disk' class_k: got 1 functions, allowed 3" in done.stderr
 
 
-def test_a_port_that_is_taken_is_told_before_anything_starts(tmp_path: Path) -> None:
+def test_taken_port_is_refused_before_any_process_starts(tmp_path: Path) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
         done = passafe("demo", "--headless", "--router-port", str(port), "--out", str(tmp_path))
@@ -136,7 +136,7 @@ def test_review_prints_json_and_writes_a_report(simulated: Path, tmp_path: Path)
     assert "<html" in report.read_text(encoding="utf-8")
 
 
-def test_review_of_a_run_that_breaks_its_promise_exits_with_one(tmp_path: Path) -> None:
+def test_review_of_a_failing_run_exits_with_1(tmp_path: Path) -> None:
     log = tmp_path / "run.mcap"
     done = passafe("simulate", "--law", "continuous", "--mode", "passive", "--duration", "3", "--out", str(log))
 
@@ -145,7 +145,7 @@ def test_review_of_a_run_that_breaks_its_promise_exits_with_one(tmp_path: Path) 
     assert passafe("review", str(log)).returncode == 1
 
 
-def test_a_run_with_a_simulated_person_shows_how_well_it_was_steered(tmp_path: Path) -> None:
+def test_run_with_a_simulated_person_reports_steering(tmp_path: Path) -> None:
     log = tmp_path / "steered.mcap"
     done = passafe("simulate", "--scenario", "human-steers", "--duration", "4", "--rate", "200", "--out", str(log))
     again = passafe("review", str(log), "--json")
@@ -163,7 +163,7 @@ def test_replay_of_a_simulated_run_is_exact(simulated: Path) -> None:
     assert "506 of 506 ticks identical" in done.stdout
 
 
-def test_recover_makes_a_whole_log_of_a_torn_one(simulated: Path, tmp_path: Path) -> None:
+def test_recover_writes_a_whole_log_from_a_torn_one(simulated: Path, tmp_path: Path) -> None:
     torn, whole = tmp_path / "torn.mcap", tmp_path / "whole.mcap"
     torn.write_bytes(simulated.read_bytes()[:-5000])
 
@@ -174,7 +174,7 @@ def test_recover_makes_a_whole_log_of_a_torn_one(simulated: Path, tmp_path: Path
     assert passafe("review", str(whole), "--json").stdout.startswith("{")
 
 
-def test_a_campaign_goes_on_where_it_was_and_says_what_it_saw(tmp_path: Path) -> None:
+def test_campaign_resumes_and_reports_its_worst(tmp_path: Path) -> None:
     short = ("campaign", "notomista-cai-2020", "--duration", "0.2", "--workers", "1", "--out", str(tmp_path))
     first = passafe(*short, "--rollouts", "3")
     again = passafe(*short, "--rollouts", "5")

@@ -1,50 +1,50 @@
-"""How many ticks a second a demo has where a browser needs the processors too."""
+"""The rate of a demo where a browser needs the processors too."""
 
 import os
 
 import pytest
-from passafe_services.cli.demo import FEW_PROCESSORS, PAGE_RATE_HZ, with_room_for_a_page
+from passafe_services.cli.demo_rate import FEW_PROCESSORS, PAGE_RATE_HZ, limited_beside_page
 from passafe_services.loop.realtime import processors
 from passafe_services.scenarios.load import load_scenario, shipped_scenarios
 from passafe_services.scenarios.schema import Scenario
 
 
-def roomy(scenario: Scenario, count: int) -> tuple[Scenario, list[str]]:
-    said: list[str] = []
-    return with_room_for_a_page(scenario, count, said.append), said
+def limited(scenario: Scenario, processors: int) -> tuple[Scenario, list[str]]:
+    lines: list[str] = []
+    return limited_beside_page(scenario, processors, lines.append), lines
 
 
 @pytest.mark.parametrize("name", shipped_scenarios())
-def test_a_shipped_scenario_gets_slower_on_two_processors_and_says_what_insists(name: str) -> None:
+def test_shipped_scenario_is_slowed_and_the_override_named(name: str) -> None:
     scenario = load_scenario(name)
 
-    slower, [said] = roomy(scenario, FEW_PROCESSORS)
+    slower, [line] = limited(scenario, FEW_PROCESSORS)
 
     assert slower == load_scenario(name, {"rate_hz": PAGE_RATE_HZ})
-    assert "500 ticks a second, not the scenario's 1000" in said
-    assert "2 processors" in said
-    assert "--rate 1000" in said
+    assert "500 ticks a second, not the scenario's 1000" in line
+    assert "2 processors" in line
+    assert "--rate 1000" in line
 
 
-def test_with_more_processors_a_scenario_stays_as_it_is() -> None:
+def test_more_processors_leave_the_rate_unchanged() -> None:
     scenario = load_scenario("notomista-cai-2020")
 
-    assert roomy(scenario, FEW_PROCESSORS + 1) == (scenario, [])
+    assert limited(scenario, FEW_PROCESSORS + 1) == (scenario, [])
 
 
-def test_a_scenario_that_is_slow_already_stays_as_it_is() -> None:
+def test_slow_scenario_keeps_its_rate() -> None:
     scenario = load_scenario("notomista-cai-2020", {"rate_hz": PAGE_RATE_HZ})
 
-    assert roomy(scenario, 1) == (scenario, [])
+    assert limited(scenario, 1) == (scenario, [])
 
 
-def test_a_scenario_that_stands_no_other_rate_stays_as_it_is() -> None:
+def test_scenario_that_supports_no_other_rate_keeps_it() -> None:
     scenario = load_scenario("notomista-cai-2020", {"filter.k_i": PAGE_RATE_HZ + 50.0})
 
-    assert roomy(scenario, 1) == (scenario, [])
+    assert limited(scenario, 1) == (scenario, [])
 
 
-def test_processors_are_those_that_this_process_may_use() -> None:
+def test_processors_are_those_of_the_cpu_affinity() -> None:
     allowed = os.sched_getaffinity(0)
     try:
         os.sched_setaffinity(0, {min(allowed)})

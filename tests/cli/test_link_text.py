@@ -46,7 +46,7 @@ def test_all_keys_reach_the_scenario() -> None:
     )
 
 
-def test_a_histogram_and_nothing_at_all_can_be_typed() -> None:
+def test_histogram_and_empty_lists_can_be_typed() -> None:
     assert link_fields(["distribution=histogram", "quantiles=0.01+0.02+0.1"], "--link") == {
         "distribution": "histogram",
         "quantiles_s": ["0.01", "0.02", "0.1"],
@@ -63,7 +63,7 @@ def test_a_histogram_and_nothing_at_all_can_be_typed() -> None:
         ("plant-to-filter:", "KEY=VALUE"),
     ],
 )
-def test_another_form_is_refused_with_what_is_allowed(text: str, named: str) -> None:
+def test_text_of_another_form_is_refused(text: str, named: str) -> None:
     with pytest.raises(OptionError) as caught:
         scenario_from_options("notomista-cai-2020", links=[text])
 
@@ -79,7 +79,7 @@ def test_another_form_is_refused_with_what_is_allowed(text: str, named: str) -> 
         ("plant-to-filter:reorder=perhaps", "reorder"),
     ],
 )
-def test_a_value_that_cannot_be_is_refused_with_its_field(text: str, named: str) -> None:
+def test_value_out_of_range_is_refused_with_its_field(text: str, named: str) -> None:
     with pytest.raises(ScenarioError) as caught:
         scenario_from_options("notomista-cai-2020", links=[text])
 
@@ -102,7 +102,7 @@ def state_of(settings: LinkSettings) -> LinkState:
     return MessageLink("plant-to-filter", settings).state("period", ())
 
 
-def test_settings_are_shown_as_they_would_be_typed() -> None:
+def test_settings_are_printed_as_they_are_typed() -> None:
     text = settings_text(state_of(FULL))
 
     assert text == (
@@ -111,18 +111,18 @@ def test_settings_are_shown_as_they_would_be_typed() -> None:
     assert changed_parameters(LinkSettings(), link_fields(text.split(), "x"), "x") == parameters_of(FULL)
     table = LinkSettings(distribution="histogram", quantiles_s=(0.0, 0.5))
     assert settings_text(state_of(table)) == "distribution=histogram quantiles=0+0.5"
-    assert settings_text(state_of(LinkSettings())) == "lets everything through at once"
+    assert settings_text(state_of(LinkSettings())) == "unimpaired"
     assert settings_text(state_of(LinkSettings(trace_s=(0.1, 0.2)))) == "trace of 2 times"
 
 
-def test_what_is_not_named_stays_as_it_is() -> None:
+def test_settings_that_are_not_named_stay() -> None:
     changed = changed_parameters(FULL, link_fields(["loss=0.3", "outage="], "x"), "x")
 
     assert settings_of(changed) == replace(FULL, loss=0.3, outages_s=())
 
 
 @pytest.mark.parametrize("typed", ["delay=soon", "loss=2", "distribution=gamma", "outage=3", "queue=0"])
-def test_a_value_out_of_range_is_refused_before_anybody_is_asked(typed: str) -> None:
+def test_range_is_checked_before_any_process_is_asked(typed: str) -> None:
     with pytest.raises(OptionError, match=r"link x: got .*, allowed"):
         require_ranges(link_fields([typed], "x"), "link x")
 
@@ -136,7 +136,7 @@ def test_a_value_out_of_range_is_refused_before_anybody_is_asked(typed: str) -> 
         ("outage=3:1", "outages_s"),
     ],
 )
-def test_settings_that_cannot_be_are_refused_in_one_line(typed: str, named: str) -> None:
+def test_invalid_settings_are_refused_in_one_line(typed: str, named: str) -> None:
     with pytest.raises(OptionError) as caught:
         changed_parameters(LinkSettings(), link_fields([typed], "x"), "link plant-to-filter")
 

@@ -1,4 +1,4 @@
-"""The console script ``passafe``: its commands, and one clear line for whatever goes wrong in them."""
+"""Assembles the command line ``passafe`` from its commands."""
 
 from typing import Annotated
 
@@ -18,7 +18,7 @@ from passafe_services.cli import (
     scenarios,
     simulate,
 )
-from passafe_services.cli.failure import with_one_line
+from passafe_services.cli.failure import run_reporting_errors
 from passafe_services.cli.version import version_text
 
 app = typer.Typer(
@@ -42,23 +42,30 @@ def options_of_all_commands(
         bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and exit.")
     ] = False,
 ) -> None:
-    """Keep a teleoperated robot safe and passive while a person drives it over a bad network."""
+    """Keep a teleoperated robot safe and passive while a person drives it over a bad network.
+
+    First steps: `passafe demo` runs the whole system and prints the address of its page; `passafe COMMAND --help`
+    explains a command.
+    """
 
 
-app.command("demo")(demo.demo)
-app.command("run")(run.run)
-app.command("simulate")(simulate.simulate)
-app.command("experiment")(experiment.experiment)
-app.command("campaign")(campaign.campaign)
-app.command("feasibility")(feasibility.feasibility)
-app.command("review")(review.review)
-app.command("replay")(replay.replay)
-app.command("recover")(recover.recover_log)
-app.command("kill")(kill.kill)
-app.add_typer(link.app, name="link")
-app.command("scenarios")(scenarios.scenarios)
+LIVE = "Run a system live"
+VIRTUAL = "Run in virtual time"
+LOGS = "Read logs"
+app.command("demo", rich_help_panel=LIVE)(demo.demo)
+app.command("run", rich_help_panel=LIVE)(run.run)
+app.add_typer(link.app, name="link", rich_help_panel=LIVE)
+app.command("kill", rich_help_panel=LIVE)(kill.kill)
+app.command("scenarios", rich_help_panel=LIVE)(scenarios.scenarios)
+app.command("simulate", rich_help_panel=VIRTUAL)(simulate.simulate)
+app.command("experiment", rich_help_panel=VIRTUAL)(experiment.experiment)
+app.command("campaign", rich_help_panel=VIRTUAL)(campaign.campaign)
+app.command("feasibility", rich_help_panel=VIRTUAL)(feasibility.feasibility)
+app.command("review", rich_help_panel=LOGS)(review.review)
+app.command("replay", rich_help_panel=LOGS)(replay.replay)
+app.command("recover", rich_help_panel=LOGS)(recover.recover_log)
 
 
 def main() -> None:
-    """Run the command line and leave with its exit code."""
-    with_one_line(app)
+    """Run the command line and exit with its code."""
+    run_reporting_errors(app)

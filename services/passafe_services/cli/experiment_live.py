@@ -10,7 +10,7 @@ from typing import Final
 from rich.console import Console
 from rich.table import Table
 
-from passafe_services.cli.demo import DIED
+from passafe_services.cli.demo_outcome import DIED
 from passafe_services.loop.router_endpoint import LOOPBACK
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.experiment.errors import LiveRunError

@@ -1,4 +1,4 @@
-"""``passafe kill``: end a process of a running demo the hard way."""
+"""``passafe kill``: kill a process of a running demo."""
 
 import os
 from typing import Annotated
@@ -13,13 +13,13 @@ from passafe_services.loop.process_options import ProcessName
 
 
 def kill(
-    process: Annotated[ProcessName, typer.Argument(help="Which process of the demo.")],
+    process: Annotated[ProcessName, typer.Argument(metavar="PROCESS", help="Process of the demo.")],
     router: RouterOption = DEFAULT_ROUTER,
 ) -> None:
-    """Kill a process of a demo on this machine (SIGKILL): the robot's own fail-safe has to stop it.
+    """Kill a process of a demo on this machine (SIGKILL), to see what the robot does without it.
 
-    Only a process of your own that `passafe demo` started is killed, and only of the demo with that router. A demo
-    with `--restart` starts it again.
+    Only your own processes are killed, and only those of the demo with that router. A demo with `--restart` starts
+    the process again.
 
     Example: `passafe kill filter`
     """
@@ -32,7 +32,7 @@ def kill(
         and is_demo_process(each.info["cmdline"], process, endpoint)
     ]
     if not found:
-        raise OptionError("PROCESS", process, f"one that a demo with its router at {router} runs on this machine")
+        raise OptionError("PROCESS", process, f"a process of a demo on this machine with its router at {router}")
     for each in found:
         each.kill()
         typer.echo(f"killed {process} (process {each.pid})")

@@ -1,4 +1,4 @@
-"""``passafe link``: look at the links of a running system, and change them."""
+"""``passafe link``: show and change the links of a running system."""
 
 from typing import Annotated
 
@@ -16,22 +16,27 @@ from passafe_services.loop.errors import LinkSilentError
 from passafe_services.loop.inlet import require_links
 from passafe_services.loop.link_console import ANSWER_S, open_link_console
 
-app = typer.Typer(help="Look at the links of a running system, and change them.", no_args_is_help=True)
+app = typer.Typer(help="Show and change the links of a running system.", no_args_is_help=True)
 
 NAMES = ", ".join(LINKS)
-WaitOption = Annotated[float, typer.Option("--wait", min=0.1, max=60.0, help="Seconds to wait for an answer.")]
+WaitOption = Annotated[
+    float, typer.Option("--wait", metavar="SECONDS", min=0.1, max=60.0, help="Time to wait for an answer.")
+]
 
 
 @app.command("show")
 def show(
-    name: Annotated[str | None, typer.Argument(help=f"Which link: {NAMES}; all if not given.")] = None,
+    name: Annotated[str | None, typer.Argument(metavar="NAME", help=f"Link: {NAMES}; all if not given.")] = None,
     router: RouterOption = DEFAULT_ROUTER,
     wait: WaitOption = ANSWER_S,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON: one object a link.")] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print one JSON object with an entry for each link.")] = False,
 ) -> None:
-    """Show settings in force and counts of the links.
+    """Show the settings in force and the message counts of links.
 
-    Example: `passafe link show` while `passafe demo` runs in another terminal.
+    Examples, while `passafe demo` runs in another terminal:
+
+    - `passafe link show`
+    - `passafe link show plant-to-filter --json`
     """
     require_links([] if name is None else [name])
     with open_link_console(parse_endpoint(router), answer_s=wait) as console:
@@ -43,23 +48,27 @@ def show(
 
 @app.command("set")
 def set_link(
-    name: Annotated[str, typer.Argument(help=f"Which link: {NAMES}.")],
+    name: Annotated[str, typer.Argument(metavar="NAME", help=f"Link: {NAMES}.")],
     settings: Annotated[list[str], typer.Argument(metavar="KEY=VALUE…", help=f"Keys: {', '.join(LINK_KEYS)}.")],
     router: RouterOption = DEFAULT_ROUTER,
     wait: WaitOption = ANSWER_S,
-    json: Annotated[bool, typer.Option("--json", help="Print the state with the value now in force as JSON.")] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print the state of the link as JSON.")] = False,
 ) -> None:
-    """Change settings of a link; those not named stay. Returns when the process that reads the link has them in force.
+    """Change settings of a link; settings that are not named stay.
 
-    Times are in seconds, probabilities from 0 to 1. A trace can only be given when a system starts.
+    Returns when the process that reads the link has acknowledged them. Times are in seconds, probabilities from 0 to
+    1; several outages are joined by + (outage=2:2.5+5:6), quantiles too. A trace can only be given when a system
+    starts.
 
-    Example: `passafe link set plant-to-filter delay=0.2 jitter=0.02 loss=0.1`
+    Examples:
+    - `passafe link set plant-to-filter delay=0.2 jitter=0.02 loss=0.1`
+    - `passafe link set plant-to-filter delay=0 jitter=0 loss=0`
     """
     require_links([name])
     fields = link_fields(settings, "KEY=VALUE")
     if "trace" in fields:
-        raise OptionError("trace", repr(fields["trace"]), "only when a system starts: --link, or the scenario")
-    require_ranges(fields, f"link {name}")  # told without asking anybody
+        raise OptionError("trace", repr(fields["trace"]), "only when a system starts: by --link or in the scenario")
+    require_ranges(fields, f"link {name}")  # refused before any process is asked
     with open_link_console(parse_endpoint(router), answer_s=wait) as console:
         before = console.state(name)
         wanted = changed_parameters(settings_of(before.parameters), fields, f"link {name}")

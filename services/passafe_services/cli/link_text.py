@@ -1,4 +1,4 @@
-"""Settings of links as a user types them: ``delay=0.2,loss=0.1``."""
+"""Reads and prints settings of links as a user types them: ``delay=0.2,loss=0.1``."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict
@@ -46,7 +46,7 @@ def link_fields(parts: Iterable[str], where: str) -> dict[str, Any]:
 
     Args:
         parts: The texts.
-        where: What the user gave them with, for the message.
+        where: The option or argument that held them, for the message.
 
     Raises:
         OptionError: A text of another form, or an unknown key.
@@ -62,11 +62,11 @@ def link_fields(parts: Iterable[str], where: str) -> dict[str, Any]:
 
 
 def require_ranges(fields: Mapping[str, Any], where: str) -> None:
-    """Check each field by itself.
+    """Require that each field by itself holds what it may.
 
     Args:
         fields: What ``link_fields`` returned.
-        where: What the user gave them with, for the message.
+        where: The option or argument that held them, for the message.
 
     Raises:
         OptionError: A value that a setting cannot have.
@@ -83,10 +83,10 @@ def changed_parameters(before: LinkSettings, fields: Mapping[str, Any], where: s
     Args:
         before: The settings.
         fields: What ``link_fields`` returned.
-        where: What the user gave them with, for the message.
+        where: The option or argument that held them, for the message.
 
     Raises:
-        OptionError: A value that a setting cannot have, or settings that do not go together.
+        OptionError: A value that a setting cannot have, or settings that exclude one another.
     """
     values = asdict(before)
     del values["trace_s"]
@@ -97,7 +97,7 @@ def changed_parameters(before: LinkSettings, fields: Mapping[str, Any], where: s
 
 
 def settings_text(state: LinkState) -> str:
-    """Return the settings of a link that are not as they are by default, as a user would type them."""
+    """Return the settings of a link that differ from the defaults, as a user would type them."""
     settings, default = settings_of(state.parameters), LinkSettings()
     parts = [
         f"{key}={_text(key, getattr(settings, field))}"
@@ -106,7 +106,7 @@ def settings_text(state: LinkState) -> str:
     ]
     if state.trace_opportunities:
         parts.append(f"trace of {state.trace_opportunities} times")
-    return " ".join(parts) or "lets everything through at once"
+    return " ".join(parts) or "unimpaired"
 
 
 def _option_error(error: ValidationError, where: str) -> OptionError:

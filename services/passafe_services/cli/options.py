@@ -1,4 +1,4 @@
-"""Options that several commands take, and how their text becomes values."""
+"""Options that several commands take, and the values that their text stands for."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -17,31 +17,31 @@ DEFAULT_SCENARIO: Final = "notomista-cai-2020"
 
 ScenarioOption = Annotated[
     str,
-    typer.Option("--scenario", "-s", help="Shipped scenario (see `passafe scenarios`) or a TOML file."),
+    typer.Option("--scenario", "-s", metavar="NAME|FILE", help="Shipped scenario (`passafe scenarios`) or TOML file."),
 ]
 ModeOption = Annotated[
     str | None,
-    typer.Option("--mode", "-m", help="What the filter enforces: off, safe, passive or both."),
+    typer.Option("--mode", "-m", metavar="MODE", help="What the filter enforces: off, safe, passive or both."),
 ]
 LawOption = Annotated[
     str | None,
-    typer.Option("--law", help="Rows of the filter: sampled (default) or continuous, the paper's."),
+    typer.Option("--law", metavar="LAW", help="Rows of the filter: sampled, or continuous as in the paper."),
 ]
 DurationOption = Annotated[
     float | None,
-    typer.Option("--duration", "-d", help="Seconds of plant time to run."),
+    typer.Option("--duration", "-d", metavar="SECONDS", help="Plant time to run."),
 ]
 RateOption = Annotated[
     float | None,
-    typer.Option("--rate", help="Ticks per second, Hz, instead of the scenario's."),
+    typer.Option("--rate", metavar="HZ", help="Ticks per second, instead of the scenario's."),
 ]
 LinkOption = Annotated[
     list[str] | None,
     typer.Option(
         "--link",
         metavar="NAME:KEY=VALUE,…",
-        help=f"Make a link bad: {', '.join(LINKS)}. Keys: {', '.join(LINK_KEYS)}; times in seconds, probabilities "
-        "from 0 to 1. Example: `--link plant-to-filter:delay=0.2,jitter=0.02,loss=0.1`. See docs/links.md.",
+        help=f"Impair a link; repeat for others. Names: {', '.join(LINKS)}. Keys: {', '.join(LINK_KEYS)}; times in "
+        "seconds, probabilities from 0 to 1.",
     ),
 ]
 RouterOption = Annotated[
@@ -63,7 +63,7 @@ def scenario_from_options(
     """Return a scenario with the command line's values in place of its own.
 
     Raises:
-        ScenarioError: Something that a scenario may not hold.
+        ScenarioError: A field that holds what it may not.
         OptionError: A link in another form than ``NAME:KEY=VALUE,…``.
     """
     given = {
@@ -82,7 +82,7 @@ def parse_endpoint(text: str) -> RouterEndpoint:
     """Return the endpoint that ``HOST:PORT`` names.
 
     Raises:
-        OptionError: It does not.
+        OptionError: The text has another form.
     """
     host, separator, port = text.rpartition(":")
     if not separator or not port.isdigit():
@@ -91,14 +91,14 @@ def parse_endpoint(text: str) -> RouterEndpoint:
 
 
 def writable_folder(path: Path, option: str = "--out") -> Path:
-    """Return the folder, made if it was not there.
+    """Return the folder; create it if it does not exist.
 
     Args:
         path: The folder.
-        option: What the user gave it with, for the message.
+        option: The option that named it, for the message.
 
     Raises:
-        OptionError: It cannot be made or written.
+        OptionError: The folder cannot be created or written.
     """
     try:
         path.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""``passafe recover``: a whole log from one whose writer was killed."""
+"""``passafe recover``: write a whole log from one whose writer was killed."""
 
 from pathlib import Path
 from typing import Annotated
@@ -10,10 +10,13 @@ from passafe_services.tools.recover import recover
 
 
 def recover_log(
-    torn: Annotated[Path, typer.Argument(help="Log whose writer was killed.")],
-    out: Annotated[Path, typer.Option("--out", "-o", help="MCAP log to write; must not exist yet.")],
+    torn: Annotated[Path, typer.Argument(metavar="LOG", help="MCAP log whose writer was killed.")],
+    out: Annotated[Path, typer.Option("--out", "-o", metavar="FILE", help="MCAP log to write; must not exist yet.")],
 ) -> None:
-    """Copy everything readable of a torn log into a whole one."""
+    """Copy all readable messages of a torn log to a new, whole one.
+
+    Example: `passafe recover runs/torn.mcap --out runs/whole.mcap`
+    """
     kept = recover(torn, out)
     console = Console()
     console.print(f"kept {kept.messages} messages over {kept.duration_s:.3f} s", highlight=False)

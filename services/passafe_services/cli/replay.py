@@ -1,4 +1,4 @@
-"""``passafe replay``: step a logged run's filter again."""
+"""``passafe replay``: repeat the filter's decisions of a log."""
 
 from pathlib import Path
 from typing import Annotated
@@ -10,10 +10,12 @@ from passafe_services.tools.replay import replay_filter
 from passafe_services.tools.review.run_log import RunLog
 
 
-def replay(run: Annotated[Path, typer.Argument(help="MCAP log of a run, live or simulated.")]) -> None:
-    """Step the filter again with what it consumed in the run and compare every tick to the last bit.
+def replay(run: Annotated[Path, typer.Argument(metavar="LOG", help="MCAP log of a run, live or simulated.")]) -> None:
+    """Replay the filter on the inputs that it consumed in a run, and compare every tick to the last bit.
 
-    Exits with 0 only if all ticks are the same: then the log holds everything that decided what the filter did.
+    Exits with 0 only if all ticks are identical: then the log holds everything that the filter's decisions depend on.
+
+    Example: `passafe replay runs/bad.mcap`
     """
     result = replay_filter(RunLog.read(run))
     console = Console(highlight=False)

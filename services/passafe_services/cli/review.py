@@ -1,4 +1,4 @@
-"""``passafe review``: what a log shows."""
+"""``passafe review``: judge a run from its log."""
 
 from pathlib import Path
 from typing import Annotated
@@ -13,14 +13,20 @@ from passafe_services.tools.review.verdict import Verdict
 
 
 def review(
-    run: Annotated[Path, typer.Argument(help="MCAP log of a run, live or simulated, whole or torn.")],
-    html: Annotated[Path | None, typer.Option("--html", help="Write an HTML report there.")] = None,
+    run: Annotated[Path, typer.Argument(metavar="LOG", help="MCAP log, of a live or simulated run, whole or torn.")],
+    html: Annotated[
+        Path | None, typer.Option("--html", metavar="FILE", help="Write an HTML report to this file.")
+    ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print the verdict as one JSON object.")] = False,
 ) -> None:
     """Judge a run from its log.
 
-    Barriers and power margin are recomputed from the plant's states alone, between samples too; what the filter said
-    of itself is not believed. Exits with 0 only if every required property holds.
+    Barriers and power margin are recomputed from the plant's states alone, between samples too; filter telemetry is
+    not trusted. Exits with 0 only if every required property holds.
+
+    Examples:
+    - `passafe review runs/bad.mcap --html report.html`
+    - `passafe review runs/bad.mcap --json`
     """
     log = RunLog.read(run)
     mathematics = CoreEvaluator(log.identity.scenario)

@@ -1,4 +1,4 @@
-"""``passafe run``: one process of the system, for containers, other hosts and a person at a keyboard."""
+"""``passafe run``: run one process of the system, for containers, other hosts and a person at a keyboard."""
 
 from importlib import import_module
 from pathlib import Path
@@ -6,30 +6,37 @@ from typing import Annotated
 
 import typer
 
-from passafe_services.cli.failure import with_one_line
+from passafe_services.cli.failure import run_reporting_errors
 from passafe_services.cli.options import DEFAULT_ROUTER, DEFAULT_SCENARIO, RouterOption, ScenarioOption, parse_endpoint
 from passafe_services.loop.process_options import Device, ProcessName, ProcessOptions
 from passafe_services.scenarios.load import load_scenario
 
 
 def run(
-    process: Annotated[ProcessName, typer.Argument(help="Which process.")],
+    process: Annotated[ProcessName, typer.Argument(metavar="PROCESS", help="Process to run.")],
     scenario: ScenarioOption = DEFAULT_SCENARIO,
     router: RouterOption = DEFAULT_ROUTER,
-    device: Annotated[Device, typer.Option(help="operator: the scenario's script, or a keyboard.")] = Device.SCRIPT,
-    duration: Annotated[float | None, typer.Option(min=0.0, help="plant: seconds of plant time, then end.")] = None,
-    out: Annotated[Path, typer.Option("--out", "-o", help="recorder: MCAP log to write.")] = Path("run.mcap"),
-    port: Annotated[int, typer.Option(min=1, max=65535, help="dashboard: port of its page.")] = 8080,
-    host: Annotated[str, typer.Option(help="dashboard: address of its page.")] = "127.0.0.1",
+    device: Annotated[Device, typer.Option(help="Operator: the scenario's script, or a keyboard.")] = Device.SCRIPT,
+    duration: Annotated[
+        float | None, typer.Option(metavar="SECONDS", min=0.0, help="Plant: plant time after which it ends.")
+    ] = None,
+    out: Annotated[Path, typer.Option("--out", "-o", metavar="FILE", help="Recorder: MCAP log to write.")] = Path(
+        "run.mcap"
+    ),
+    port: Annotated[int, typer.Option(metavar="PORT", min=1, max=65535, help="Dashboard: port of its page.")] = 8080,
+    host: Annotated[str, typer.Option(metavar="ADDRESS", help="Dashboard: address of its page.")] = "127.0.0.1",
     lifeline: Annotated[
-        bool, typer.Option("--lifeline", help="End when standard input does; used by `passafe demo`.")
+        bool, typer.Option("--lifeline", help="End when standard input is closed; `passafe demo` uses this.")
     ] = False,
 ) -> None:
-    """Run one process until Ctrl-C.
+    """Run one process of a system until Ctrl-C.
 
-    All processes of a system take the same scenario and find each other through the router.
+    All processes of a system take the same scenario and find each other through the router. An option that begins
+    with the name of a process concerns that process alone.
 
-    Example: `passafe run operator --device keyboard` drives the robot of a running demo.
+    Examples:
+    - `passafe run operator --device keyboard` drives the robot of a running demo
+    - `passafe run recorder --router 192.0.2.7:7447 --out runs/remote.mcap`
     """
     options = ProcessOptions(
         scenario=load_scenario(scenario),
@@ -45,7 +52,7 @@ def run(
     import_module(f"{package}.process").start(options)
 
 
-if __name__ == "__main__":  # what `passafe demo` starts: without the imports of the other commands
+if __name__ == "__main__":  # `passafe demo` starts this, without the imports of the other commands
     app = typer.Typer(pretty_exceptions_enable=False)
     app.command()(run)
-    with_one_line(app)
+    run_reporting_errors(app)

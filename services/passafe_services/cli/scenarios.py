@@ -1,4 +1,4 @@
-"""``passafe scenarios``: what there is to run."""
+"""``passafe scenarios``: list the shipped scenarios."""
 
 from rich.console import Console
 from rich.table import Table
@@ -7,7 +7,7 @@ from passafe_services.scenarios.load import load_scenario, shipped_scenarios
 
 
 def scenarios() -> None:
-    """List the scenarios that come with passafe."""
+    """List the scenarios that come with passafe; any command takes their names after `--scenario`."""
     table = Table("name", "title", "rate", "duration")
     for name in shipped_scenarios():
         scenario = load_scenario(name)

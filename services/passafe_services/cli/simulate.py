@@ -1,4 +1,4 @@
-"""``passafe simulate``: the loop in lockstep, as fast as it goes, with the same log as a live run."""
+"""``passafe simulate``: run a scenario in virtual time, with the same log as a live run."""
 
 from pathlib import Path
 from typing import Annotated
@@ -28,7 +28,7 @@ from passafe_services.tools.review.verdict import Verdict
 
 
 def simulate(
-    out: Annotated[Path, typer.Option("--out", "-o", help="MCAP log to write.")],
+    out: Annotated[Path, typer.Option("--out", "-o", metavar="FILE", help="MCAP log to write.")],
     scenario: ScenarioOption = DEFAULT_SCENARIO,
     mode: ModeOption = None,
     law: LawOption = None,
@@ -38,10 +38,12 @@ def simulate(
 ) -> None:
     """Run a scenario in virtual time and write its log.
 
-    The nodes, links and log format are those of `passafe demo`; only the clock is virtual, so two runs with the
-    same scenario give the same messages to the last byte. Exits with 0 only if every required property holds.
+    Nodes, links and log format are those of `passafe demo`; only the clock is virtual, so two runs of the same
+    scenario give the same messages to the last byte. Exits with 0 only if every required property holds.
 
-    Example: `passafe simulate --mode safe --link plant-to-filter:delay=0.2 --out runs/delayed.mcap`
+    Examples:
+    - `passafe simulate --out runs/good.mcap`
+    - `passafe simulate --mode safe --link plant-to-filter:delay=0.2,loss=0.1 --out runs/bad.mcap`
     """
     chosen = scenario_from_options(scenario, mode=mode, law=law, duration_s=duration, rate_hz=rate, links=link or ())
     metadata = run_metadata(scenario_json=chosen.model_dump_json(), versions=versions(), driver="lockstep")
