@@ -1,4 +1,4 @@
-"""Colours and words of the dashboard: safe for colour-blind eyes, and never the only carrier of a meaning.
+"""Define the colours of dashboard and pictures: safe for colour-blind eyes, never the only carrier of a meaning.
 
 The hues are those of Okabe & Ito (2008), some darkened so that lines stand out from white by 3 : 1 or more
 and text from its background by 4.5 : 1 or more (the contrasts that WCAG 2.2 asks for; a test computes them).
@@ -15,14 +15,14 @@ LINE_DASHES: Final = ("solid", "dashed", "dotdash", "dotted", "dashdot")
 ZERO_COLOUR: Final = "#222222"
 TRAIL_COLOUR: Final = LINE_COLOURS[0]
 UNSAFE_COLOUR: Final = "#D55E00"
-"""Fill, drawn faint, and outline of where the robot must not be."""
+"""Fill, drawn faint, and outline of the regions to keep out of."""
 
 INK: Final = "#1A1A1A"
 PAPER: Final = "#FFFFFF"
 
 
 class StatusStyle(NamedTuple):
-    """How one filter status is shown: a word's meaning, a background and the text colour on it."""
+    """Meaning of one filter status, its background and the text colour on it."""
 
     meaning: str
     background: str
@@ -32,7 +32,7 @@ class StatusStyle(NamedTuple):
 STATUS_STYLES: Final[dict[FilterStatus, StatusStyle]] = {
     FilterStatus.PASSED: StatusStyle("the operator's input goes through unchanged", "#00785A", PAPER),
     FilterStatus.MODIFIED: StatusStyle("the filter changes the input; every row is kept", "#0072B2", PAPER),
-    FilterStatus.RELAXED: StatusStyle("the passivity row gave way, by the slack shown", "#E69F00", INK),
+    FilterStatus.RELAXED: StatusStyle("the passivity row is relaxed by the slack", "#E69F00", INK),
     FilterStatus.STALE: StatusStyle("command or plant state is too old; fallback in force", "#8A8A8A", INK),
     FilterStatus.UNCERTIFIED: StatusStyle("the solver's answer was refused; fallback in force", "#882255", PAPER),
     FilterStatus.INFEASIBLE: StatusStyle("hard rows conflict; fallback in force", "#B03A00", PAPER),
@@ -47,7 +47,7 @@ PHASE_MEANINGS: Final[dict[PlantPhase, str]] = {
 
 
 def line_style(index: int) -> tuple[str, str]:
-    """Colour and dash of line number ``index``; both repeat, out of step, so that pairs last longer."""
+    """Return colour and dash of line number ``index``; both repeat, out of step, so that pairs last longer."""
     return (
         LINE_COLOURS[index % len(LINE_COLOURS)],
         LINE_DASHES[(index + index // len(LINE_COLOURS)) % len(LINE_DASHES)],

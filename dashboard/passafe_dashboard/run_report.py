@@ -1,4 +1,4 @@
-"""The HTML report of a log."""
+"""Make the HTML report of a log."""
 
 from passafe_protocol.messages import FilterTick
 from passafe_services.tools.review.plant_evaluator import PlantEvaluator
@@ -11,12 +11,12 @@ from passafe_dashboard.run_series import RunSeries, status_spans
 
 
 def render_report(log: RunLog, mathematics: PlantEvaluator, verdict: Verdict) -> str:
-    """Report of a run as one self-contained HTML file.
+    """Return the report of a run as one self-contained HTML file.
 
     Args:
         log: Log of the run.
         mathematics: Functions of its scenario.
-        verdict: What the review found.
+        verdict: Result of the review.
 
     Raises:
         SeriesError: The log has no state of the plant: there is nothing to draw.
@@ -31,7 +31,7 @@ def render_report(log: RunLog, mathematics: PlantEvaluator, verdict: Verdict) ->
 
 
 def series_of(log: RunLog, mathematics: PlantEvaluator) -> RunSeries:
-    """Signals of a logged run; barriers and power margin are recomputed from the plant's states alone.
+    """Return the signals of a logged run; barriers and power margin are recomputed from the plant's states alone.
 
     Raises:
         SeriesError: The log has no state of the plant.

@@ -27,7 +27,7 @@ def test_a_free_port_is_free_afterwards() -> None:
 @pytest.mark.parametrize(
     ("host", "port"), [("192.0.2.1", 0), ("no such host", 0), ("127.0.0.1", 70_000), ("127.0.0.1", -1)]
 )
-def test_an_address_that_is_none_is_refused_in_one_line(host: str, port: int) -> None:
+def test_invalid_address_is_refused_in_one_line(host: str, port: int) -> None:
     with pytest.raises(PageAddressError) as refused:
         require_free_page_port(host, port)
     assert not isinstance(refused.value, PagePortInUseError)

@@ -58,7 +58,7 @@ def test_every_client_gets_every_row() -> None:
     assert sum(seen[0]) == 19
 
 
-def test_a_slow_client_slows_nobody_and_loses_the_oldest_rows() -> None:
+def test_slow_client_delays_nobody_and_loses_the_oldest_rows() -> None:
     async def scenario() -> tuple[VirtualRun, list[int], dict[str, Any]]:
         run = VirtualRun(history_s=1.0)
         quick, slow = run.broadcast.frames(), run.broadcast.frames()
@@ -86,7 +86,7 @@ def test_a_slow_client_slows_nobody_and_loses_the_oldest_rows() -> None:
     assert frame["now"]["worst"]["barriers"][0]["measured"]["value"] < 0.4401  # of the rows that it lost, too
 
 
-def test_the_state_is_made_once_a_frame_and_only_for_clients() -> None:
+def test_page_state_is_made_once_a_frame_and_only_for_clients() -> None:
     async def scenario() -> int:
         run = VirtualRun()
         run.step()
@@ -104,7 +104,7 @@ def test_the_state_is_made_once_a_frame_and_only_for_clients() -> None:
     assert asyncio.run(scenario()) == 1
 
 
-def test_the_end_is_the_last_frame() -> None:
+def test_end_of_the_run_is_the_last_frame() -> None:
     async def scenario() -> list[str]:
         run = VirtualRun()
         states = []
@@ -125,7 +125,7 @@ def test_the_end_is_the_last_frame() -> None:
     assert asyncio.run(scenario()) == ["live", "ended"]
 
 
-def test_who_comes_after_the_end_sees_it_too() -> None:
+def test_late_client_receives_the_end_of_the_run() -> None:
     async def scenario() -> list[dict[str, Any]]:
         run = VirtualRun()
         for _ in range(10):

@@ -117,7 +117,7 @@ def test_the_live_page_shows_the_run(watched: Watched, served: ServedPage, tmp_p
     assert all(url.startswith((served.url, "data:", f"ws://{served.host}")) for url in watched.requests)
 
 
-def test_a_dip_of_one_tick_is_seen_on_the_page(watched: Watched, served: ServedPage, run: FastRun) -> None:
+def test_dip_of_one_tick_is_shown_on_the_page(watched: Watched, served: ServedPage, run: FastRun) -> None:
     watched.page.goto(served.url)
     watched.wait_for(f"globalThis.Bokeh && Bokeh.documents.length && {rows_of('ticks', 'psi_0_0')}.length > 5")
 
@@ -137,7 +137,7 @@ def test_a_dip_of_one_tick_is_seen_on_the_page(watched: Watched, served: ServedP
     assert watched.complaints == []
 
 
-def test_what_moves_is_drawn_where_it_is_now(watched: Watched) -> None:
+def test_moving_region_is_drawn_at_its_current_place(watched: Watched) -> None:
     values = paper_scenario().model_dump()
     motion = {"kind": "swing", "amplitude_m": (0.5, -0.25), "frequency_hz": 0.2}
     disk = values["filter"]["barriers"][0]
@@ -179,7 +179,7 @@ def test_a_link_is_changed_from_the_page(watched: Watched, served: ServedPage, r
     assert watched.complaints == []
 
 
-def test_why_a_link_was_not_changed_is_told(watched: Watched, served: ServedPage, run: FastRun) -> None:
+def test_reason_for_an_unchanged_link_is_shown(watched: Watched, served: ServedPage, run: FastRun) -> None:
     table = LinkSettings(distribution="histogram", quantiles_s=(0.0, 0.1))
     run.links.links["operator-to-filter"].reconfigure(table)
     watched.page.goto(served.url)
@@ -191,7 +191,7 @@ def test_why_a_link_was_not_changed_is_told(watched: Watched, served: ServedPage
     assert run.links.requests == []
 
 
-def test_the_end_of_the_run_is_told(watched: Watched, served: ServedPage, run: FastRun) -> None:
+def test_end_of_the_run_is_shown(watched: Watched, served: ServedPage, run: FastRun) -> None:
     watched.page.goto(served.url)
     watched.wait_for("document.getElementById('connection').textContent === 'live'")
     served.in_loop(run.broadcast.finish, "The run has ended. What is shown is its last state.")
@@ -200,7 +200,7 @@ def test_the_end_of_the_run_is_told(watched: Watched, served: ServedPage, run: F
     assert watched.page.is_visible("#banner")
 
 
-def test_a_lost_connection_is_told_and_mended(watched: Watched, run: FastRun) -> None:
+def test_lost_connection_is_reported_and_restored(watched: Watched, run: FastRun) -> None:
     with serve_page(run) as served:
         watched.page.goto(served.url)
         watched.wait_for("document.getElementById('connection').textContent === 'live'")
@@ -213,7 +213,7 @@ def test_a_lost_connection_is_told_and_mended(watched: Watched, run: FastRun) ->
         watched.wait_for("document.getElementById('banner').hidden")
 
 
-def test_silence_is_told(watched: Watched, served: ServedPage, run: FastRun) -> None:
+def test_silence_is_shown(watched: Watched, served: ServedPage, run: FastRun) -> None:
     watched.page.goto(served.url)
     watched.wait_for("document.getElementById('connection').textContent === 'live'")
     run.fails = True
@@ -221,7 +221,7 @@ def test_silence_is_told(watched: Watched, served: ServedPage, run: FastRun) -> 
     assert "has sent nothing for" in watched.text("#banner")
 
 
-def test_a_page_drawn_for_another_scenario_loads_itself_again(watched: Watched) -> None:
+def test_page_of_another_scenario_reloads(watched: Watched) -> None:
     run = FastRun(Feed(), speed=0.0)
     with serve_page(run) as served:
         watched.page.goto(served.url)
@@ -232,7 +232,7 @@ def test_a_page_drawn_for_another_scenario_loads_itself_again(watched: Watched) 
     assert watched.complaints == [] or all("WebSocket" in text for text in watched.complaints)
 
 
-def test_the_page_can_be_used_without_seeing_it(watched: Watched, served: ServedPage) -> None:
+def test_page_is_accessible_to_screen_readers(watched: Watched, served: ServedPage) -> None:
     watched.page.goto(served.url)
     headings = watched.page.evaluate("[...document.querySelectorAll('h1, h2, h3')].map((e) => e.tagName)")
     assert headings[0] == "H1"

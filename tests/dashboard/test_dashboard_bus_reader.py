@@ -72,7 +72,7 @@ def rig() -> Rig:
     return Rig()
 
 
-def test_the_feed_is_as_if_every_message_had_been_decoded(rig: Rig) -> None:
+def test_feed_equals_one_with_every_message_fully_decoded(rig: Rig) -> None:
     whole = Feed(paper_scenario())
     for head, body, at_ns in ClosedFormRun().until(300 * MS):
         rig.arrive(TOPIC_OF_BODY[type(body)], encode(head, body))
@@ -86,7 +86,7 @@ def test_the_feed_is_as_if_every_message_had_been_decoded(rig: Rig) -> None:
     assert rig.feed.health == whole.health
 
 
-def test_four_seconds_of_ticks_may_wait(rig: Rig) -> None:
+def test_queue_holds_four_seconds_of_ticks(rig: Rig) -> None:
     assert rig.bus.queues == {4096}
 
 
@@ -99,7 +99,7 @@ def test_a_dip_between_two_frames_is_seen(rig: Rig) -> None:
     assert rig.feed.worst["psi_0_0"] == (-0.5, 0.011)
 
 
-def test_garbage_is_counted_told_once_and_survived(rig: Rig) -> None:
+def test_undecodable_messages_are_counted_and_reported_once(rig: Rig) -> None:
     rig.arrive(TICK, b"\xff\xff", encode(header("filter", 0), tick(0)))
     rig.turn(0)
     rig.arrive(TICK, encode(header("filter", 1), tick(1)), b"\xff\xff\xff")
@@ -113,7 +113,7 @@ def test_garbage_is_counted_told_once_and_survived(rig: Rig) -> None:
     assert [event.text for event in rig.feed.events] == [event.text for event in events]
 
 
-def test_health_is_told_once_a_second_and_shown(rig: Rig) -> None:
+def test_health_is_published_once_a_second_and_shown(rig: Rig) -> None:
     for frame in range(91):
         now_ns = round(frame * 1e9 / 30)
         rig.pace.begin(now_ns)

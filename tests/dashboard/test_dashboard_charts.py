@@ -6,12 +6,12 @@ from bokeh.models import ColumnDataSource, HBar, Line
 from bokeh.models.annotations import Legend
 from bokeh.plotting import figure
 from closed_form import paper_scenario
-from passafe_dashboard.charts.barriers import MOST_WITH_FILTER, chain_figure, h_figure, signed_log_ticks
-from passafe_dashboard.charts.energy import power_margin_figure, tank_figure
+from passafe_dashboard.charts.barriers import MOST_WITH_FILTER, chain_chart, h_chart, signed_log_ticks
+from passafe_dashboard.charts.energy import power_margin_chart, tank_chart
 from passafe_dashboard.charts.live_charts import live_charts
 from passafe_dashboard.charts.over_time import full_range, live_range
-from passafe_dashboard.charts.plane import plane_figure
-from passafe_dashboard.charts.timeline import age_figure, status_figure
+from passafe_dashboard.charts.plane import plane_chart
+from passafe_dashboard.charts.timeline import age_chart, status_chart
 from passafe_dashboard.columns import P1, P2, PLACES, TIME, ZERO, ColumnLayout, drawn_columns, signed_log
 from passafe_protocol.messages import FilterStatus
 
@@ -32,15 +32,15 @@ def every_chart() -> Iterator[figure]:
     x_range = full_range()
     ticks = table(*drawn_columns(tuple(LAYOUT.tick_columns), LAYOUT.log_columns))
     states = table(*drawn_columns(tuple(LAYOUT.state_columns), ()))
-    yield h_figure(LAYOUT, ticks=ticks, states=states, x_range=x_range)
-    chain = chain_figure(LAYOUT, ticks=ticks, x_range=x_range)
+    yield h_chart(LAYOUT, ticks=ticks, states=states, x_range=x_range)
+    chain = chain_chart(LAYOUT, ticks=ticks, x_range=x_range)
     assert chain is not None
     yield chain
-    yield power_margin_figure(source=ticks, x_range=x_range, with_slack=True)
-    yield tank_figure(ticks=ticks, x_range=x_range)
-    yield age_figure(ticks=ticks, x_range=x_range)
-    yield status_figure(source=ticks, x_range=x_range)
-    yield plane_figure(LAYOUT.barriers, trail=states, robot=table(P1, P2), starts=[(2.0, 2.0)])
+    yield power_margin_chart(source=ticks, x_range=x_range, with_slack=True)
+    yield tank_chart(ticks=ticks, x_range=x_range)
+    yield age_chart(ticks=ticks, x_range=x_range)
+    yield status_chart(source=ticks, x_range=x_range)
+    yield plane_chart(LAYOUT.barriers, trail=states, robot=table(P1, P2), starts=[(2.0, 2.0)])
 
 
 def chart_named(name: str) -> figure:
@@ -88,23 +88,23 @@ def test_every_barrier_has_its_own_named_lines() -> None:
     assert len({(line.line_color, tuple(line.line_dash)) for line in drawn}) == 4
 
 
-def test_where_there_are_many_barriers_some_lines_are_left_out() -> None:
+def test_filter_lines_are_left_out_with_many_barriers() -> None:
     walls = tuple(half_plane(f"wall {i}", (1.0, 0.0), -3.0 - i) for i in range(MOST_WITH_FILTER + 1))
     layout = ColumnLayout(barriers=walls, levels=(3,) * len(walls))
     ticks = table(*drawn_columns(tuple(layout.tick_columns), layout.log_columns))
     states = table(*drawn_columns(tuple(layout.state_columns), ()))
-    live = h_figure(layout, ticks=ticks, states=states, x_range=full_range())
+    live = h_chart(layout, ticks=ticks, states=states, x_range=full_range())
     assert legend_words(live)[1:] == [f"h of wall {i}, measured" for i in range(MOST_WITH_FILTER + 1)]
-    some = h_figure(layout, ticks=None, states=states, x_range=full_range(), shown=(1, 4))
+    some = h_chart(layout, ticks=None, states=states, x_range=full_range(), shown=(1, 4))
     assert legend_words(some)[1:] == ["h of wall 1, measured", "h of wall 4, measured"]
 
 
 def test_a_barrier_of_relative_degree_zero_has_no_chain() -> None:
     layout = ColumnLayout(barriers=LAYOUT.barriers[:1], levels=(1,))
-    assert chain_figure(layout, ticks=table(TIME, ZERO), x_range=full_range()) is None
+    assert chain_chart(layout, ticks=table(TIME, ZERO), x_range=full_range()) is None
 
 
-def test_lanes_of_the_status_chart_are_words_in_order_of_severity() -> None:
+def test_status_chart_has_rows_in_order_of_severity() -> None:
     chart = chart_named("status")
     assert chart.yaxis[0].major_label_overrides == {status.value: status.name for status in FilterStatus}
     assert isinstance(chart.renderers[0].glyph, HBar)
@@ -144,7 +144,7 @@ def test_joints_have_no_plane() -> None:
 def test_two_robots_have_a_trail_and_a_place_each() -> None:
     columns = [column for place in PLACES for column in place]
     both = [(2.0, 2.0), (0.0, 1.0)]
-    chart = plane_figure((), trail=table(*columns), robot=table(*columns), starts=both)
+    chart = plane_chart((), trail=table(*columns), robot=table(*columns), starts=both)
     assert legend_words(chart) == ["trail 1", "start", "robot 1", "trail 2", "robot 2"]
     trails = [line for line in lines(chart) if line.x in {"p1_m", "p3_m"}]
     assert [(line.x, line.y) for line in trails] == list(PLACES)

@@ -91,6 +91,6 @@ def test_signed_log_is_odd_increasing_and_invertible(a: float, b: float) -> None
         assert signed_log(a) <= signed_log(b)
 
 
-def test_signed_log_has_zero_at_zero_and_takes_anything() -> None:
+def test_signed_log_is_zero_at_zero_and_defined_everywhere() -> None:
     assert signed_log(0.0) == 0.0
     assert signed_log(inf) == inf

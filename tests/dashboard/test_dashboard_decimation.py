@@ -61,7 +61,7 @@ def test_a_dip_of_one_sample_survives() -> None:
     assert (rows[5].start_s, rows[5].end_s) == (50e-9, 60e-9)
 
 
-def test_the_last_value_stands_for_a_bin_where_asked_for() -> None:
+def test_last_value_represents_a_bin_on_request() -> None:
     made = series()
     for time_ns, value in ((0, 1.0), (3, 9.0), (9, 4.0)):
         made.add(time_ns, [0.0, 0.0, value])

@@ -48,7 +48,7 @@ def finished(*axes: dict[str, Any], count: int = 2) -> tuple[Plan, ExperimentSum
     return plan, ExperimentSummary.of(plan)
 
 
-def test_a_figure_is_drawn_over_the_longest_axis_a_chart_for_each_value_of_the_others() -> None:
+def test_metric_is_drawn_over_the_longest_axis() -> None:
     charts = charts_of(*finished(DELAY, LOSS))
 
     assert [(chart.x_label, chart.y_label) for chart in charts] == [
@@ -66,7 +66,7 @@ def test_a_figure_is_drawn_over_the_longest_axis_a_chart_for_each_value_of_the_o
     assert charts[0].limit == 0.0
 
 
-def test_boundaries_are_drawn_where_they_were_seen_to_hold() -> None:
+def test_boundaries_are_drawn_up_to_the_largest_holding_value() -> None:
     plan, summary = finished(DELAY, HOLD)
     safe, solvent = boundary_charts(plan.experiment, summary)
     off, both = safe.curves
@@ -79,7 +79,7 @@ def test_boundaries_are_drawn_where_they_were_seen_to_hold() -> None:
     assert both.open_at == both.doubtful_at == ()
 
 
-def test_a_boundary_that_is_not_monotone_is_marked(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_boundary_that_is_not_monotone_is_marked(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(globals(), "h_of", lambda run: -1.0 if 0.3 < (run.probe or 0.0) < 0.6 else 1.0)
     plan, summary = finished(DELAY, HOLD, count=1)
     safe, _ = boundary_charts(plan.experiment, summary)
@@ -88,7 +88,7 @@ def test_a_boundary_that_is_not_monotone_is_marked(monkeypatch: pytest.MonkeyPat
     assert "not monotone" in experiment_page(plan, summary, [])
 
 
-def test_what_is_drawn_at_random_is_a_cloud_with_a_point_for_each_run() -> None:
+def test_random_axis_gives_a_scatter_chart_with_a_point_per_run() -> None:
     charts = charts_of(*finished(LOW, count=7))
 
     assert [(chart.x_label, chart.y_label, chart.points) for chart in charts] == [
@@ -115,7 +115,7 @@ def test_the_picture_is_well_formed_and_says_what_it_shows() -> None:
     assert "not tried beyond" in texts
 
 
-def test_the_page_needs_nothing_else_and_names_every_cell() -> None:
+def test_report_is_self_contained_and_lists_every_cell() -> None:
     plan, summary = finished(DELAY, LOSS)
     agreement = Agreement("both, delay_s = 0", "h_min", 0.4, 0.5, 0.5, 0.1, 0.01, "because")
     kept = KeptLine(cell="off, delay_s = 0.2", seed=3, file="logs/a.mcap", metric="h_min -0.7")

@@ -73,7 +73,7 @@ def test_the_worst_status_of_a_bin_is_kept() -> None:
     assert [row.values[index] for row in feed.ticks.since(0).rows] == [1, 5]
 
 
-def test_an_overtaken_tick_counts_but_is_not_the_newest() -> None:
+def test_reordered_tick_counts_but_is_not_the_newest() -> None:
     feed = Feed(paper_scenario())
     for k in (0, 1, 3, 2):
         value = -1.0 if k == 2 else 1.0
@@ -102,7 +102,7 @@ def test_a_restarted_plant_begins_a_new_run() -> None:
     assert feed.tick is None
 
 
-def test_a_restarted_filter_goes_on_with_the_run() -> None:
+def test_restarted_filter_continues_the_run() -> None:
     feed = run_of(1.0)
     run, rows, worst = feed.run, feed.ticks.since(0).rows, feed.worst
     again = structs.replace(tick(3000), tick=1)
@@ -123,7 +123,7 @@ def test_a_message_of_an_ended_session_changes_nothing() -> None:
 
 
 @pytest.mark.parametrize("value", [nan, inf, -inf])
-def test_what_is_no_number_is_counted_and_drawn_nowhere(value: float) -> None:
+def test_non_finite_values_are_counted_and_not_drawn(value: float) -> None:
     feed = Feed(paper_scenario())
     feed.push(header("filter", 0), tick(0, power_margin=value), 0)
     feed.push(header("plant", 0), state(0, x=(value, 0.0, 0.0, 0.0)), 0)
@@ -132,7 +132,7 @@ def test_what_is_no_number_is_counted_and_drawn_nowhere(value: float) -> None:
     assert feed.worst == {}
 
 
-def test_who_may_not_publish_a_topic_is_refused() -> None:
+def test_source_that_may_not_publish_a_topic_is_refused() -> None:
     feed = Feed(paper_scenario())
     feed.push(header("operator", 0), tick(0), 0)
     assert feed.tick is None
@@ -140,7 +140,7 @@ def test_who_may_not_publish_a_topic_is_refused() -> None:
     assert feed.health[0] == TopicHealth("tick", 0, 0, 1)
 
 
-def test_other_topics_are_passed_over() -> None:
+def test_other_topics_are_ignored() -> None:
     feed = Feed(paper_scenario())
     feed.push(header("operator", 0), OperatorCommand((0.0,), (), True, "lag"), 0)
     feed.push(header("filter", 0), PlantInput(0, (0.0,), 0, 0), 0)
@@ -158,7 +158,7 @@ def test_health_events_and_link_effects_are_kept() -> None:
     assert feed.link_effects == {("filter-to-plant", "dropped"): 3}
 
 
-def test_the_announced_scenario_replaces_the_one_to_start_with() -> None:
+def test_announced_scenario_replaces_the_initial_one() -> None:
     feed = Feed()
     assert feed.scenario_id == "none"
     scenario = paper_scenario()
@@ -171,7 +171,7 @@ def test_the_announced_scenario_replaces_the_one_to_start_with() -> None:
     assert feed.run == run
 
 
-def test_a_scenario_that_does_not_fit_is_told_in_words() -> None:
+def test_invalid_scenario_is_reported_as_an_event() -> None:
     feed = Feed(paper_scenario())
     feed.push(header("filter", 0), ScenarioInfo('{"name": 1}', "live", "{}"), 0)
     assert feed.scenario == paper_scenario()
@@ -185,7 +185,7 @@ def test_refused_messages_are_counted_by_topic() -> None:
     assert feed.refused == {"tick": 2}
 
 
-def test_time_is_what_the_history_is_bounded_by() -> None:
+def test_history_is_bounded_in_time() -> None:
     feed = Feed(paper_scenario(), frame_hz=10, history_s=2.0)
     for message in ClosedFormRun().until(5_000_000_000):
         feed.push(*message)

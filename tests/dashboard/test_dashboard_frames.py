@@ -21,7 +21,7 @@ def frame(client: ClientFrames) -> dict[str, Any]:
     return read
 
 
-def test_the_first_frame_has_the_history_and_the_next_one_what_is_new() -> None:
+def test_first_frame_has_the_history_and_the_next_the_new_rows() -> None:
     feed, run = Feed(paper_scenario()), ClosedFormRun()
     fill(feed, run, 1_000)
     client = ClientFrames(feed)
@@ -58,7 +58,7 @@ def test_an_interruption_is_null_but_for_the_time() -> None:
     assert set(row.values()) == {None}
 
 
-def test_a_client_that_is_too_late_is_told_what_it_lost() -> None:
+def test_late_client_receives_the_count_of_lost_rows() -> None:
     feed, run = Feed(paper_scenario(), history_s=1.0), ClosedFormRun()
     fill(feed, run, 500)
     client = ClientFrames(feed)

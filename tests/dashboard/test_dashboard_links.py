@@ -43,7 +43,7 @@ def test_every_link_is_shown_with_settings_and_counts(page: ServedPage) -> None:
     assert page.get("/api/status").json()["link_states"][0]["link"] == "operator-to-filter"
 
 
-def test_a_change_returns_what_is_in_force_and_leaves_the_rest(page: ServedPage, run: FastRun) -> None:
+def test_change_returns_settings_in_force_and_keeps_the_rest(page: ServedPage, run: FastRun) -> None:
     first = page.put(f"/api/links/{LINK}", {"delay_s": 0.2, "loss": 0.1})
     second = page.put(f"/api/links/{LINK}", {"jitter_s": 0.02, "outages_s": [[1, 2]]})
 
@@ -79,7 +79,7 @@ def test_everything_but_a_trace_can_be_set(page: ServedPage, run: FastRun) -> No
         ([], "body"),
     ],
 )
-def test_what_cannot_be_is_refused_by_name(page: ServedPage, run: FastRun, body: object, named: str) -> None:
+def test_invalid_settings_are_refused_by_name(page: ServedPage, run: FastRun, body: object, named: str) -> None:
     refused = page.put(f"/api/links/{LINK}", body)
 
     assert refused.status_code == 422
@@ -88,7 +88,7 @@ def test_what_cannot_be_is_refused_by_name(page: ServedPage, run: FastRun, body:
     assert run.links.requests == []
 
 
-def test_what_the_reader_refuses_is_told_with_its_reason(page: ServedPage, run: FastRun) -> None:
+def test_refusal_by_the_reader_is_answered_with_its_reason(page: ServedPage, run: FastRun) -> None:
     run.links.links[LINK].reconfigure(LinkSettings(trace_s=(0.1, 0.2)))  # which the dashboard cannot know of yet
     refused = page.put(f"/api/links/{LINK}", {"rate_hz": 10})
 
@@ -103,7 +103,7 @@ def test_a_link_that_does_not_exist_is_not_found(page: ServedPage) -> None:
     assert "operator-to-filter, " in missing.json()["detail"]
 
 
-def test_silence_is_told_in_time(page: ServedPage, run: FastRun) -> None:
+def test_missing_answer_is_reported_in_time(page: ServedPage, run: FastRun) -> None:
     run.links.silent = True
     silent = page.put(f"/api/links/{LINK}", {"delay_s": 0.1})
 
@@ -112,7 +112,7 @@ def test_silence_is_told_in_time(page: ServedPage, run: FastRun) -> None:
     assert len(run.links.requests) == 1
 
 
-def test_a_link_that_was_never_heard_of_is_told() -> None:
+def test_link_without_a_state_is_refused() -> None:
     run = FastRun(Feed(paper_scenario()))
     run.links.publish_states = lambda *_: None  # type: ignore[method-assign]  # nobody publishes
     with serve_page(run) as page:
@@ -124,13 +124,13 @@ def test_a_link_that_was_never_heard_of_is_told() -> None:
 
 
 @pytest.mark.parametrize("origin", ["http://elsewhere.test", "null"])
-def test_a_page_of_another_site_may_change_nothing(page: ServedPage, run: FastRun, origin: str) -> None:
+def test_page_of_another_site_may_change_nothing(page: ServedPage, run: FastRun, origin: str) -> None:
     assert page.put(f"/api/links/{LINK}", {"delay_s": 0.1}, origin=origin).status_code == 403
     assert run.links.requests == []
     assert page.put(f"/api/links/{LINK}", {"delay_s": 0.1}, origin=page.url).status_code == 200
 
 
-def test_requests_do_not_hold_each_other_up(page: ServedPage, run: FastRun) -> None:
+def test_requests_do_not_block_each_other(page: ServedPage, run: FastRun) -> None:
     run.links.silent = True
     began, answers = Event(), []
 

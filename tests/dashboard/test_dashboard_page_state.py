@@ -50,7 +50,7 @@ def test_a_state_of_another_scenario_shows_no_h() -> None:
     assert page_state(feed, 0)["plant"]["h"] == []
 
 
-def test_every_process_and_the_topics_in_the_table_s_order_are_listed() -> None:
+def test_processes_and_topics_are_listed_in_table_order() -> None:
     shown = page_state(feed_after(2_000 * MS), 2_000 * MS)
     assert [process["process"] for process in shown["processes"]] == list(REPORTING)
     states = {process["process"]: process["state"] for process in shown["processes"]}
@@ -70,7 +70,7 @@ def test_a_process_that_stopped_reporting_is_silent() -> None:
     assert state_at == {0: "ok", 2_999: "ok", 3_001: "silent"}
 
 
-def test_an_empty_feed_knows_nothing_and_says_so() -> None:
+def test_empty_feed_has_null_values_and_waits() -> None:
     shown = page_state(Feed(), 0)
     assert shown["filter"] is None
     assert shown["plant"] is None
@@ -79,7 +79,7 @@ def test_an_empty_feed_knows_nothing_and_says_so() -> None:
     assert shown["liveness"] == {"state": "waiting", "text": "No message from filter and plant yet."}
 
 
-def test_waiting_names_who_is_missing() -> None:
+def test_waiting_names_the_missing_process() -> None:
     feed = Feed(paper_scenario())
     feed.push(header("plant", 0), state(0), 0)
     assert liveness(feed, 0)["text"] == "No message from filter yet."
@@ -89,11 +89,11 @@ def test_waiting_names_who_is_missing() -> None:
     ("now_ms", "expected"),
     [(1_999, "live"), (2_450, "live"), (2_550, "silent")],
 )
-def test_silence_is_told_after_half_a_second(now_ms: int, expected: str) -> None:
+def test_silence_is_reported_after_half_a_second(now_ms: int, expected: str) -> None:
     assert liveness(feed_after(2_000 * MS), now_ms * MS)["state"] == expected
 
 
-def test_silence_names_who_is_silent() -> None:
+def test_silence_names_the_silent_process() -> None:
     feed = feed_after(2_000 * MS)
     feed.push(header("plant", 2_000), state(2_000), 4_000 * MS)
     text = liveness(feed, 4_000 * MS)["text"]
@@ -115,14 +115,14 @@ def test_an_age_that_is_not_known_is_null() -> None:
     assert shown["command_age_ms"] is None
 
 
-def test_an_override_that_the_tick_does_not_tell_is_null() -> None:
+def test_unreported_override_is_null() -> None:
     feed = Feed(paper_scenario())
     feed.push(header("filter", 0), tick(0, override=OverrideReport()), 0)
     assert page_state(feed, 0)["filter"]["override"] is None
 
 
 @pytest.mark.parametrize("status", list(FilterStatus))
-def test_every_status_has_words(status: FilterStatus) -> None:
+def test_every_status_has_a_meaning(status: FilterStatus) -> None:
     feed = Feed(paper_scenario())
     feed.push(header("filter", 0), tick(0, status=status), 0)
     shown = page_state(feed, 0)["filter"]
@@ -131,13 +131,13 @@ def test_every_status_has_words(status: FilterStatus) -> None:
 
 
 @pytest.mark.parametrize("phase", list(PlantPhase))
-def test_every_phase_has_words(phase: PlantPhase) -> None:
+def test_every_phase_has_a_meaning(phase: PlantPhase) -> None:
     feed = Feed(paper_scenario())
     feed.push(header("plant", 0), state(0, phase=phase), 0)
     assert page_state(feed, 0)["plant"]["meaning"]
 
 
-def test_numbers_that_json_cannot_hold_become_null() -> None:
+def test_non_finite_numbers_become_null_in_json() -> None:
     feed = Feed(paper_scenario())
     feed.push(header("plant", 0), state(0, x=(1e200, 0.0, 0.0, 0.0)), 0)
     shown = json.loads(json_text(page_state(feed, 0)))

@@ -43,7 +43,7 @@ def test_lines_stand_out_from_the_paper(colour: str) -> None:
 
 
 @pytest.mark.parametrize("status", list(FilterStatus))
-def test_words_of_a_status_can_be_read_on_its_colour(status: FilterStatus) -> None:
+def test_status_text_has_contrast_on_its_colour(status: FilterStatus) -> None:
     style = STATUS_STYLES[status]
     assert contrast(style.text, style.background) >= 4.5
     assert style.text in (INK, PAPER)
@@ -54,7 +54,7 @@ def test_every_status_and_phase_has_a_meaning() -> None:
     assert set(PHASE_MEANINGS) == set(PlantPhase)
 
 
-def test_no_two_lines_of_a_chart_look_alike_even_without_colour() -> None:
+def test_lines_of_a_chart_differ_even_without_colour() -> None:
     styles = [line_style(i) for i in range(len(LINE_COLOURS) * len(LINE_DASHES))]
     assert len(set(styles)) == len(styles)
     assert len({dash for _, dash in styles[:5]}) == 5

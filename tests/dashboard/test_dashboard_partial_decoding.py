@@ -11,7 +11,7 @@ from passafe_protocol.topics import STATE, TICK
 LAYOUT = ColumnLayout(barriers=(), levels=(3,))
 
 
-def test_a_thin_tick_has_what_charts_need() -> None:
+def test_partial_tick_has_the_columns_of_charts() -> None:
     data = encode(header("filter", 7, epoch=3, at_ns=5), tick(500))
     read, whole = decode_tick_partially(data), decode(TICK, data)
     assert read is not None
@@ -23,7 +23,7 @@ def test_a_thin_tick_has_what_charts_need() -> None:
     assert (read[0].source, read[0].epoch, read[0].sequence) == ("filter", 3, 7)
 
 
-def test_a_thin_state_has_what_charts_need() -> None:
+def test_partial_state_has_the_columns_of_charts() -> None:
     data = encode(header("plant", 7, epoch=3, at_ns=5), state(500))
     read = decode_state_partially(data)
     assert read is not None
@@ -35,12 +35,12 @@ def test_a_thin_state_has_what_charts_need() -> None:
 
 @pytest.mark.parametrize("topic", [TICK, STATE])
 @pytest.mark.parametrize("data", [b"", b"\xff\xff\xff", b"garbage"])
-def test_bytes_that_are_no_message_are_left_to_the_codec(topic: object, data: bytes) -> None:
+def test_undecodable_bytes_are_left_to_the_codec(topic: object, data: bytes) -> None:
     name = TICK.name if topic is TICK else STATE.name
     assert PARTIAL_DECODERS[name](data) is None
 
 
-def test_another_schema_version_and_an_unknown_word_are_left_to_the_codec() -> None:
+def test_invalid_messages_are_left_to_the_codec() -> None:
     for decode_partially, kind, body in (
         (decode_tick_partially, passafe_pb2.FilterTick, tick(1)),
         (decode_state_partially, passafe_pb2.PlantState, state(1)),

@@ -80,7 +80,7 @@ def test_the_same_run_gives_the_same_bytes() -> None:
     assert run_picture(run_series(2_000), title="a") == run_picture(run_series(2_000), title="a")
 
 
-def test_a_picture_has_a_title_and_words_and_no_metadata() -> None:
+def test_svg_has_title_and_description_and_no_metadata() -> None:
     text = svg_text(lambda _: None, width=400, height=200, title="a < b", description="what & why")
     root = ET.fromstring(text)  # noqa: S314 - our own output
     assert root.get("role") == "img"
@@ -91,7 +91,7 @@ def test_a_picture_has_a_title_and_words_and_no_metadata() -> None:
     assert set(re.findall(r"https?://([^/\"]+)", text)) == {"www.w3.org"}
 
 
-def test_settings_of_the_user_do_not_count(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_user_settings_of_matplotlib_have_no_effect(monkeypatch: pytest.MonkeyPatch) -> None:
     import matplotlib as mpl  # noqa: PLC0415 - only this test changes its settings
 
     before = run_picture(run_series(1_000), title="a")
@@ -114,7 +114,7 @@ def test_a_disk_is_round_and_of_its_size() -> None:
     assert across == pytest.approx(up)
 
 
-def test_unsafe_regions_of_every_kind_are_drawn_and_bounded_ones_in_view() -> None:
+def test_every_region_is_drawn_and_bounded_ones_are_in_view() -> None:
     plane = charts_of_run(
         disk("disk"),
         disk("arena", radius=4.0, keep_in=True),
@@ -159,7 +159,7 @@ def test_many_barriers_have_a_legend_inside_the_picture() -> None:
     assert box.y1 <= picture.y1
 
 
-def test_a_chart_s_least_ordinate_is_in_view_and_its_limit_drawn() -> None:
+def test_least_ordinate_is_in_view_and_limit_is_drawn() -> None:
     axes = Figure().add_subplot()
     curve = Curve(label="both", style=1, x=(0.0, 1.0), y=(2.0, 3.0), low=(1.5, 2.5), high=(2.5, 3.5))
     chart = LineChart(x_label="x", y_label="y", curves=(curve,), limit=4.0, limit_label="not tried beyond", least=-1.0)

@@ -98,7 +98,7 @@ def test_messages_of_the_bus_reach_the_page(router_port: int) -> None:
         assert httpx.get(f"http://{address}/healthz", timeout=PATIENCE_S).json()["ok"] is True
 
 
-def test_sigterm_tells_the_pages_and_ends_the_process(router_port: int) -> None:
+def test_sigterm_sends_a_last_frame_and_ends_the_process(router_port: int) -> None:
     with (
         dashboard(router_port) as (process, address),
         connect(f"ws://{address}/live", compression=None, max_queue=None) as page,

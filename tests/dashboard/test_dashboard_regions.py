@@ -5,7 +5,7 @@ from bokeh.models import DataRange1d, Line, Patch
 from bokeh.models.annotations import Legend
 from bokeh.plotting import figure
 from passafe_dashboard.charts.live_charts import unfilled_table
-from passafe_dashboard.charts.plane import plane_figure
+from passafe_dashboard.charts.plane import plane_chart
 from passafe_dashboard.charts.regions import EARLIER, LIVE, Drawing
 from passafe_dashboard.columns import P1, P2, PLACES
 from passafe_services.scenarios.barrier_kinds.barrier_kind import SingleBarrier
@@ -24,7 +24,7 @@ STILL = (
 
 def plane(*barriers: SingleBarrier, drawing: Drawing = LIVE) -> figure:
     table = unfilled_table("robot", PLACES[0])
-    return plane_figure(barriers, trail=table, robot=table, starts=[(0.0, 0.0)], drawing=drawing)
+    return plane_chart(barriers, trail=table, robot=table, starts=[(0.0, 0.0)], drawing=drawing)
 
 
 def words(chart: figure) -> list[str]:
@@ -57,7 +57,7 @@ def test_every_kind_of_place_is_drawn_with_one_legend_entry() -> None:
     assert named(chart) == set()
 
 
-def test_what_holds_for_two_points_is_drawn_once() -> None:
+def test_region_of_two_points_is_drawn_once() -> None:
     points = [(one, k) for one in STILL for k in (1, 2)]
     both = [one.model_copy(update={"name": f"{one.name} {k}", "point": k}) for one, k in points]
     assert len(plane(*both).renderers) == len(plane(*STILL).renderers)
@@ -65,13 +65,13 @@ def test_what_holds_for_two_points_is_drawn_once() -> None:
     assert len(places(plane(STILL[0], other), Patch)) == 2
 
 
-def test_barriers_that_are_no_places_are_not_drawn() -> None:
+def test_barriers_without_outline_are_not_drawn() -> None:
     chart = plane(*not_places())
     assert words(chart) == ["trail", "start", "robot"]
     assert places(chart, Patch) == []
 
 
-def test_a_live_page_finds_what_moves_in_tables_of_its_own() -> None:
+def test_moving_regions_have_named_tables_on_the_live_page() -> None:
     moving = (
         STILL[0],
         disk("visitor", (1.0, 2.0), 0.5, motion=SWING),
@@ -84,7 +84,7 @@ def test_a_live_page_finds_what_moves_in_tables_of_its_own() -> None:
     assert middle(dict(drawn.data_source.data)) == pytest.approx((1.0, 2.0))
 
 
-def test_over_a_run_what_moves_is_drawn_where_it_was_and_where_it_is() -> None:
+def test_moving_region_is_drawn_along_its_path_over_a_run() -> None:
     visitor = disk("visitor", (1.0, 2.0), 0.5, motion=SWING)
     chart = plane(visitor, drawing=Drawing(begin_s=0.0, end_s=5.0))
     middles = [middle(patch) for patch in places(chart, Patch)]
@@ -100,14 +100,14 @@ def test_over_a_run_what_moves_is_drawn_where_it_was_and_where_it_is() -> None:
 
 
 @pytest.mark.parametrize(("drawing", "held"), [(LIVE, False), (Drawing(begin_s=0.0, end_s=5.0), True)])
-def test_outline_that_goes_away_does_not_take_the_live_view_along(drawing: Drawing, held: bool) -> None:
+def test_departing_outline_does_not_stretch_the_live_view(drawing: Drawing, held: bool) -> None:
     chart = plane(disk("bus", radius=0.5, motion=TRAVEL), drawing=drawing)
     assert isinstance(chart.x_range, DataRange1d)
     in_view = [one for one in chart.x_range.renderers if isinstance(one.glyph, Patch)]
     assert bool(in_view) is held
 
 
-def test_a_wall_has_no_end_to_be_in_view() -> None:
+def test_half_plane_does_not_extend_the_view() -> None:
     piston = half_plane("piston", (1.0, 0.0), -3.0, motion=SWING)
     for drawing in (LIVE, Drawing(begin_s=0.0, end_s=1.0)):
         chart = plane(STILL[3], piston, drawing=drawing)

@@ -95,7 +95,7 @@ def test_the_page_may_load_nothing_from_elsewhere(shared_page: ServedPage) -> No
     assert shared_page.get("/static/live.js").headers["x-content-type-options"] == "nosniff"
 
 
-def test_status_is_the_state_now(shared_page: ServedPage) -> None:
+def test_status_is_the_current_state(shared_page: ServedPage) -> None:
     with shared_page.listen() as connection:
         frames(connection, 20)
     status = shared_page.get("/api/status").json()
@@ -104,7 +104,7 @@ def test_status_is_the_state_now(shared_page: ServedPage) -> None:
     assert {entry["process"] for entry in status["processes"]} >= {"plant", "filter"}
 
 
-def test_health_says_whether_messages_are_pumped(page: ServedPage, run: FastRun) -> None:
+def test_healthz_fails_once_reading_has_failed(page: ServedPage, run: FastRun) -> None:
     response = page.get("/healthz")
     assert response.status_code == 200
     assert response.json()["ok"] is True
@@ -134,7 +134,7 @@ def test_several_clients_are_served_at_once(page: ServedPage) -> None:
         assert page.get("/healthz").json()["pages"] == 2
 
 
-def test_a_client_that_reads_nothing_holds_nobody_up(page: ServedPage, run: FastRun) -> None:
+def test_client_that_reads_nothing_delays_nobody(page: ServedPage, run: FastRun) -> None:
     with client_that_reads_nothing(page) as slow, page.listen() as quick:
         received = frames(quick, 300)
         assert page.get("/healthz").json()["pages"] == 2
@@ -147,7 +147,7 @@ def test_a_client_that_reads_nothing_holds_nobody_up(page: ServedPage, run: Fast
     assert run.feed.ticks.since(0).rows[-1].number > 300
 
 
-def test_the_end_of_the_run_is_told_and_closes_the_socket(page: ServedPage, run: FastRun) -> None:
+def test_end_of_the_run_is_sent_and_closes_the_socket(page: ServedPage, run: FastRun) -> None:
     with page.listen() as connection:
         frames(connection, 1)
         page.in_loop(run.broadcast.finish, "The run has ended.")
@@ -168,7 +168,7 @@ def test_the_page_s_own_origin_is_let_in(shared_page: ServedPage) -> None:
         assert frames(connection, 1)
 
 
-def test_too_many_pages_are_asked_to_come_later(page: ServedPage, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_page_beyond_the_limit_is_asked_to_try_later(page: ServedPage, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(passafe_dashboard.routes.state, "MAX_CLIENTS", 1)
     with page.listen() as first:
         frames(first, 1)
@@ -179,14 +179,14 @@ def test_too_many_pages_are_asked_to_come_later(page: ServedPage, monkeypatch: p
             assert refused.value.rcvd.code == 1013
 
 
-def test_what_a_page_says_is_not_used(shared_page: ServedPage) -> None:
+def test_messages_of_a_page_are_ignored(shared_page: ServedPage) -> None:
     with shared_page.listen() as connection:
         connection.send("x" * 1000)
         connection.send(b"\0\xff")
         assert frames(connection, 10)[0]["restart"]
 
 
-def test_a_client_that_left_is_forgotten(page: ServedPage) -> None:
+def test_departed_client_is_no_longer_counted(page: ServedPage) -> None:
     with page.listen() as other:
         with page.listen() as connection:
             frames(connection, 1)
@@ -211,7 +211,7 @@ def test_a_new_scenario_changes_the_page(page: ServedPage, run: FastRun) -> None
         assert frames(connection, 1)[0]["layout"] == run.feed.scenario_id
 
 
-def test_a_page_without_scenario_says_so() -> None:
+def test_page_without_scenario_waits_for_one() -> None:
     run = FastRun(Feed(), speed=0.0)
     with serve_page(run) as page:
         text = page.get("/").text

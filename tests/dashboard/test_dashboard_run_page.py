@@ -39,14 +39,14 @@ def test_the_report_has_the_paper_s_plots(page: str) -> None:
     assert "limit: h = 0" in page
 
 
-def test_properties_say_whether_they_hold_with_worst_value_and_time(page: str) -> None:
+def test_properties_have_outcome_worst_value_and_time(page: str) -> None:
     assert cells(page, "safe")[:4] == ["holds", "yes", "0.44", "1.571 s"]
     assert cells(page, "passive") == ["violated", "yes", "−0.2", "3.142 s", "h_u ≥ −0.05"]
     assert cells(page, "certified")[:4] == ["unknown", "no", "unknown", "–"]
     assert "A required property is violated" in page
 
 
-def test_of_many_barriers_those_that_came_lowest_are_shown() -> None:
+def test_lowest_of_many_barriers_are_shown() -> None:
     series = run_series(100)
     disks = tuple(disk(f"disk {n}") for n in range(10))
     many = replace(series, barriers=disks, h=np.vstack([series.h + 9 - n for n in range(10)]))
@@ -67,7 +67,7 @@ def test_two_robots_have_a_path_each_and_joints_have_none() -> None:
     assert "position p₁" not in run_picture(joints, title="joints")
 
 
-def test_figures_and_timing_are_those_of_the_verdict(page: str) -> None:
+def test_metrics_and_timing_are_those_of_the_verdict(page: str) -> None:
     assert cells(page, "lowest h") == ["0.44"]
     assert cells(page, "final x") == ["(−1.5, 0.25, 0, −0.0001)"]
     assert cells(page, "filter ticks") == ["10000"]
@@ -77,19 +77,19 @@ def test_figures_and_timing_are_those_of_the_verdict(page: str) -> None:
     assert "operator to plant" not in page
 
 
-def test_the_report_needs_nothing_else(page: str) -> None:
+def test_report_is_self_contained(page: str) -> None:
     assert "default-src 'none'" in page
     assert re.findall(r"\b(?:src|href|action|data)=\"(?!data:)[^\"]*\"", markup(page)) == []
     assert not re.search(r"@import|url\(", "".join(re.findall(r"<style>(.*?)</style>", page, re.DOTALL)))
     assert len(page) < 4_000_000
 
 
-def test_what_others_wrote_stays_text(page: str) -> None:
+def test_text_of_a_log_is_escaped(page: str) -> None:
     assert "a &lt;b&gt;circle&lt;/b&gt; &amp; &lt;/script&gt;" in page
     assert page.count("</script>") == page.count("<script>") == 2
 
 
-def test_unknown_figures_are_called_unknown() -> None:
+def test_unknown_metrics_are_called_unknown() -> None:
     unknown = verdict(h_min=None, timing=None, status_counts=None, gaps=None, final_x=None, verdict="unproven")
     page = report_page(unknown, run_series(100), configuration={}, versions={})
     assert cells(page, "lowest h") == ["unknown"]
@@ -99,7 +99,7 @@ def test_unknown_figures_are_called_unknown() -> None:
     assert "Not proven" in page
 
 
-def test_a_violation_that_the_mode_allows_is_told() -> None:
+def test_violation_that_the_mode_allows_is_named() -> None:
     properties = verdict()["properties"]
     properties["passive"]["required"] = False
     page = report_page(
@@ -133,7 +133,7 @@ def test_a_script_cannot_end_its_element() -> None:
     assert "<!--" not in text
 
 
-def test_the_account_of_every_link_is_told() -> None:
+def test_account_of_every_link_is_shown() -> None:
     account = {
         "link": "plant-to-filter",
         "sent": 100,

@@ -28,7 +28,7 @@ def log(tmp_path_factory: pytest.TempPathFactory) -> RunLog:
     return RunLog.read(path)
 
 
-def test_series_hold_what_the_plant_measured(log: RunLog) -> None:
+def test_series_hold_the_measurements_of_the_plant(log: RunLog) -> None:
     series = series_of(log, CoreEvaluator(log.identity.scenario))
     assert series.times_s == pytest.approx(np.arange(500) * 1e-3)
     assert series.h[0] == pytest.approx(series.x[0] ** 2 + series.x[1] ** 2 - 1.0)

@@ -33,7 +33,7 @@ def test_position_is_the_first_two_states() -> None:
         ("power_margin_w", np.zeros((1, 10))),
     ],
 )
-def test_arrays_that_do_not_fit_together_are_refused(field: str, value: Any) -> None:  # noqa: ANN401 - arrays
+def test_mismatched_arrays_are_refused(field: str, value: Any) -> None:  # noqa: ANN401 - arrays
     with pytest.raises(SeriesError) as refused:
         replace(run_series(10), **{field: value})
     assert "allowed" in str(refused.value)
@@ -54,7 +54,7 @@ def test_missing_ticks_leave_a_hole() -> None:
 
 
 @given(st.lists(st.sampled_from(list(FilterStatus)), max_size=100))
-def test_spans_say_the_status_of_every_tick(statuses: list[FilterStatus]) -> None:
+def test_spans_have_the_status_of_every_tick(statuses: list[FilterStatus]) -> None:
     spans = status_spans(((k * 1e-3, status) for k, status in enumerate(statuses)), period_s=1e-3)
     middles = [(k + 0.5) * 1e-3 for k in range(len(statuses))]
     found = [next(s.status for s in spans if s.start_s <= t < s.end_s) for t in middles]

@@ -29,7 +29,7 @@ def test_missing_repeated_and_foreign_messages_are_counted() -> None:
     assert (view.received, view.gaps, view.refused) == (3, 1, 2)
 
 
-def test_late_is_judged_by_the_topic_s_deadline_and_the_moment_of_looking() -> None:
+def test_lateness_depends_on_the_deadline_of_the_topic() -> None:
     monitor = TopicMonitor(HEALTH, "plant")
     monitor.receive(header("plant", 0), 0)
     assert not monitor.statistics(3_050 * MS).late

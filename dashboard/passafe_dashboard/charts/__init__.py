@@ -1,1 +1,1 @@
-"""Charts made in Python, once: the live page streams into them, report and pictures fill them."""
+"""Make the Bokeh charts of the live page, which streams into them, and of the run report, which fills them."""

@@ -1,4 +1,4 @@
-"""Charts of the barriers: h, which says whether the robot is safe, and ψ₁ … ψ_r, which lead to the input."""
+"""Make the charts of the barriers: h, whose sign decides safety, and ψ₁ … ψ_r, which lead to the input."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -6,7 +6,7 @@ from typing import Final
 from bokeh.models import ColumnDataSource, Range
 from bokeh.plotting import figure
 
-from passafe_dashboard.charts.over_time import Trace, time_figure
+from passafe_dashboard.charts.over_time import Trace, time_chart
 from passafe_dashboard.columns import ColumnLayout, measured_h, psi, signed_log, signed_log_column
 
 SUBSCRIPTS = "₀₁₂₃₄₅₆₇₈₉"
@@ -15,7 +15,7 @@ MOST_WITH_FILTER: Final = 8
 """Barriers up to which the page's chart draws the filter's h beside the measured one."""
 
 
-def h_figure(
+def h_chart(
     layout: ColumnLayout,
     *,
     ticks: ColumnDataSource | None,
@@ -23,14 +23,14 @@ def h_figure(
     x_range: Range,
     shown: Sequence[int] | None = None,
 ) -> figure:
-    """Chart of h: at the plant's state and, where there are ticks and few barriers, as the filter predicts it.
+    """Return the chart of h at the plant's state and, with ticks and few barriers, as predicted by the filter.
 
     Args:
         layout: Columns of the scenario.
         ticks: Table of the filter, if there is one.
         states: Table of the plant.
         x_range: Time range.
-        shown: Numbers of the barriers to show; all of them unless told otherwise.
+        shown: Numbers of the barriers to show; all by default.
     """
     traces = []
     step = 2 if ticks is not None and len(layout.names) <= MOST_WITH_FILTER else 1
@@ -41,7 +41,7 @@ def h_figure(
         traces.append(Trace(source=states, column=measured_h(index), label=f"h of {name}, measured", style=style))
         if ticks is not None and step > 1:
             traces.append(Trace(source=ticks, column=psi(index, 0), label=f"h of {name}, filter", style=style + 1))
-    return time_figure(
+    return time_chart(
         traces,
         name="h",
         y_label=f"barrier h ({layout.h_unit})",
@@ -52,8 +52,8 @@ def h_figure(
     )
 
 
-def chain_figure(layout: ColumnLayout, *, ticks: ColumnDataSource, x_range: Range) -> figure | None:
-    """Chart of ψ₁ … ψ_r of every barrier over time on a signed-log axis; ``None`` if there is none."""
+def chain_chart(layout: ColumnLayout, *, ticks: ColumnDataSource, x_range: Range) -> figure | None:
+    """Return the chart of ψ₁ … ψ_r of every barrier over time on a signed-log axis; ``None`` if there is none."""
     traces = [
         Trace(
             source=ticks,
@@ -66,7 +66,7 @@ def chain_figure(layout: ColumnLayout, *, ticks: ColumnDataSource, x_range: Rang
     ]
     if not traces:
         return None
-    return time_figure(
+    return time_chart(
         traces,
         name="chain",
         y_label="ψᵢ (unit of h·s⁻ⁱ), signed log",
@@ -79,7 +79,7 @@ def chain_figure(layout: ColumnLayout, *, ticks: ColumnDataSource, x_range: Rang
 
 
 def signed_log_ticks() -> dict[float, str]:
-    """Places and texts of the ticks 0, ±0.1, ±1, …, ±10⁸ on a signed-log axis."""
+    """Return places and texts of the ticks 0, ±0.1, ±1, …, ±10⁸ on a signed-log axis."""
     ticks = {0.0: "0"}
     for exponent in range(-1, 9):
         text = f"{10.0**exponent:g}" if exponent < 4 else f"1e{exponent}"  # noqa: PLR2004 - five digits are long

@@ -1,18 +1,18 @@
-"""Charts of energy: the power margin, which is negative where the robot gives out energy, and the tank."""
+"""Make the charts of energy: the power margin, negative where the robot generates energy, and the tank."""
 
 from bokeh.models import ColumnDataSource, Range
 from bokeh.plotting import figure
 
-from passafe_dashboard.charts.over_time import Trace, time_figure
+from passafe_dashboard.charts.over_time import Trace, time_chart
 from passafe_dashboard.columns import POWER_MARGIN, SLACK, TANK
 
 
-def power_margin_figure(*, source: ColumnDataSource, x_range: Range, with_slack: bool) -> figure:
-    """h_u = yᵀu − V̇ over time; on the live page with the slack δ that the passivity row was given."""
+def power_margin_chart(*, source: ColumnDataSource, x_range: Range, with_slack: bool) -> figure:
+    """Return the chart of h_u = yᵀu − V̇ over time; on the live page with the slack δ of the passivity row."""
     traces = [Trace(source=source, column=POWER_MARGIN, label="power margin h_u", style=0)]
     if with_slack:
         traces.append(Trace(source=source, column=SLACK, label="slack δ", style=1))
-    return time_figure(
+    return time_chart(
         traces,
         name="power_margin",
         y_label="power margin (W)",
@@ -22,9 +22,9 @@ def power_margin_figure(*, source: ColumnDataSource, x_range: Range, with_slack:
     )
 
 
-def tank_figure(*, ticks: ColumnDataSource, x_range: Range) -> figure:
-    """Energy E left in the tank over time."""
-    return time_figure(
+def tank_chart(*, ticks: ColumnDataSource, x_range: Range) -> figure:
+    """Return the chart of the energy E in the tank over time."""
+    return time_chart(
         [Trace(source=ticks, column=TANK, label="tank E", style=0)],
         name="tank",
         y_label="tank energy (J)",

@@ -1,4 +1,4 @@
-"""All charts of the live page in one document, and what the browser needs to embed them."""
+"""Make all charts of the live page in one document, with the script that embeds them."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -9,11 +9,11 @@ from bokeh.embed import components
 from bokeh.models import ColumnDataSource
 from bokeh.plotting import figure
 
-from passafe_dashboard.charts.barriers import chain_figure, h_figure
-from passafe_dashboard.charts.energy import power_margin_figure, tank_figure
+from passafe_dashboard.charts.barriers import chain_chart, h_chart
+from passafe_dashboard.charts.energy import power_margin_chart, tank_chart
 from passafe_dashboard.charts.over_time import live_range
-from passafe_dashboard.charts.plane import plane_figure
-from passafe_dashboard.charts.timeline import age_figure, status_figure
+from passafe_dashboard.charts.plane import plane_chart
+from passafe_dashboard.charts.timeline import age_chart, status_chart
 from passafe_dashboard.columns import START, TIME, ZERO, ColumnLayout, drawn_columns
 
 TICKS: Final = "ticks"
@@ -27,7 +27,7 @@ class LiveCharts:
     """Charts of the live page.
 
     Attributes:
-        script: JavaScript that makes them appear.
+        script: JavaScript that draws them.
         divs: Markup of the place of each chart, by the chart's name.
     """
 
@@ -37,11 +37,11 @@ class LiveCharts:
 
 @lru_cache(maxsize=4)
 def live_charts(layout: ColumnLayout, *, starts: tuple[tuple[float, float], ...], window_s: float) -> LiveCharts:
-    """Charts of the live page without data.
+    """Return the charts of the live page without data.
 
     Args:
         layout: Columns of the scenario.
-        starts: Where the run begins, for each point in the plane, m; without one there is no plane.
+        starts: Place of each point in the plane at the begin of the run, m; without a point there is no plane.
         window_s: Stretch of time that the charts show.
     """
     ticks = unfilled_table(TICKS, drawn_columns(tuple(layout.tick_columns), layout.log_columns))
@@ -49,16 +49,16 @@ def live_charts(layout: ColumnLayout, *, starts: tuple[tuple[float, float], ...]
     robot = unfilled_table(ROBOT, layout.place_columns)
     x_range = live_range(window_s)
     charts: list[figure] = [
-        power_margin_figure(source=ticks, x_range=x_range, with_slack=True),
-        tank_figure(ticks=ticks, x_range=x_range),
-        status_figure(source=ticks, x_range=x_range),
-        age_figure(ticks=ticks, x_range=x_range),
+        power_margin_chart(source=ticks, x_range=x_range, with_slack=True),
+        tank_chart(ticks=ticks, x_range=x_range),
+        status_chart(source=ticks, x_range=x_range),
+        age_chart(ticks=ticks, x_range=x_range),
     ]
     if starts:
-        charts.append(plane_figure(layout.barriers, trail=states, robot=robot, starts=starts))
+        charts.append(plane_chart(layout.barriers, trail=states, robot=robot, starts=starts))
     if layout.barriers:
-        charts.append(h_figure(layout, ticks=ticks, states=states, x_range=x_range))
-    chain = chain_figure(layout, ticks=ticks, x_range=x_range)
+        charts.append(h_chart(layout, ticks=ticks, states=states, x_range=x_range))
+    chain = chain_chart(layout, ticks=ticks, x_range=x_range)
     if chain is not None:
         charts.append(chain)
     script, divs = components({str(chart.name): chart for chart in charts}, wrap_script=False)
@@ -66,6 +66,6 @@ def live_charts(layout: ColumnLayout, *, starts: tuple[tuple[float, float], ...]
 
 
 def unfilled_table(name: str, columns: tuple[str, ...]) -> ColumnDataSource:
-    """Table with one row of nothing at time 0: a chart with no row at all has no range and no legend."""
+    """Return a table with one empty row at time 0: a chart without a row has no range and no legend."""
     at_zero = {START, TIME, ZERO}
     return ColumnDataSource(name=name, data={column: [0.0 if column in at_zero else nan] for column in columns})

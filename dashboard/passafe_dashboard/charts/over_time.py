@@ -1,4 +1,4 @@
-"""A chart over plant time: lines, the zero line, axis labels with units."""
+"""Make charts over plant time: lines, the zero line, axis labels with units."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from bokeh.models.annotations import LegendItem
 from bokeh.models.text import BaseText
 from bokeh.plotting import figure
 
-from passafe_dashboard.charts.style import add_legend, key, plain_figure, styled_line, zero_line
+from passafe_dashboard.charts.style import add_legend, key, plain_chart, styled_line, zero_line
 from passafe_dashboard.columns import TIME, ZERO
 
 TIME_LABEL: Final = "plant time (s)"
@@ -22,7 +22,7 @@ class Trace:
     Attributes:
         source: Table that holds it; its ``time_s`` is the abscissa.
         column: Column drawn.
-        label: What the legend and the hover text call it, with the symbol.
+        label: Its name in legend and hover text, with the symbol.
         style: Number of its colour and dash.
         shown: Column that the hover text shows when it is not the one drawn.
     """
@@ -35,16 +35,16 @@ class Trace:
 
 
 def live_range(window_s: float) -> DataRange1d:
-    """Time range that follows the newest sample."""
+    """Return a time range that follows the newest sample."""
     return DataRange1d(follow="end", follow_interval=window_s, range_padding=0.0, default_span=window_s)
 
 
 def full_range() -> DataRange1d:
-    """Time range of a whole run."""
+    """Return the time range of a whole run."""
     return DataRange1d(range_padding=0.0)
 
 
-def time_figure(
+def time_chart(
     traces: Sequence[Trace],
     *,
     name: str,
@@ -55,19 +55,19 @@ def time_figure(
     zero_label: str | None = None,
     y_ticks: dict[float, str] | None = None,
 ) -> figure:
-    """Chart of lines over time, with the zero line.
+    """Return a chart of lines over time, with the zero line.
 
     Args:
         traces: At least one.
-        name: Unique name of the figure in its document.
+        name: Unique name of the chart in its document.
         y_label: Quantity and unit.
         x_range: Time range, which charts of one page share.
-        least_span: Least interval of the vertical axis, so that rounding does not look like motion.
+        least_span: Least interval of the vertical axis, so that rounding errors do not fill the chart.
         height: Height in pixels.
-        zero_label: What the legend says of the zero line; no entry if ``None``.
+        zero_label: Name of the zero line in the legend; no entry if ``None``.
         y_ticks: Place and text of each tick of the vertical axis, for an axis that is not linear.
     """
-    chart = plain_figure(name=name, x_label=TIME_LABEL, y_label=y_label, x_range=x_range, height=height)
+    chart = plain_chart(name=name, x_label=TIME_LABEL, y_label=y_label, x_range=x_range, height=height)
     chart.y_range = DataRange1d(min_interval=least_span)
     zero = zero_line(TIME, ZERO)
     chart.add_glyph(traces[0].source, zero)
@@ -84,7 +84,7 @@ def time_figure(
 
 
 def _add_trace(chart: figure, trace: Trace) -> LegendItem:
-    """Draw a trace, let the pointer read its values, and return its legend entry."""
+    """Draw a trace with hover text, and return its legend entry."""
     glyph = styled_line(TIME, trace.column, trace.style)
     line = chart.add_glyph(trace.source, glyph)
     shown = trace.shown or trace.column

@@ -1,4 +1,4 @@
-"""The robot in its plane: where it was, where it is, and where it must not be."""
+"""Make the chart of the robot in its plane: trail, place now, and regions to keep out of."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -9,7 +9,7 @@ from bokeh.plotting import figure
 from passafe_services.scenarios.barrier_kinds.barrier_kind import SingleBarrier
 
 from passafe_dashboard.charts.regions import LIVE, Drawing, draw_regions
-from passafe_dashboard.charts.style import add_legend, key, plain_figure
+from passafe_dashboard.charts.style import add_legend, key, plain_chart
 from passafe_dashboard.columns import PLACES
 from passafe_dashboard.palette import INK, LINE_COLOURS, PAPER, TRAIL_COLOUR
 
@@ -17,7 +17,7 @@ TRAILS: Final = ((TRAIL_COLOUR, "solid"), (LINE_COLOURS[1], "dashed"))
 """Colour and dash of each point's trail."""
 
 
-def plane_figure(
+def plane_chart(
     barriers: tuple[SingleBarrier, ...],
     *,
     trail: ColumnDataSource,
@@ -26,17 +26,17 @@ def plane_figure(
     drawing: Drawing = LIVE,
     height: int = 560,
 ) -> figure:
-    """Draw obstacles, trail and robot with equal scales on both axes; barriers that are no places are not drawn.
+    """Return the chart of outlines, trail and robot, with equal scales; barriers without outline are not drawn.
 
     Args:
         barriers: Every barrier.
         trail: Columns ``PLACES`` of every point, in order of time, m.
         robot: The same columns with one row, the newest positions.
-        starts: Where the run begins, for every point, m.
-        drawing: When to draw what moves.
+        starts: Place of every point at the begin of the run, m.
+        drawing: Plant times at which moving outlines are drawn.
         height: Height in pixels.
     """
-    chart = plain_figure(
+    chart = plain_chart(
         name="plane",
         x_label="position p₁ (m)",
         y_label="position p₂ (m)",
@@ -64,7 +64,7 @@ def _draw_point(
     robot: ColumnDataSource,
     start: tuple[float, float],
 ) -> tuple[list[LegendItem], list[Model]]:
-    """Draw trail, start and newest place of one point; return its legend entries and what must be in view."""
+    """Draw trail, start and newest place of one point; return its legend entries and the renderers in view."""
     p1, p2 = PLACES[number]
     colour, dash = TRAILS[number]
     line = Line(x=p1, y=p2, line_color=colour, line_dash=dash, line_width=2)

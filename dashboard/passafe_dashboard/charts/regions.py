@@ -1,4 +1,4 @@
-"""Obstacles in the plane: filled where the robot must not be, and again wherever they move to."""
+"""Draw the outlines of barriers in the plane, with their unsafe side filled; those that move, along their path."""
 
 from collections.abc import Iterator, Sequence
 from typing import Final, NamedTuple
@@ -18,9 +18,9 @@ from passafe_dashboard.palette import UNSAFE_COLOUR
 UNSAFE_ALPHA: Final = 0.18
 EARLIER_ALPHA: Final = 0.05
 EARLIER: Final = 7
-"""How often what moves is drawn where it was, over a whole run."""
+"""Earlier places of a moving outline that are drawn over a whole run."""
 
-WAY_POINTS: Final = 200
+PATH_POINTS: Final = 200
 BORDER: Final = "_border"
 """End of the name of the table with the border of a region without an end; see ``static/charts.js``."""
 
@@ -29,12 +29,12 @@ NOT_MOVED: Final = np.zeros(2)
 
 
 class Drawing(NamedTuple):
-    """When to draw what moves: at one time in named tables that a page moves, or over a whole run.
+    """Plant times at which moving outlines are drawn: once in named tables that a page moves, or over a whole run.
 
     Attributes:
-        begin_s: Plant time of the run's begin, s.
-        end_s: Of its end, at which what moves is drawn as what stands still is.
-        live: Whether a page moves it instead; then it is drawn where the scenario has it before it has moved.
+        begin_s: Plant time of the begin of the run, s.
+        end_s: Plant time of its end, at which a moving outline is drawn like one at rest.
+        live: Whether a page moves it instead; then it is drawn before its motion.
     """
 
     begin_s: float = 0.0
@@ -46,7 +46,7 @@ LIVE: Final = Drawing(live=True)
 
 
 class DrawnRegions(NamedTuple):
-    """What was drawn.
+    """Regions that were drawn.
 
     Attributes:
         legend: Its legend entries.
@@ -58,7 +58,7 @@ class DrawnRegions(NamedTuple):
 
 
 def draw_regions(chart: figure, barriers: Sequence[SingleBarrier], drawing: Drawing) -> DrawnRegions:
-    """Draw every barrier that is a place, once where it holds for several points."""
+    """Draw every barrier with an outline, once where it holds for several points."""
     in_view: list[Model] = []
     outlines = distinct_outlines(barriers)
     for i, outline in outlines:
@@ -66,9 +66,9 @@ def draw_regions(chart: figure, barriers: Sequence[SingleBarrier], drawing: Draw
         if motion is None or drawing.live:
             now = _draw(chart, outline, NOT_MOVED, name=None if motion is None else moving_table(i))
         else:
-            in_view += _draw_way(chart, outline, drawing)
+            in_view += _draw_path(chart, outline, drawing)
             now = _draw(chart, outline, outline.displacements_m(np.array([drawing.end_s]))[:, 0])
-        # What goes away for good must not take the view along; a line has no end to be in view.
+        # An outline that departs for good must not stretch the view; an unbounded one cannot be in view.
         if outline.is_closed and not (drawing.live and motion is not None and not motion.returns):
             in_view.append(now)
     legend = []
@@ -88,26 +88,26 @@ def distinct_outlines(barriers: Sequence[SingleBarrier]) -> list[tuple[int, Outl
     return [(i, outline) for outline, i in seen.items()]
 
 
-def _draw_way(chart: figure, outline: Outline, drawing: Drawing) -> Iterator[Model]:
-    """Draw the way of an outline that moves and some of its places on it; yield what must be in view."""
+def _draw_path(chart: figure, outline: Outline, drawing: Drawing) -> Iterator[Model]:
+    """Draw the path of a moving outline and some earlier places; yield the renderers that must be in view."""
     earlier_s = np.linspace(drawing.begin_s, drawing.end_s, EARLIER, endpoint=False)
     for moved in outline.displacements_m(earlier_s).T:
         drawn = _draw(chart, outline, moved, earlier=True)
         if outline.is_closed:
             yield drawn
-    times_s = np.linspace(drawing.begin_s, drawing.end_s, WAY_POINTS)
-    way = np.array(outline.reference)[:, None] + outline.displacements_m(times_s)
+    times_s = np.linspace(drawing.begin_s, drawing.end_s, PATH_POINTS)
+    path = np.array(outline.reference)[:, None] + outline.displacements_m(times_s)
     line = Line(x=P1, y=P2, line_color=UNSAFE_COLOUR, line_dash="dotted", line_width=1.5)
-    chart.add_glyph(ColumnDataSource({P1: way[0].tolist(), P2: way[1].tolist()}), line)
+    chart.add_glyph(ColumnDataSource({P1: path[0].tolist(), P2: path[1].tolist()}), line)
 
 
 def _draw(
     chart: figure, outline: Outline, moved: FloatArray, *, name: str | None = None, earlier: bool = False
 ) -> Model:
     """Draw an outline displaced by ``moved``, shape (2,), m; return the renderer whose data are its extent."""
-    if outline.is_bounded or not earlier:  # fills without an end would lie upon one another
+    if outline.is_bounded or not earlier:  # unbounded fills would cover one another
         unsafe = Patch(x=P1, y=P2)
-        # The polygon of what lies outside has a cut and sides far away, which must not show.
+        # The polygon of an unbounded side has a cut and sides far away, which must not show.
         unsafe.update(
             **_fill(earlier=earlier), **(_edge(earlier=earlier) if outline.is_bounded else {"line_color": None})
         )

@@ -6,12 +6,12 @@ import numpy as np
 from bokeh.models import ColumnDataSource
 from bokeh.plotting import figure
 
-from passafe_dashboard.charts.barriers import h_figure
-from passafe_dashboard.charts.energy import power_margin_figure
+from passafe_dashboard.charts.barriers import h_chart
+from passafe_dashboard.charts.energy import power_margin_chart
 from passafe_dashboard.charts.over_time import full_range
-from passafe_dashboard.charts.plane import plane_figure
+from passafe_dashboard.charts.plane import plane_chart
 from passafe_dashboard.charts.regions import Drawing
-from passafe_dashboard.charts.timeline import status_figure
+from passafe_dashboard.charts.timeline import status_chart
 from passafe_dashboard.columns import PLACES, POWER_MARGIN, START, STATUS, TIME, ZERO, ColumnLayout, measured_h
 from passafe_dashboard.decimation import kept_samples
 from passafe_dashboard.run_series import RunSeries
@@ -27,10 +27,10 @@ def run_charts(series: RunSeries, *, bins: int = BINS) -> dict[str, figure]:
     x_range = full_range()
     charts = {"plane": _plane(series, bins)} if series.points else {}
     if series.barriers:
-        charts["h"] = h_figure(layout, ticks=None, states=signals, x_range=x_range, shown=series.lowest_barriers)
-    charts["power_margin"] = power_margin_figure(source=signals, x_range=x_range, with_slack=False)
+        charts["h"] = h_chart(layout, ticks=None, states=signals, x_range=x_range, shown=series.lowest_barriers)
+    charts["power_margin"] = power_margin_chart(source=signals, x_range=x_range, with_slack=False)
     if series.statuses:
-        charts["status"] = status_figure(source=_statuses(series), x_range=x_range)
+        charts["status"] = status_chart(source=_statuses(series), x_range=x_range)
     return charts
 
 
@@ -50,7 +50,7 @@ def _plane(series: RunSeries, bins: int) -> figure:
         for column, values in zip(place, position, strict=True)
     }
     kept = kept_samples([*coordinates.values(), *series.h], bins=bins)
-    return plane_figure(
+    return plane_chart(
         series.barriers,
         trail=ColumnDataSource({column: values[kept] for column, values in coordinates.items()}),
         robot=ColumnDataSource({column: values[-1:] for column, values in coordinates.items()}),

@@ -1,4 +1,4 @@
-"""What every chart has in common: frame, axes with units, legend, colours."""
+"""Style every chart alike: frame, axes with units, legend, colours."""
 
 from collections.abc import Sequence
 from math import nan
@@ -15,7 +15,7 @@ TOOLS: Final = "pan,box_zoom,wheel_zoom,reset,save"
 LEGEND_ROW_PX: Final = 26
 
 
-def plain_figure(
+def plain_chart(
     *,
     name: str,
     x_label: str,
@@ -24,7 +24,7 @@ def plain_figure(
     x_range: Range | None = None,
     match_aspect: bool = False,
 ) -> figure:
-    """Empty chart in the dashboard's style; height in pixels, labels with units."""
+    """Return an empty chart in the dashboard's style; height in pixels, labels with units."""
     chart = figure(
         name=name,
         height=height,
@@ -46,21 +46,21 @@ def plain_figure(
 
 
 def styled_line(x: str, y: str, style: int) -> Line:
-    """Line through columns ``x`` and ``y``, number ``style`` of its chart."""
+    """Return a line through columns ``x`` and ``y``, number ``style`` of its chart."""
     colour, dash = line_style(style)
     return Line(x=x, y=y, line_color=colour, line_dash=dash, line_width=2)
 
 
 def zero_line(x: str, y: str) -> Line:
-    """Line that marks a limit."""
+    """Return a line that marks a limit."""
     return Line(x=x, y=y, line_color=ZERO_COLOUR, line_width=1.2)
 
 
 def key(chart: figure, label: str, glyph: Glyph) -> LegendItem:
-    """Legend entry that shows the style of a glyph with x and y.
+    """Return a legend entry that shows the style of a glyph with x and y.
 
-    The entry has a copy of the glyph, which draws nothing: were it to name the glyph that shows the data,
-    BokehJS would build the legend anew with every streamed batch, and its samples would hardly be seen.
+    The entry has a copy of the glyph without data: otherwise BokehJS would rebuild the legend with every streamed
+    batch, and it would flicker.
     """
     nothing = ColumnDataSource({"x": [nan], "y": [nan]})
     return LegendItem(label=label, renderers=[chart.add_glyph(nothing, glyph.clone(x="x", y="y"))])

@@ -1,19 +1,19 @@
-"""Charts of the filter's outcome: its status over time, and how old what it acts on is."""
+"""Make the charts of the filter's status over time, and of the ages of its inputs."""
 
 from bokeh.models import ColumnDataSource, FixedTicker, LinearColorMapper, Range, Range1d
 from bokeh.plotting import figure
 from bokeh.transform import transform
 from passafe_protocol.messages import FilterStatus
 
-from passafe_dashboard.charts.over_time import TIME_LABEL, Trace, time_figure
-from passafe_dashboard.charts.style import plain_figure
+from passafe_dashboard.charts.over_time import TIME_LABEL, Trace, time_chart
+from passafe_dashboard.charts.style import plain_chart
 from passafe_dashboard.columns import COMMAND_AGE, START, STATE_AGE, STATUS, TIME
 from passafe_dashboard.palette import STATUS_STYLES
 
 
-def status_figure(*, source: ColumnDataSource, x_range: Range) -> figure:
-    """Lane for each filter status, the worst on top; each row of ``source`` is a bar in one."""
-    chart = plain_figure(name="status", x_label=TIME_LABEL, y_label="filter status", x_range=x_range, height=190)
+def status_chart(*, source: ColumnDataSource, x_range: Range) -> figure:
+    """Return the chart with a row for each filter status, the worst on top; each row of ``source`` is a bar in one."""
+    chart = plain_chart(name="status", x_label=TIME_LABEL, y_label="filter status", x_range=x_range, height=190)
     statuses = list(FilterStatus)
     chart.y_range = Range1d(start=0.5, end=len(statuses) + 0.5)
     chart.yaxis.ticker = FixedTicker(ticks=[status.value for status in statuses])
@@ -36,9 +36,9 @@ def status_figure(*, source: ColumnDataSource, x_range: Range) -> figure:
     return chart
 
 
-def age_figure(*, ticks: ColumnDataSource, x_range: Range) -> figure:
-    """Age of the newest state and command at each decision; the highest of each bin."""
-    return time_figure(
+def age_chart(*, ticks: ColumnDataSource, x_range: Range) -> figure:
+    """Return the chart of the age of state and command at each decision; the highest of each bin."""
+    return time_chart(
         [
             Trace(source=ticks, column=STATE_AGE, label="state", style=0),
             Trace(source=ticks, column=COMMAND_AGE, label="command", style=1),

@@ -7,7 +7,7 @@ from matplotlib.patches import Patch, Polygon
 from passafe_services.scenarios.barrier_kinds.motion import FloatArray
 from passafe_services.scenarios.barrier_kinds.outline import Outline
 
-from passafe_dashboard.charts.regions import EARLIER, EARLIER_ALPHA, UNSAFE_ALPHA, WAY_POINTS, distinct_outlines
+from passafe_dashboard.charts.regions import EARLIER, EARLIER_ALPHA, PATH_POINTS, UNSAFE_ALPHA, distinct_outlines
 from passafe_dashboard.palette import UNSAFE_COLOUR
 from passafe_dashboard.run_series import RunSeries
 
@@ -33,7 +33,7 @@ def draw_keep_out(axes: Axes, series: RunSeries) -> list[Patch]:
 def _draw_path(axes: Axes, outline: Outline, begin_s: float, end_s: float) -> None:
     for moved in outline.displacements_m(np.linspace(begin_s, end_s, EARLIER, endpoint=False)).T:
         _draw_region(axes, outline, moved, earlier=True)
-    displacements = outline.displacements_m(np.linspace(begin_s, end_s, WAY_POINTS))
+    displacements = outline.displacements_m(np.linspace(begin_s, end_s, PATH_POINTS))
     path = np.array(outline.reference)[:, None] + displacements
     axes.add_artist(Line2D(*path, color=UNSAFE_COLOUR, linestyle="dotted", linewidth=1.2))
 

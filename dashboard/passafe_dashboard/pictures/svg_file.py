@@ -38,7 +38,7 @@ STYLE: Final[dict[str, Any]] = {
     "xtick.color": INK,
     "ytick.color": INK,
 }
-"""Settings beside matplotlib's own defaults; those of the user do not count."""
+"""Settings beside matplotlib's own defaults; those of the user have no effect."""
 
 NO_METADATA: Final = dict.fromkeys(("Creator", "Date", "Format", "Type"))
 
