@@ -114,7 +114,7 @@ def test_ctrl_c_loses_nothing_and_the_same_command_goes_on(workers: str, tmp_pat
 
     assert running.returncode == 130, stderr
     assert "Traceback" not in stderr
-    assert "the same command goes on" in stdout
+    assert "the same command resumes" in stdout
     kept = (out / "results.jsonl").read_text(encoding="utf-8").splitlines()
     assert len(kept) >= lines
     assert len(kept) < 1 + 160

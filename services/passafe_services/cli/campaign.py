@@ -1,4 +1,4 @@
-"""``passafe campaign``: adversarial rollouts by the thousand."""
+"""``passafe campaign``: run adversarial rollouts by the thousand."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from passafe_services.cli.options import writable_folder
+from passafe_services.cli.options import WorkersOption, writable_folder
 from passafe_services.loop.realtime import processors
 from passafe_services.scenarios.design import design_of, robot_of
 from passafe_services.scenarios.load import load_scenario
@@ -19,28 +19,38 @@ from passafe_services.tools.campaign.workers import outcomes
 
 
 def campaign(
-    scenarios: Annotated[list[str], typer.Argument(help="Shipped scenarios (see `passafe scenarios`) or TOML files.")],
-    out: Annotated[Path, typer.Option("--out", "-o", help="Folder for outcomes and summaries.")],
-    rollouts: Annotated[int, typer.Option("--rollouts", "-n", min=1, help="Rollouts of each scenario.")] = 100,
-    first_seed: Annotated[int, typer.Option("--first-seed", min=0, help="Seed of the first; the others follow.")] = 0,
-    duration: Annotated[float, typer.Option("--duration", "-d", min=0.01, help="Seconds of plant time each.")] = 10.0,
-    workers: Annotated[int, typer.Option("--workers", "-w", min=0, help="Processes; 0: one for each processor.")] = 0,
-    singly: Annotated[bool, typer.Option("--singly", help="Let the filter take every decision one by one.")] = False,
+    scenarios: Annotated[
+        list[str], typer.Argument(metavar="SCENARIO", help="Shipped scenarios (`passafe scenarios`) or TOML files.")
+    ],
+    out: Annotated[Path, typer.Option("--out", "-o", metavar="FOLDER", help="Folder for results and summaries.")],
+    rollouts: Annotated[
+        int, typer.Option("--rollouts", "-n", metavar="N", min=1, help="Rollouts of each scenario.")
+    ] = 100,
+    first_seed: Annotated[
+        int, typer.Option("--first-seed", metavar="N", min=0, help="Seed of the first rollout; the others follow.")
+    ] = 0,
+    duration: Annotated[
+        float, typer.Option("--duration", "-d", metavar="SECONDS", min=0.01, help="Plant time of each rollout.")
+    ] = 10.0,
+    workers: WorkersOption = 0,
+    singly: Annotated[
+        bool, typer.Option("--scalar", help="Decide every tick by the scalar filter instead of in batches; slow.")
+    ] = False,
 ) -> None:
-    """Let adversaries drive a scenario from random safe starts and report the worst that happens.
+    """Let adversaries drive a scenario from random safe starts, and report the worst rollout.
 
-    Filter and plant alone, without network and delay. Five adversaries take turns: piecewise constant, chirp,
-    bang-bang at the barrier, always against the tightest row, always against the tank. h is looked at between
-    samples too. A thousand rollouts advance in lock step, and the filter's certificate judges each decision; what it
-    does not accept, the filter itself decides, as it does everything with --singly, many times slower. Outcomes are
-    written batch by batch; the same command goes on where it was interrupted. Exits with 0 only if h and tank stayed at
-    or above zero, every input within its limits and every answer certified or in a defined fallback.
+    Filter and plant run alone, without network and delay. Five adversary operators take turns: piecewise constant,
+    chirp, bang-bang at the barrier, always against the tightest row, always against the tank. h is checked between
+    samples too. A thousand rollouts advance as one batch; the filter's certificate judges each decision, and the scalar
+    filter repeats those that it rejects. Results are written batch by batch, and the same command resumes after an
+    interruption. Exits with 0 only if h and tank stayed at or above zero, every input within its limits and every
+    answer certified or in a defined fallback.
 
     Example: `passafe campaign notomista-cai-2020 --rollouts 1000 --out runs/campaign`
     """
     loaded = [load_scenario(name) for name in scenarios]
     for scenario in loaded:
-        design_of(scenario, robot_of(scenario))  # what cannot be built is said before anything starts
+        design_of(scenario, robot_of(scenario))  # refused before any worker starts
     folder = writable_folder(out)
     seeds = range(first_seed, first_seed + rollouts)
     summaries = []
@@ -67,7 +77,7 @@ def campaign(
 
 
 def show(summaries: list[CampaignSummary]) -> None:
-    """Print what each campaign came to, a column each."""
+    """Print the summaries side by side, a column for each scenario."""
     table = Table("", *(summary.scenario for summary in summaries), title="Worst of all rollouts", title_justify="left")
     rows: dict[str, Callable[[CampaignSummary], str]] = {
         "rollouts": lambda of: f"{of.rollouts}",

@@ -1,4 +1,4 @@
-"""``passafe experiment``: sweeps in virtual time."""
+"""``passafe experiment``: sweep a scenario in virtual time."""
 
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
@@ -14,7 +14,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from passafe_services.cli.experiment_live import live_beside_lockstep, show_agreement
 from passafe_services.cli.experiment_report import show, show_kept, write_report
-from passafe_services.cli.options import writable_folder
+from passafe_services.cli.options import WorkersOption, writable_folder
 from passafe_services.loop.realtime import processors
 from passafe_services.loop.stop import Stop, stop_requests
 from passafe_services.tools.experiment.check import check
@@ -31,32 +31,41 @@ INTERRUPTED: Final = 130
 
 
 def experiment(
-    file: Annotated[str, typer.Argument(help="TOML file, or one that is shipped: delay, gain, jitter-margin, …")],
-    out: Annotated[Path, typer.Option("--out", "-o", help="Folder for results, tables, page and logs.")],
-    workers: Annotated[int, typer.Option("--workers", "-w", min=0, help="Processes; 0: one for each processor.")] = 0,
+    file: Annotated[
+        str,
+        typer.Argument(metavar="NAME|FILE", help="Shipped experiment (delay, gain, …) or TOML file."),
+    ],
+    out: Annotated[
+        Path, typer.Option("--out", "-o", metavar="FOLDER", help="Folder for results, tables, report and logs.")
+    ],
+    workers: WorkersOption = 0,
     scheduler: Annotated[
         str | None,
         typer.Option("--scheduler", metavar="ADDRESS", help="Run on a Dask cluster instead, e.g. tcp://10.0.0.1:8786."),
     ] = None,
     seeds: Annotated[
-        int | None, typer.Option("--seeds", "-n", min=1, help="Runs of each cell, instead of the file's.")
+        int | None,
+        typer.Option("--seeds", "-n", metavar="N", min=1, help="Runs of each cell, instead of the file's number."),
     ] = None,
-    keep: Annotated[Keep, typer.Option("--keep", help="Runs to write a log of.")] = "worst",
-    keep_most: Annotated[int, typer.Option("--keep-most", min=0, help="Logs to write, at most; the worst runs.")] = 20,
+    keep: Annotated[Keep, typer.Option("--keep", help="Runs of which a log is written.")] = "worst",
+    keep_most: Annotated[
+        int, typer.Option("--keep-most", metavar="N", min=0, help="Largest number of logs; the worst runs come first.")
+    ] = 20,
     live: Annotated[
-        int,
-        typer.Option("--live", metavar="N", min=0, help="Cells to run as real processes too, and compare."),
+        int, typer.Option("--live", metavar="N", min=0, help="Cells to run as real processes too, for comparison.")
     ] = 0,
 ) -> None:
-    """Run a scenario under many conditions in virtual time, and say what of it holds where.
+    """Run a scenario under many conditions in virtual time, and report where its criteria hold.
 
     The file names a scenario, the values to vary (listed, drawn at random, or bisected until a criterion fails),
-    named variants, seeds and criteria; docs/experiments.md explains it. Every run is the loop of `passafe simulate`
-    without a log, judged as by `passafe review`. Results are written as they come: the same command goes on where it
-    was interrupted. Writes runs, cells and boundaries as CSV and Parquet, one HTML page, and logs of the worst runs.
-    Exits with 0 if every run could be run, whatever it showed, and live runs agree with lockstep.
+    named variants, seeds and criteria. Every run is that of `passafe simulate` without a log, judged as by
+    `passafe review`. Results are written as they come, and the same command resumes after an interruption. Writes
+    runs, cells and boundaries as CSV and Parquet, an HTML report, and logs of the worst runs. Exits with 0 if every
+    run could be run, whatever it showed, and live runs agree with lockstep.
 
-    Example: `passafe experiment delay --seeds 2 --out runs/delay`
+    Examples:
+    - `passafe experiment delay --seeds 2 --out runs/delay`
+    - `passafe experiment ./mine.toml --workers 8 --keep none --out runs/mine`
     """
     study = _study(file, seeds)
     check(study)
@@ -68,7 +77,7 @@ def experiment(
         with _crew(workers, scheduler) as crew:
             _sweep(plan, study, records, crew, stop)
         if stop.reason is not None:
-            console.print(f"interrupted after {len(plan.results)} runs; the same command goes on in {folder}")
+            console.print(f"interrupted after {len(plan.results)} runs; the same command resumes in {folder}")
             raise typer.Exit(INTERRUPTED)
         kept = _kept(plan, study, keep, keep_most, folder, workers)
     agreement = live_beside_lockstep(plan, study, live, folder / "live", console) if live else []

@@ -49,7 +49,7 @@ def show(
 @app.command("set")
 def set_link(
     name: Annotated[str, typer.Argument(metavar="NAME", help=f"Link: {NAMES}.")],
-    settings: Annotated[list[str], typer.Argument(metavar="KEY=VALUE…", help=f"Keys: {', '.join(LINK_KEYS)}.")],
+    settings: Annotated[list[str], typer.Argument(metavar="KEY=VALUE", help=f"Keys: {', '.join(LINK_KEYS)}.")],
     router: RouterOption = DEFAULT_ROUTER,
     wait: WaitOption = ANSWER_S,
     json: Annotated[bool, typer.Option("--json", help="Print the state of the link as JSON.")] = False,

@@ -44,6 +44,9 @@ LinkOption = Annotated[
         "seconds, probabilities from 0 to 1.",
     ),
 ]
+WorkersOption = Annotated[
+    int, typer.Option("--workers", "-w", metavar="N", min=0, help="Worker processes; 0: one for each processor.")
+]
 RouterOption = Annotated[
     str,
     typer.Option("--router", metavar="HOST:PORT", help="Where the router of the running system listens."),
