@@ -26,7 +26,7 @@ from passafe_protocol.messages import Header, Message, PlantPhase, PlantState
 from passafe_protocol.topics import COMMAND, STATE, TICK, Topic
 from passafe_services.loop.bus import Bus, open_bus
 from passafe_services.loop.errors import BusError
-from passafe_services.loop.process_exit import Restarts
+from passafe_services.loop.process_spec import RestartPolicy
 from passafe_services.loop.realtime import RECORDER_PRIORITY, request_realtime
 from passafe_services.loop.router_endpoint import RouterEndpoint
 from passafe_services.scenarios.load import load_scenario
@@ -212,8 +212,8 @@ def strike_again_and_again(
     kills: list[Kill] = []
     for number in numbers:
         time.sleep(chance.uniform(*QUIET_S))
-        recent = [kill.kind for kill in kills if time.time_ns() - kill.wall_ns < Restarts().within_s * 1e9]
-        kind = chance.choice([kind for kind in KINDS if kind == "outage" or recent.count(kind) < Restarts().most])
+        recent = [kill.kind for kill in kills if time.time_ns() - kill.wall_ns < RestartPolicy().within_s * 1e9]
+        kind = chance.choice([kind for kind in KINDS if kind == "outage" or recent.count(kind) < RestartPolicy().most])
         outage_s = chance.uniform(*OUTAGE_S) if kind == "outage" else 0.0
         wall_ns, armed = strike(running, kind, outage_s)
         kills.append(Kill(number=number, demo=demo, kind=kind, outage_s=outage_s, wall_ns=wall_ns, armed=armed))

@@ -95,7 +95,7 @@ def kill(seed: int) -> Kill:
         loop.kill("filter")
     loop.run(down)
     if victim == "filter":
-        loop.revive(filter_node(scenario, "lockstep", 2, kit.compiled.model, kit.compiled.filter), 2)
+        loop.restart(filter_node(scenario, "lockstep", 2, kit.compiled.model, kit.compiled.filter), 2)
     loop.run(rest)
     figures = metrics_of(scenario, tape, kit.mathematics, kit.motion, None)
     assert figures.h_min is not None, "a run without a sample"  # noqa: S101 - a benchmark may

@@ -4,7 +4,7 @@ import os
 
 import pytest
 from passafe_services.cli.demo_rate import FEW_PROCESSORS, PAGE_RATE_HZ, limited_beside_page
-from passafe_services.loop.realtime import processors
+from passafe_services.loop.realtime import available_processors
 from passafe_services.scenarios.load import load_scenario, shipped_scenarios
 from passafe_services.scenarios.schema import Scenario
 
@@ -49,6 +49,6 @@ def test_processors_are_those_of_the_cpu_affinity() -> None:
     try:
         os.sched_setaffinity(0, {min(allowed)})
 
-        assert processors() == 1
+        assert available_processors() == 1
     finally:
         os.sched_setaffinity(0, allowed)

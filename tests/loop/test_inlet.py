@@ -12,7 +12,7 @@ from passafe_protocol.message_link import MessageLink
 from passafe_protocol.messages import Header, LinkEvent, OperatorCommand, Received, TopicHealth
 from passafe_protocol.topics import COMMAND, INPUT, Topic
 from passafe_services.loop.errors import LinkNameError
-from passafe_services.loop.inlet import Inlet, inlets_of, take_all
+from passafe_services.loop.inlet import Inlet, inlets_of, pop_inbox
 from passafe_services.node import Outgoing
 
 BODY = OperatorCommand((1.0, 2.0), (), enabled=True, device="constant")
@@ -37,48 +37,48 @@ class Listener:
 
 def test_a_message_is_taken_once_with_the_time_of_its_arrival() -> None:
     inlet = Inlet(COMMAND)
-    assert inlet.read(5, encode(header(0), BODY)) == ()
-    assert inlet.take(9) == [Received(header(0), BODY, 5)]
-    assert inlet.take(9) == []
+    assert inlet.receive_bytes(5, encode(header(0), BODY)) == ()
+    assert inlet.pop_received(9) == [Received(header(0), BODY, 5)]
+    assert inlet.pop_received(9) == []
 
 
 @given(st.binary(max_size=300))
 def test_garbage_is_counted_and_told_and_does_no_harm(garbage: bytes) -> None:
     inlet = Inlet(COMMAND)
-    assert isinstance(inlet.read(0, garbage), ProtocolError)
-    assert inlet.read(0, encode(header(0), BODY)) == ()
-    assert len(inlet.take(0)) == 1
+    assert isinstance(inlet.receive_bytes(0, garbage), ProtocolError)
+    assert inlet.receive_bytes(0, encode(header(0), BODY)) == ()
+    assert len(inlet.pop_received(0)) == 1
     assert inlet.health == TopicHealth("command", 1, 0, 1)
 
 
 def test_repeated_and_ended_sessions_are_refused_and_overtaken_ones_pass() -> None:
     inlet = Inlet(COMMAND)
     for sequence, epoch in ((0, 7), (2, 7), (2, 7), (1, 7), (5, 6), (6, 7)):
-        assert inlet.accept(0, header(sequence, epoch=epoch), BODY) == ()
-    assert [message.header.sequence for message in inlet.take(0)] == [0, 2, 1, 6]
+        assert inlet.receive(0, header(sequence, epoch=epoch), BODY) == ()
+    assert [message.header.sequence for message in inlet.pop_received(0)] == [0, 2, 1, 6]
     assert inlet.health == TopicHealth("command", 4, 3, 2)  # 3, 4 and 5 never came
 
 
 def test_a_process_that_may_not_publish_the_topic_is_not_heard() -> None:
     inlet = Inlet(COMMAND)
-    inlet.accept(0, header(0, source="plant"), BODY)
-    assert inlet.take(0) == []
-    assert inlet.foreign == 1
+    inlet.receive(0, header(0, source="plant"), BODY)
+    assert inlet.pop_received(0) == []
+    assert inlet.unauthorized == 1
     assert inlet.health.refused == 1
 
 
 def test_a_link_delays_by_its_settings() -> None:
     inlet = Inlet(COMMAND, MessageLink("operator-to-filter", LinkSettings(delay_s=0.010)))
-    inlet.accept(3 * MS, header(0), BODY)
-    assert inlet.take(13 * MS - 1) == []
-    assert inlet.take(20 * MS) == [Received(header(0), BODY, 13 * MS)]
+    inlet.receive(3 * MS, header(0), BODY)
+    assert inlet.pop_received(13 * MS - 1) == []
+    assert inlet.pop_received(20 * MS) == [Received(header(0), BODY, 13 * MS)]
 
 
 def test_what_a_link_drops_is_told() -> None:
     inlet = Inlet(COMMAND, MessageLink("operator-to-filter", LinkSettings(loss=1.0)))
-    told = inlet.accept(0, header(4), BODY)
+    told = inlet.receive(0, header(4), BODY)
     assert told == [LinkEvent("operator-to-filter", "dropped", "command", 4, "loss")]
-    assert inlet.take(MS) == []
+    assert inlet.pop_received(MS) == []
     assert inlet.health.gaps == 0  # the bus lost nothing
 
 
@@ -86,9 +86,9 @@ def test_an_inbox_is_in_order_of_arrival_over_all_inlets() -> None:
     slow = Inlet(COMMAND, MessageLink("operator-to-filter", LinkSettings(delay_s=0.002)))
     direct = Inlet(COMMAND)
     for sequence in range(3):
-        slow.accept(sequence * MS, header(sequence), BODY)
-        direct.accept(sequence * MS, header(sequence + 10), BODY)
-    inbox = take_all([slow, direct], 3 * MS)
+        slow.receive(sequence * MS, header(sequence), BODY)
+        direct.receive(sequence * MS, header(sequence + 10), BODY)
+    inbox = pop_inbox([slow, direct], 3 * MS)
     assert [(m.received_ns // MS, m.header.sequence) for m in inbox] == [
         (0, 10),
         (1, 11),
@@ -111,8 +111,8 @@ def test_a_link_sits_at_its_reader_only() -> None:
 
 def test_a_link_without_settings_lets_everything_through_at_once() -> None:
     (inlet,) = inlets_of(Listener("filter", COMMAND), {})
-    inlet.accept(5, header(0), BODY)
-    assert inlet.take(5) == [Received(header(0), BODY, 5)]
+    inlet.receive(5, header(0), BODY)
+    assert inlet.pop_received(5) == [Received(header(0), BODY, 5)]
 
 
 def test_an_unknown_link_is_refused() -> None:

@@ -11,7 +11,7 @@ import zenoh
 from passafe_protocol.codec import decode, encode
 from passafe_protocol.messages import Header, OperatorCommand
 from passafe_protocol.topics import COMMAND, INPUT, LINK_CONFIG
-from passafe_services.loop.bus import Bus, Reader, RecordingReader, open_bus
+from passafe_services.loop.bus import Bus, RecordingReader, TopicReader, open_bus
 from passafe_services.loop.errors import BusError, PublisherError
 from passafe_services.loop.router_endpoint import RouterEndpoint
 
@@ -54,7 +54,7 @@ def message(sequence: int) -> bytes:
     return encode(header, OperatorCommand((float(sequence),), (), enabled=True, device="test"))
 
 
-def wait_for_reader(put: Callable[[bytes], None], reader: Reader | RecordingReader) -> None:
+def wait_for_reader(put: Callable[[bytes], None], reader: TopicReader | RecordingReader) -> None:
     """Until what is put arrives: a declaration takes a moment to reach the other side."""
     end = time.monotonic() + PATIENCE_S
     while not reader.drain():
@@ -100,7 +100,7 @@ def test_a_session_does_not_hear_itself(sender: Bus, receiver: Bus) -> None:
 
 
 def test_a_log_reader_hears_every_topic_with_its_key(sender: Bus, receiver: Bus) -> None:
-    log = receiver.log_reader()
+    log = receiver.recording_reader()
     puts = {
         "passafe/operator/command": sender.publisher(COMMAND, "operator"),
         "passafe/filter/input": sender.publisher(INPUT, "filter"),
@@ -163,10 +163,10 @@ def put_for(put: Callable[[bytes], None], sequences: range) -> None:
 def test_a_log_reader_that_nobody_reads_any_more_does_not_keep_its_session_from_ending(
     sender: Bus, endpoint: RouterEndpoint, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("passafe_services.loop.bus.LOG_QUEUE", 16)
+    monkeypatch.setattr("passafe_services.loop.bus.RECORDING_QUEUE", 16)
     put = sender.publisher(COMMAND, "operator")
     with open_bus(endpoint) as receiver:
-        wait_for_reader(put, receiver.log_reader())
+        wait_for_reader(put, receiver.recording_reader())
         put_for(put, range(500))
         begun = time.monotonic()
 

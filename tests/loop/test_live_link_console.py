@@ -30,7 +30,7 @@ class Ear:
 
     def __init__(self, port: int) -> None:
         self._opened = open_bus(RouterEndpoint(port=port))
-        self._reader = self._opened.__enter__().log_reader()
+        self._reader = self._opened.__enter__().recording_reader()
         self.heard: list[tuple[Header, Message]] = []
 
     def until(self, enough: Callable[[list[tuple[Header, Message]]], bool]) -> list[tuple[Header, Message]]:

@@ -11,7 +11,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from passafe_services.loop.process_exit import ExitCause, ProcessSpec, Restarts
+from passafe_services.loop.process_exit import ExitCause
+from passafe_services.loop.process_spec import ProcessSpec, RestartPolicy
 from passafe_services.loop.supervisor import supervise
 
 pytestmark = pytest.mark.live
@@ -21,7 +22,7 @@ PATIENCE_S = 20.0
 
 
 def toy(
-    name: str, kind: str = "plain", *arguments: object, grace_s: float = 10.0, restarts: Restarts | None = None
+    name: str, kind: str = "plain", *arguments: object, grace_s: float = 10.0, restarts: RestartPolicy | None = None
 ) -> ProcessSpec:
     argv = (sys.executable, TOY, kind, "--name", name, *map(str, arguments))
     return ProcessSpec(name=name, argv=argv, grace_s=grace_s, restarts=restarts)
@@ -162,7 +163,7 @@ def test_a_second_signal_kills_at_once(terminal: Terminal) -> None:
     )
     assert time.monotonic() - began < PATIENCE_S
     assert outcome.cause is ExitCause.SIGNAL
-    assert all(end.forced and end.returncode == -signal.SIGKILL for end in outcome.exits)
+    assert all(end.killed and end.returncode == -signal.SIGKILL for end in outcome.exits)
     assert gone(terminal.all_pids)
 
 
@@ -170,7 +171,7 @@ def test_a_process_that_ignores_sigterm_is_killed_with_what_it_started(terminal:
     outcome = supervise([toy("plant"), toy("filter", "stubborn", grace_s=0.2)], duration_s=0.0, emit=terminal)
     assert outcome.cause is ExitCause.DURATION
     assert not outcome.clean
-    assert [(end.name, end.forced) for end in outcome.exits] == [("filter", True), ("plant", False)]
+    assert [(end.name, end.killed) for end in outcome.exits] == [("filter", True), ("plant", False)]
     assert "filter was killed: it did not end in 0.2 s" in terminal.texts
     assert set(terminal.pids["filter"]) == {"pid", "child"}
     assert gone(terminal.all_pids)
@@ -193,13 +194,13 @@ def test_a_process_that_dies_is_started_again_and_the_others_are_left_alone(term
 
     terminal.on_pid = stop_when_back
     outcome = supervise(
-        [toy("router"), toy("filter", restarts=Restarts()), toy("plant")],
+        [toy("router"), toy("filter", restarts=RestartPolicy()), toy("plant")],
         emit=terminal,
         on_ready=lambda: os.kill(terminal.pids["filter"]["pid"], signal.SIGKILL),
     )
     assert outcome.cause is ExitCause.SIGNAL
     assert outcome.restarts == {"filter": 1}
-    assert terminal.texts.count("filter died: killed by SIGKILL; started again") == 1
+    assert terminal.texts.count("filter died: killed by SIGKILL; restarted") == 1
     assert [name for name, _ in terminal.said_pid] == ["router", "filter", "plant", "filter"]
     assert [end.name for end in outcome.exits] == ["filter", "plant", "filter", "router"]  # in its old place
     assert gone([pid for _, pid in terminal.said_pid])
@@ -225,7 +226,7 @@ def test_one_that_is_started_is_preferred_until_it_is_ready(terminal: Terminal) 
 
     terminal.on_pid = look
     supervise(
-        [toy("filter", restarts=Restarts())],
+        [toy("filter", restarts=RestartPolicy())],
         emit=terminal,
         on_ready=lambda: os.kill(terminal.pids["filter"]["pid"], signal.SIGKILL),
     )
@@ -242,7 +243,7 @@ def test_one_that_dies_too_often_ends_the_run(terminal: Terminal) -> None:
         kill("filter", terminal.pids["filter"]["pid"])
 
     terminal.on_pid = kill
-    filter_spec = toy("filter", restarts=Restarts(most=2, within_s=600.0))
+    filter_spec = toy("filter", restarts=RestartPolicy(most=2, within_s=600.0))
     outcome = supervise([toy("plant"), filter_spec], emit=terminal, on_ready=begin)
     assert (outcome.cause, outcome.culprit) == (ExitCause.DIED, "filter")
     assert outcome.detail == "filter died: killed by SIGKILL"
@@ -264,13 +265,13 @@ def test_deaths_long_ago_do_not_count(terminal: Terminal) -> None:
         kill(*terminal.said_pid[0])
         terminal.on_pid = kill
 
-    outcome = supervise([toy("filter", restarts=Restarts(most=1, within_s=0.0))], emit=terminal, on_ready=begin)
+    outcome = supervise([toy("filter", restarts=RestartPolicy(most=1, within_s=0.0))], emit=terminal, on_ready=begin)
     assert outcome.cause is ExitCause.SIGNAL
     assert outcome.restarts == {"filter": 4}
 
 
 def test_a_process_that_leaves_is_not_started_again(terminal: Terminal) -> None:
-    outcome = supervise([toy("plant"), toy("operator", "brief", restarts=Restarts())], emit=terminal)
+    outcome = supervise([toy("plant"), toy("operator", "brief", restarts=RestartPolicy())], emit=terminal)
     assert (outcome.cause, outcome.culprit) == (ExitCause.LEFT, "operator")
     assert outcome.restarts == {}
 
@@ -281,14 +282,14 @@ def test_a_death_that_ends_the_run_is_not_covered_up_by_one_that_does_not(termin
             os.kill(terminal.pids[name]["pid"], signal.SIGKILL)
         time.sleep(0.2)  # holds up the supervisor itself, so that it finds both ends at once
 
-    outcome = supervise([toy("filter", restarts=Restarts()), toy("plant")], emit=terminal, on_ready=kill)
+    outcome = supervise([toy("filter", restarts=RestartPolicy()), toy("plant")], emit=terminal, on_ready=kill)
     assert (outcome.cause, outcome.culprit) == (ExitCause.DIED, "plant")
     assert gone(terminal.all_pids)
 
 
 def test_time_goes_on_while_a_process_is_started_again(terminal: Terminal) -> None:
     outcome = supervise(
-        [toy("filter", restarts=Restarts())],
+        [toy("filter", restarts=RestartPolicy())],
         duration_s=3.0,
         emit=terminal,
         on_ready=lambda: os.kill(terminal.pids["filter"]["pid"], signal.SIGKILL),
@@ -310,7 +311,7 @@ def test_one_that_does_not_become_ready_again_is_killed_and_named(terminal: Term
     spec = ProcessSpec(
         name="filter",
         argv=(sys.executable, "-c", code, str(tmp_path / "mark")),
-        restarts=Restarts(most=2, within_s=600.0),
+        restarts=RestartPolicy(most=2, within_s=600.0),
     )
     outcome = supervise(
         [spec],
@@ -321,9 +322,9 @@ def test_one_that_does_not_become_ready_again_is_killed_and_named(terminal: Term
     assert outcome.cause is ExitCause.DIED
     assert outcome.restarts == {"filter": 2}
     assert terminal.texts[1:] == [
-        "filter died: killed by SIGKILL; started again",
+        "filter died: killed by SIGKILL; restarted",
         "filter was not ready within 5 s: killed",
-        "filter died: killed by SIGKILL; started again",
+        "filter died: killed by SIGKILL; restarted",
         "filter was not ready within 5 s: killed",
         "filter died: killed by SIGKILL",
     ]
@@ -367,7 +368,7 @@ def test_lines_of_any_kind_and_length_are_relayed(terminal: Terminal) -> None:
 
 SUPERVISOR = """
 import json, sys
-from passafe_services.loop.process_exit import ProcessSpec
+from passafe_services.loop.process_spec import ProcessSpec
 from passafe_services.loop.supervisor import supervise
 specs = [ProcessSpec(name=name, argv=tuple(argv)) for name, argv in json.loads(sys.argv[1])]
 supervise(specs, on_ready=lambda: print("all are ready", flush=True))

@@ -7,7 +7,7 @@ from passafe_protocol.codec import decode
 from passafe_protocol.errors import InvalidMessageError
 from passafe_protocol.messages import Event, Header, OperatorCommand
 from passafe_protocol.topics import COMMAND, EVENT, INPUT, Topic
-from passafe_services.loop.bus import Put
+from passafe_services.loop.bus import PublishBytes
 from passafe_services.loop.errors import PublisherError
 from passafe_services.loop.outlet import Outlet
 
@@ -18,7 +18,7 @@ class Wire:
     def __init__(self) -> None:
         self.put: dict[str, list[bytes]] = {}
 
-    def publisher(self, topic: Topic, source: str) -> Put:
+    def publisher(self, topic: Topic, source: str) -> PublishBytes:
         """As ``Bus.publisher``."""
         assert source == "operator"
         return self.put.setdefault(topic.name, []).append

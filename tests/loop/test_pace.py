@@ -15,7 +15,7 @@ def test_deadlines_are_absolute_and_do_not_drift() -> None:
     for _ in range(3_000):
         pace.end(pace.begin(pace.due_ns + 100) + 200)
     assert pace.due_ns == START_NS + 3_000 * 3_333_333
-    assert pace.overruns == pace.missed == 0
+    assert pace.overruns == pace.skipped == 0
 
 
 def test_a_late_step_does_not_shift_the_next() -> None:
@@ -33,7 +33,7 @@ def test_an_overrun_is_a_step_that_ends_after_the_next_was_due() -> None:
     pace.begin(START_NS + PERIOD_NS)
     pace.end(START_NS + 2 * PERIOD_NS + 1)
     assert pace.overruns == 1
-    assert pace.missed == 0
+    assert pace.skipped == 0
 
 
 def test_steps_that_cannot_be_made_any_more_are_left_out_and_no_burst_follows() -> None:
@@ -41,10 +41,10 @@ def test_steps_that_cannot_be_made_any_more_are_left_out_and_no_burst_follows() 
     late_ns = 3_400_000
     assert pace.begin(START_NS + late_ns) == START_NS + 3 * PERIOD_NS
     pace.end(START_NS + late_ns + 10)
-    assert (pace.steps, pace.missed) == (1, 3)
+    assert (pace.steps, pace.skipped) == (1, 3)
     assert pace.due_ns == START_NS + 4 * PERIOD_NS
-    assert pace.take_worst_late_ns() == late_ns
-    assert pace.take_worst_late_ns() == 0
+    assert pace.pop_max_lateness_ns() == late_ns
+    assert pace.pop_max_lateness_ns() == 0
 
 
 @given(
@@ -61,4 +61,4 @@ def test_every_due_step_is_made_or_missed_once(delays: list[tuple[int, int]], ra
         now_ns += work_ns
         pace.end(now_ns)
     assert all(later > earlier for earlier, later in pairwise(scheduled))
-    assert pace.due_ns == START_NS + (pace.steps + pace.missed) * period_ns
+    assert pace.due_ns == START_NS + (pace.steps + pace.skipped) * period_ns

@@ -4,12 +4,12 @@ import pytest
 from passafe_services.loop.process_exit import Exit, ExitCause, RunOutcome
 
 
-def ended(returncode: int, *, asked: bool = True, forced: bool = False) -> Exit:
-    return Exit(name="plant", returncode=returncode, asked=asked, forced=forced)
+def ended(returncode: int, *, requested: bool = True, killed: bool = False) -> Exit:
+    return Exit(name="plant", returncode=returncode, requested=requested, killed=killed)
 
 
 @pytest.mark.parametrize(
-    ("returncode", "how"),
+    ("returncode", "description"),
     [
         (0, "exit code 0"),
         (3, "exit code 3"),
@@ -18,8 +18,8 @@ def ended(returncode: int, *, asked: bool = True, forced: bool = False) -> Exit:
         (-40, "killed by signal 40"),
     ],
 )
-def test_an_end_in_words(returncode: int, how: str) -> None:
-    assert ended(returncode).how == how
+def test_an_end_in_words(returncode: int, description: str) -> None:
+    assert ended(returncode).description == description
 
 
 @pytest.mark.parametrize(
@@ -27,12 +27,12 @@ def test_an_end_in_words(returncode: int, how: str) -> None:
     [
         (ExitCause.DURATION, ended(0), True),
         (ExitCause.SIGNAL, ended(0), True),
-        (ExitCause.LEFT, ended(0, asked=False), True),
+        (ExitCause.LEFT, ended(0, requested=False), True),
         (ExitCause.DIED, ended(0), False),
         (ExitCause.NOT_READY, ended(0), False),
         (ExitCause.NOT_STARTED, ended(0), False),
         (ExitCause.DURATION, ended(1), False),
-        (ExitCause.DURATION, ended(-9, forced=True), False),
+        (ExitCause.DURATION, ended(-9, killed=True), False),
     ],
 )
 def test_what_is_a_clean_end(cause: ExitCause, end: Exit, clean: bool) -> None:
@@ -40,12 +40,12 @@ def test_what_is_a_clean_end(cause: ExitCause, end: Exit, clean: bool) -> None:
 
 
 def test_who_died_is_told_from_who_was_stopped() -> None:
-    ends = (ended(-9, asked=False), ended(0, asked=False), ended(-9, forced=True), ended(1))
+    ends = (ended(-9, requested=False), ended(0, requested=False), ended(-9, killed=True), ended(1))
     assert RunOutcome(cause=ExitCause.DIED, culprit="plant", detail="", exits=ends).died == ends[:1]
 
 
 def test_a_process_that_was_started_again_is_counted_and_spoils_nothing() -> None:
-    again = Exit(name="filter", returncode=-9, asked=False, forced=False, restarted=True)
+    again = Exit(name="filter", returncode=-9, requested=False, killed=False, restarted=True)
     outcome = RunOutcome(cause=ExitCause.SIGNAL, culprit=None, detail="", exits=(again, again, ended(0)))
     assert outcome.clean
     assert outcome.restarts == {"filter": 2}
@@ -53,11 +53,11 @@ def test_a_process_that_was_started_again_is_counted_and_spoils_nothing() -> Non
 
 
 @pytest.mark.parametrize(
-    ("ready", "asked", "forced", "well"),
+    ("ready", "requested", "killed", "clean"),
     [(False, True, False, True), (True, True, False, False), (False, False, False, False), (False, True, True, False)],
 )
 def test_only_what_was_asked_before_it_was_ready_may_die_of_it(
-    ready: bool, asked: bool, forced: bool, well: bool
+    ready: bool, requested: bool, killed: bool, clean: bool
 ) -> None:
-    end = Exit(name="filter", returncode=-15, asked=asked, forced=forced, ready=ready)
-    assert end.well is well
+    end = Exit(name="filter", returncode=-15, requested=requested, killed=killed, ready=ready)
+    assert end.clean is clean

@@ -6,13 +6,13 @@ from passafe_services.loop.rate_limited_log import PERIOD_NS, RateLimitedLog
 
 
 def test_a_kind_of_notice_is_told_once_and_then_counted(capsys: pytest.CaptureFixture[str]) -> None:
-    notices = RateLimitedLog()
-    assert notices.notice("garbage", "warning", "got garbage", 0) == Event("warning", "got garbage")
+    log = RateLimitedLog()
+    assert log.report("garbage", "warning", "got garbage", 0) == Event("warning", "got garbage")
     for now_ns in (1, 2, PERIOD_NS - 1):
-        assert notices.notice("garbage", "warning", "got garbage", now_ns) is None
-    told = notices.notice("garbage", "warning", "got garbage", PERIOD_NS)
+        assert log.report("garbage", "warning", "got garbage", now_ns) is None
+    told = log.report("garbage", "warning", "got garbage", PERIOD_NS)
     assert told == Event("warning", "got garbage (and 3 more like it)")
-    assert notices.notice("garbage", "warning", "got garbage", 2 * PERIOD_NS) == Event("warning", "got garbage")
+    assert log.report("garbage", "warning", "got garbage", 2 * PERIOD_NS) == Event("warning", "got garbage")
     assert capsys.readouterr().err.splitlines() == [
         "warning: got garbage",
         "warning: got garbage (and 3 more like it)",
@@ -21,6 +21,6 @@ def test_a_kind_of_notice_is_told_once_and_then_counted(capsys: pytest.CaptureFi
 
 
 def test_kinds_have_limits_of_their_own() -> None:
-    notices = RateLimitedLog()
-    assert notices.notice("a", "info", "first", 0) is not None
-    assert notices.notice("b", "error", "second", 0) == Event("error", "second")
+    log = RateLimitedLog()
+    assert log.report("a", "info", "first", 0) is not None
+    assert log.report("b", "error", "second", 0) == Event("error", "second")

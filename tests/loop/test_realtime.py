@@ -4,7 +4,7 @@ import gc
 import subprocess
 import sys
 
-from passafe_services.loop.realtime import LOOPS, quiet_collector
+from passafe_services.loop.realtime import LOOPS, paused_garbage_collection
 
 ASK = """
 import os
@@ -35,20 +35,20 @@ def test_a_priority_that_the_system_does_not_know_is_a_refusal_and_no_error() ->
 
 
 def test_a_process_steps_aside_behind_every_loop_if_it_has_priority_at_all() -> None:
-    aside = (
-        "\nfrom passafe_services.loop.realtime import step_aside\nstep_aside()"
+    lowered = (
+        "\nfrom passafe_services.loop.realtime import lower_priority\nlower_priority()"
         "\nprint(os.sched_getparam(0).sched_priority)"
     )
-    granted, priority, *_, after = asked_and(aside, 7).split()
+    granted, priority, *_, after = asked_and(lowered, 7).split()
     assert (granted, priority, after) in {("True", "7", "1"), ("False", "0", "0")}
 
 
 HAVE = "import os; print(*sorted(os.sched_getaffinity(0)))"
 OWN = """
 import os
-from passafe_services.loop.realtime import own_processor
+from passafe_services.loop.realtime import pin_to_processor
 os.sched_setaffinity(0, {processors})
-own_processor({name!r})
+pin_to_processor({name!r})
 print(*sorted(os.sched_getaffinity(0)))
 """
 
@@ -82,7 +82,7 @@ def test_the_collector_runs_when_asked_and_only_then() -> None:
         def __del__(self) -> None:
             Ring.count += 1
 
-    with quiet_collector() as collect:
+    with paused_garbage_collection() as collect:
         assert not gc.isenabled()
         assert gc.get_freeze_count() > 0
         for _ in range(20_000):

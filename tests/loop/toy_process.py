@@ -13,7 +13,7 @@ from passafe_protocol.codec import decode
 from passafe_protocol.link_settings import LinkSettings
 from passafe_protocol.messages import OperatorCommand, PlantInput, Received
 from passafe_protocol.topics import COMMAND, INPUT, TOPIC_OF_NAME
-from passafe_services.loop.bus import Reader, open_bus
+from passafe_services.loop.bus import TopicReader, open_bus
 from passafe_services.loop.errors import RuntimeFault
 from passafe_services.loop.live import run_live
 from passafe_services.loop.readiness import announce_ready
@@ -67,13 +67,13 @@ class Echo:
 
 def hold_up(seconds: float) -> None:
     """Let every look at what came take so long before it begins, as where a process has to wait for a processor."""
-    drain = Reader.drain
+    drain = TopicReader.drain
 
-    def held_up(reader: Reader) -> list[bytes]:
+    def held_up(reader: TopicReader) -> list[bytes]:
         time.sleep(seconds)
         return drain(reader)
 
-    Reader.drain = held_up
+    TopicReader.drain = held_up
 
 
 def live(options: argparse.Namespace) -> None:
@@ -98,7 +98,7 @@ def record(options: argparse.Namespace) -> None:
     """Read everything; when the lifeline ends, say which numbers came by key."""
     numbers: dict[str, list[int]] = {}
     with stop_requests(lifeline=True) as stop, open_bus(RouterEndpoint(port=options.port)) as bus:
-        lossless = bus.log_reader()
+        lossless = bus.recording_reader()
         ring = bus.reader(COMMAND)
         announce_ready("recorder")
         while not stop.wait(0.02):

@@ -11,7 +11,7 @@ import pytest
 from passafe_protocol.codec import decode
 from passafe_protocol.messages import Event, Health, TopicHealth
 from passafe_protocol.topics import EVENT, HEALTH
-from passafe_services.loop.bus import Reader, open_bus
+from passafe_services.loop.bus import TopicReader, open_bus
 from passafe_services.loop.outlet import Outlet
 from passafe_services.loop.readiness import ready_line
 from passafe_services.loop.router_endpoint import RouterEndpoint
@@ -88,7 +88,7 @@ def start_recorder(start: Start, endpoint: RouterEndpoint, path: Path) -> "subpr
     return start("recorder", RECORDER, str(endpoint.port), str(path), scenario_json)
 
 
-def health_with(reader: Reader, received: int) -> TopicHealth:
+def health_with(reader: TopicReader, received: int) -> TopicHealth:
     """What the recorder says of the events, once it says that it received so many."""
     give_up_s = time.monotonic() + PATIENCE_S
     while time.monotonic() < give_up_s:

@@ -25,7 +25,7 @@ def recorded(
     path = tmp_path / "run.mcap"
     with LogWriter(path, {}) as log:
         recording = MessageRecorder(log)
-        recording.take(samples, NOW_NS)
+        recording.record(samples, NOW_NS)
     with path.open("rb") as stream:
         found = make_reader(stream).iter_messages(log_time_order=False)
         return recording, [(c.topic, m.sequence, m.log_time, m.data) for _, c, m in found]
@@ -38,7 +38,7 @@ def test_gaps_are_counted_per_key(tmp_path: Path) -> None:
     recording, _ = recorded(tmp_path, samples)
     assert recording.gaps() == {"passafe/plant/event": 2, "passafe/filter/event": 1}
     assert recording.health() == (TopicHealth("event", received=6, gaps=3, refused=0),)
-    assert recording.bytes_taken == sum(len(data) for _, data in samples)
+    assert recording.bytes_recorded == sum(len(data) for _, data in samples)
 
 
 def test_what_is_not_valid_is_logged_at_the_time_of_its_arrival(tmp_path: Path) -> None:

@@ -79,13 +79,13 @@ class ArmingRun:
         self.run(dead_s)
         self.epoch += 1
         self.filter = Cut(filter_node(self.scenario, "lockstep", self.epoch))
-        self.loop.revive(self.filter, self.epoch)
+        self.loop.restart(self.filter, self.epoch)
 
     def restart_plant(self) -> None:
         """Kill the plant and start another one at once."""
         self.epoch += 1
         self.plant = Cut(plant_node(self.scenario))
-        self.loop.revive(self.plant, self.epoch)
+        self.loop.restart(self.plant, self.epoch)
 
     @property
     def state(self) -> PlantState:

@@ -194,7 +194,7 @@ def test_a_killed_reader_s_links_are_accounted_for_over_its_sessions(tmp_path: P
         loop.run(200)
         loop.kill("filter")
         loop.run(100)
-        loop.revive(filter_node(scenario, "lockstep", 2), 2)
+        loop.restart(filter_node(scenario, "lockstep", 2), 2)
         loop.run(300)
         loop.finish()
     accounts = link_accounts(RunLog.read(path))

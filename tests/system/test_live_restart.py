@@ -65,18 +65,18 @@ def test_filter_router_and_operator_are_killed_and_the_robot_stays_safe_and_goes
             wait_for(bus, STATE, is_running)
 
             os.kill(first["filter"], signal.SIGKILL)
-            demo.wait_for("filter died: killed by SIGKILL; started again", timeout_s=5.0)
+            demo.wait_for("filter died: killed by SIGKILL; restarted", timeout_s=5.0)
             stopped = wait_for(bus, STATE, is_stopped)
             wait_for(bus, STATE, lambda header, body: is_running(header, body) and header.sequence > stopped.sequence)
 
             router = bus.router
             killed = passafe("kill", "router", "--router", demo.router)
             assert killed.stdout == f"killed router (process {first['router']})\n", killed.stderr
-            demo.wait_for("router died: killed by SIGKILL; started again", timeout_s=5.0)
+            demo.wait_for("router died: killed by SIGKILL; restarted", timeout_s=5.0)
             wait_for(bus, STATE, lambda header, body: bus.router not in {"", router} and is_running(header, body))
 
             os.kill(first["operator"], signal.SIGKILL)
-            demo.wait_for("operator died: killed by SIGKILL; started again", timeout_s=5.0)
+            demo.wait_for("operator died: killed by SIGKILL; restarted", timeout_s=5.0)
             wait_for(bus, TICK, lambda _, body: isinstance(body, FilterTick) and body.status is FilterStatus.STALE)
             wait_for(bus, TICK, is_fresh)
 

@@ -76,15 +76,15 @@ class BusReader:
             rate_hz=(pace.steps - self._reported_steps) * 1e9 / (now_ns - before_ns),
             steps=pace.steps,
             overruns=pace.overruns,
-            steps_skipped=pace.missed,
-            late_us_max=pace.take_worst_late_ns() / 1e3,
+            steps_skipped=pace.skipped,
+            late_us_max=pace.pop_max_lateness_ns() / 1e3,
             topics=self._feed.health,
         )
         self._reported_ns, self._reported_steps = now_ns, pace.steps
         self._publish(HEALTH, health, now_ns)
 
     def _report_event(self, kind: str, severity: str, text: str, now_ns: int) -> None:
-        event: Event | None = self._log.notice(kind, severity, text, now_ns)
+        event: Event | None = self._log.report(kind, severity, text, now_ns)
         if event is not None:
             self._publish(EVENT, event, now_ns)
 

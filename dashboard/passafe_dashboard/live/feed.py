@@ -23,7 +23,7 @@ from passafe_protocol.messages import (
     TopicHealth,
 )
 from passafe_protocol.topics import EVENT, HEALTH, LINK_EVENT, LINK_STATE, SCENARIO, STATE, TICK, TOPIC_OF_BODY, Topic
-from passafe_services.loop.link_board import LinkBoard
+from passafe_services.loop.link_states import NewestLinkStates
 from passafe_services.scenarios.errors import ScenarioError
 from passafe_services.scenarios.schema import Scenario
 from pydantic import ValidationError
@@ -123,7 +123,7 @@ class Feed:
         self.events: deque[ReceivedEvent] = deque(maxlen=events_kept)
         self.topic_monitors: dict[tuple[str, str], TopicMonitor] = {}
         self.refused: dict[str, int] = {}
-        self.links = LinkBoard()
+        self.links = NewestLinkStates()
         self._events_received = 0
         self._epochs: dict[str, int] = {}
         self._bin_ns = NS_PER_S // frame_hz
@@ -135,7 +135,7 @@ class Feed:
             Event: self._push_event,
             ScenarioInfo: self._push_scenario,
             LinkEvent: self._push_link_event,
-            LinkState: self.links.take,
+            LinkState: self.links.receive,
         }
         self._clear()
         if scenario is not None:

@@ -10,7 +10,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from passafe_services.cli.options import WorkersOption, writable_folder
-from passafe_services.loop.realtime import processors
+from passafe_services.loop.realtime import available_processors
 from passafe_services.scenarios.design import design_of, robot_of
 from passafe_services.scenarios.load import load_scenario
 from passafe_services.tools.campaign.results_file import CampaignHeading, CampaignResultsFile
@@ -65,7 +65,7 @@ def campaign(
             lowest = min((outcome.h_min for outcome in known), default=float("inf"))
             task = bar.add_task(scenario.name, total=rollouts, completed=len(known), h=f"{lowest:.3g}")
             missing = [seed for seed in seeds if seed not in records.outcomes]
-            processes = workers or processors()
+            processes = workers or available_processors()
             for batch in records.add(outcomes(scenario, missing, duration, processes, singly=singly)):
                 lowest = min(lowest, *(outcome.h_min for outcome in batch))
                 bar.update(task, advance=len(batch), h=f"{lowest:.3g}")

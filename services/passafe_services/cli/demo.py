@@ -23,8 +23,8 @@ from passafe_services.cli.options import (
     writable_folder,
 )
 from passafe_services.loop.keep_awake import awake_specs
-from passafe_services.loop.process_exit import Restarts
-from passafe_services.loop.realtime import processors
+from passafe_services.loop.process_exit import RestartPolicy
+from passafe_services.loop.realtime import available_processors
 from passafe_services.loop.router_endpoint import DEFAULT_PORT, LOOPBACK, RouterEndpoint
 from passafe_services.loop.supervisor import supervise
 from passafe_services.router.port import require_free_router_port
@@ -44,7 +44,7 @@ RestartOption = Annotated[
     typer.Option(
         "--restart",
         help="Restart router, operator, filter and dashboard when they die, each at most "
-        f"{Restarts().most} times a minute. A recorder or plant that dies still ends the run.",
+        f"{RestartPolicy().most} times a minute. A recorder or plant that dies still ends the run.",
     ),
 ]
 KeepAwakeOption = Annotated[
@@ -88,7 +88,7 @@ def demo(
     console = Console(highlight=False, soft_wrap=True)
     chosen = scenario_from_options(scenario, mode=mode, law=law, duration_s=duration, rate_hz=rate, links=link or ())
     if rate is None and not headless:
-        chosen = limited_beside_page(chosen, processors(), console.print)
+        chosen = limited_beside_page(chosen, available_processors(), console.print)
     design_of(chosen, robot_of(chosen))  # refused before any process starts
     folder = writable_folder(out)
     endpoint = RouterEndpoint(host=LOOPBACK, port=router_port)

@@ -6,8 +6,8 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Final
 
-from passafe_services.loop.process_exit import GRACE_S, ProcessSpec, Restarts
 from passafe_services.loop.process_options import ProcessName
+from passafe_services.loop.process_spec import GRACE_S, ProcessSpec, RestartPolicy
 from passafe_services.loop.router_endpoint import RouterEndpoint
 
 RESTARTED: Final = (ProcessName.ROUTER, ProcessName.DASHBOARD, ProcessName.OPERATOR, ProcessName.FILTER)
@@ -56,7 +56,7 @@ def demo_processes(
             name=name,
             argv=(sys.executable, "-P", *_MODULE, name, *common, *own),
             grace_s=_RECORDER_GRACE_S if name is ProcessName.RECORDER else GRACE_S,
-            restarts=Restarts() if restart and name in RESTARTED else None,
+            restarts=RestartPolicy() if restart and name in RESTARTED else None,
         )
         for name, own in arguments.items()
     ]

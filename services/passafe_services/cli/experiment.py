@@ -15,7 +15,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from passafe_services.cli.experiment_live import live_beside_lockstep, show_agreement
 from passafe_services.cli.experiment_report import show, show_kept, write_report
 from passafe_services.cli.options import WorkersOption, writable_folder
-from passafe_services.loop.realtime import processors
+from passafe_services.loop.realtime import available_processors
 from passafe_services.loop.stop import Stop, stop_requests
 from passafe_services.tools.experiment.check import check
 from passafe_services.tools.experiment.kept_logs import Keep, KeptLog, chosen, write_log
@@ -108,7 +108,7 @@ def _crew(workers: int, scheduler: str | None) -> Iterator[WorkerPool]:
 
 
 def _processes(workers: int) -> int:
-    return workers or processors()
+    return workers or available_processors()
 
 
 def _sweep(plan: Plan, study: Study, records: ResultsFile, crew: WorkerPool, stop: Stop) -> None:

@@ -1,4 +1,4 @@
-"""An MCAP file that grows safely: what is flushed survives a kill, and trouble of the disk has one type."""
+"""MCAP file open for writing: flushed data survives a kill, and every write error is a ``LogWriteError``."""
 
 import io
 import os
@@ -17,18 +17,18 @@ LIBRARY = "passafe"
 
 
 class LogFile:
-    """An MCAP file open for writing, zstd in chunks of 1 MB.
+    """MCAP file open for writing, compressed with zstd in chunks of 1 MB.
 
-    Used as a context manager, which finishes the file. Once a write has failed nothing more is written to
-    it: what was flushed before stays readable with ``recover``.
+    Use it as a context manager, which finishes the file. After a failed write nothing more is written: data flushed
+    before can be read with ``recover``.
 
     Args:
-        path: Where to write it.
-        replace: Whether a file that is there already may be replaced.
+        path: Path of the file.
+        replace: Whether an existing file may be replaced.
 
     Attributes:
-        path: Where it is.
-        mcap: The writer; call it inside ``guarded()``, or answer its ``OSError`` with ``failed``.
+        path: Path of the file.
+        mcap: The writer; call it inside ``guarded()``, or handle its ``OSError`` with ``failed``.
 
     Raises:
         LogWriteError: The file cannot be created.
@@ -47,34 +47,34 @@ class LogFile:
 
     @contextmanager
     def guarded(self) -> Iterator[None]:
-        """Turn a failed write into ``LogWriteError`` and close the file where it stands."""
+        """Turn a failed write into ``LogWriteError`` and close the unfinished file."""
         try:
             yield
         except OSError as error:
             raise self.failed(error) from error
 
     def failed(self, error: OSError) -> LogWriteError:
-        """Close the file where it stands and return the error to raise."""
-        # The raw file first: closing the buffer would try to write what just failed.
-        with suppress(OSError):  # nothing more can be done about it, and the first error says it all
+        """Close the unfinished file and return the error to raise."""
+        # The raw file first: closing the buffer would retry the failed write.
+        with suppress(OSError):  # the first error is the one to report
             self._raw.close()
         return LogWriteError(self.path, error)
 
     def flush(self) -> None:
-        """End the chunk in progress and put everything so far on the disk.
+        """End the current chunk and synchronize the file to disk.
 
         Raises:
-            LogWriteError: The disk does not take it.
+            LogWriteError: The file cannot be written.
         """
         with self.guarded():
             self.mcap.flush()  # type: ignore[no-untyped-call]  # mcap leaves it unannotated
             os.fdatasync(self._raw.fileno())
 
     def close(self) -> None:
-        """Write the summary, so that the file is whole, and close it; nothing happens the second time.
+        """Write the summary, which completes the file, and close it; a second call has no effect.
 
         Raises:
-            LogWriteError: The disk does not take it.
+            LogWriteError: The file cannot be written.
         """
         if self._raw.closed:
             return

@@ -1,4 +1,4 @@
-"""Reads the records of an MCAP file, finished or torn, up to the tear."""
+"""Reads the records of an MCAP file, complete or truncated."""
 
 import struct
 from collections.abc import Iterator
@@ -14,22 +14,22 @@ from zstandard import ZstdError
 from passafe_services.log.errors import LogReadError
 
 DAMAGE: Final = (McapError, ZstdError, struct.error, ValueError, OverflowError, MemoryError)
-"""What the stream reader raises on bytes that break off or make no sense; ``ValueError``: CRC and UTF-8."""
+"""Errors of the stream reader on truncated or damaged data; ``ValueError``: CRC and UTF-8."""
 
 
 class LogReader:
-    """The records of one MCAP file in the order in which they were written.
+    """Reader of one MCAP file, in the order in which its records were written.
 
     Args:
         path: The file.
 
     Attributes:
         path: The file.
-        finished: After ``records`` has ended: whether the file's end was reached.
-        tear: Why reading stopped before the end, in words; empty while ``finished``.
+        finished: After ``records`` has ended: whether the end of the file was reached.
+        tear: Description of the damage at which reading stopped; empty if ``finished``.
 
     Raises:
-        LogReadError: The file is missing, no file, empty, or does not begin like an MCAP file.
+        LogReadError: The file is missing, unreadable, empty or not an MCAP file.
     """
 
     def __init__(self, path: Path) -> None:
@@ -50,7 +50,7 @@ class LogReader:
             raise LogReadError(path, "is no MCAP file")
 
     def records(self) -> Iterator[McapRecord]:
-        """Yield every whole record; what a chunk holds is yielded instead of the chunk."""
+        """Yield every complete record; chunks are replaced by their contents."""
         self.finished = False
         self.tear = ""
         with self.path.open("rb") as stream:

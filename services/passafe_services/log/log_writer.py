@@ -1,6 +1,6 @@
-"""Writes a run's log: wire bytes as they are, one MCAP channel a key expression, the schema in the file.
+"""Writes the log of a run: unchanged wire bytes, one MCAP channel per key expression, the schema embedded.
 
-The same writer serves the live recorder and the lockstep driver, so both make the same file.
+The live recorder and the lockstep driver use the same writer, so their files have the same format.
 """
 
 import json
@@ -18,7 +18,7 @@ from passafe_services.log.log_file import LogFile
 SCENARIO_RECORD: Final = "scenario"
 """Metadata record with the effective configuration as JSON under ``json``."""
 VERSIONS_RECORD: Final = "versions"
-"""Metadata record with the version of passafe and of what it computes with, by name."""
+"""Metadata record with the versions of passafe and its numerical dependencies, by name."""
 DRIVER_RECORD: Final = "driver"
 """Metadata record with ``kind``: live or lockstep."""
 
@@ -33,8 +33,8 @@ RunMetadata = Mapping[str, Mapping[str, str]]
 def run_metadata(
     *, scenario_json: str, versions: Mapping[str, str], driver: Literal["live", "lockstep"]
 ) -> dict[str, dict[str, str]]:
-    """The metadata records of a run, for ``LogWriter``."""
-    json.loads(scenario_json)  # a log whose scenario cannot be read back would be of no use
+    """Return the metadata records of a run, for ``LogWriter``."""
+    json.loads(scenario_json)  # a log with an unreadable scenario would be useless
     return {
         SCENARIO_RECORD: {"json": scenario_json},
         VERSIONS_RECORD: dict(versions),
@@ -43,7 +43,7 @@ def run_metadata(
 
 
 def topic_of_key(key: str) -> Topic | None:
-    """The topic behind a key expression ``passafe/<process>/<topic>``; ``None`` for any other key."""
+    """Return the topic of a key expression ``passafe/<process>/<topic>``; ``None`` for any other key."""
     chunks = key.split("/")
     if len(chunks) != KEY_CHUNKS or chunks[0] != KEY_ROOT:
         return None
@@ -51,21 +51,21 @@ def topic_of_key(key: str) -> Topic | None:
 
 
 class LogWriter:
-    """The log of one run; a context manager that finishes the file.
+    """Log of one run; a context manager that finishes the file.
 
-    A channel is registered when its key is first seen. A key of the topic table has message encoding and
-    schema encoding ``protobuf``; any other key is logged without a schema rather than lost.
+    A channel is registered at the first message of its key. A key of the topic table has message and schema encoding
+    ``protobuf``; any other key is logged without a schema.
 
     Args:
-        path: The file to write; one that is there already is replaced.
-        metadata: Records to begin the file with, by name (see ``run_metadata``).
+        path: The file to write; an existing one is replaced.
+        metadata: Metadata records of the file, by name (see ``run_metadata``).
 
     Attributes:
         path: The file.
         messages: Messages written so far.
 
     Raises:
-        LogWriteError: The file cannot be created or the disk does not take it. Every method raises it too.
+        LogWriteError: The file cannot be created or written. Every method may raise it.
     """
 
     def __init__(self, path: Path, metadata: RunMetadata) -> None:
@@ -83,12 +83,12 @@ class LogWriter:
         """Log one message.
 
         Args:
-            key: Key expression that it was published under: the channel's topic.
+            key: Key expression under which it was published; becomes the topic of the channel.
             data: Its wire bytes.
-            sequence: ``sequence`` of its header; the log keeps it modulo 2³².
-            wall_ns: ``wall_ns`` of its header, Unix time, not negative: both log time and publish time.
+            sequence: ``sequence`` of its header; stored modulo 2³².
+            wall_ns: ``wall_ns`` of its header, Unix time, not negative; stored as log time and publish time.
         """
-        if not 0 <= wall_ns < TIME_LIMIT_NS:  # found later, it would spoil the whole chunk
+        if not 0 <= wall_ns < TIME_LIMIT_NS:  # detected only when the chunk is written, it would lose the whole chunk
             raise ValueError(f"wall_ns: got {wall_ns}, allowed 0 to 2**64 - 1")
         channel = self._channels.get(key) or self._register(key)
         try:
@@ -104,11 +104,11 @@ class LogWriter:
         self.messages += 1
 
     def flush(self) -> None:
-        """Make everything written so far readable, whatever happens to this process or machine."""
+        """Synchronize the messages written so far to disk, where they survive a crash."""
         self._file.flush()
 
     def close(self) -> None:
-        """Finish the file; nothing happens the second time."""
+        """Finish the file; a second call has no effect."""
         self._file.close()
 
     def _register(self, key: str) -> int:

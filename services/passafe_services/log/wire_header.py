@@ -1,4 +1,4 @@
-"""Reads the header of a message without making its body: all that a recorder needs to know of it."""
+"""Reads the header of a message without decoding its body, for the recorder."""
 
 from typing import Any, Final
 
@@ -15,10 +15,10 @@ _MESSAGE_OF_TOPIC: Final[dict[str, type[ProtobufMessage]]] = {
 
 
 def read_header(topic: Topic, data: bytes) -> Header | None:
-    """Header of a message, ``None`` if the bytes are no message of the topic in this schema version.
+    """Return the header of a message; ``None`` if the bytes are not a message of the topic in this schema version.
 
-    The checksum is compared and the body is parsed, but its fields are neither copied nor checked: about a tenth of
-    the time of ``passafe_protocol.codec.decode``.
+    The checksum is verified and the body is parsed, but its fields are neither copied nor validated: this takes about a
+    tenth of the time of ``passafe_protocol.codec.decode``.
     """
     if not is_intact(data):
         return None

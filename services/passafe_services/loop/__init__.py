@@ -1,1 +1,1 @@
-"""The only place that knows Zenoh, clocks, signals and processes."""
+"""Loops that run nodes, live or in lockstep; the only package that uses Zenoh, clocks, signals and processes."""

@@ -1,8 +1,8 @@
-"""The bus: a Zenoh session that is a client of the router.
+"""Bus: a Zenoh session that is a client of the router.
 
-Every put of a publisher is kept in its cache for a while, and the log reader asks for what it missed, so a
-log is complete although control traffic is dropped on congestion. Readers are rings that are polled: a
-callback would need a Python thread that competes with the control loop.
+A publisher caches its messages for a while, and the recorder requests those that it missed, so a log is complete
+although control traffic is dropped on congestion. Readers are polled ring buffers: a callback would need a Python
+thread that competes with the control loop.
 """
 
 import json
@@ -18,16 +18,16 @@ from passafe_services.loop.errors import BusError, PublisherError
 from passafe_services.loop.router_endpoint import RouterEndpoint
 
 LEASE_MS: Final = 500
-"""A session that was silent for so long is closed: what queued up for it is lost, not delivered late."""
+"""Silence after which a session is closed: messages queued for it are dropped rather than delivered late."""
 
 CACHED_SAMPLES: Final = 16_384
-"""What a publisher keeps for the recorder: 16 s at 1 kHz, longer than a router takes to be started again."""
+"""Messages that a publisher caches for the recorder: 16 s at 1 kHz, longer than a restart of the router takes."""
 
 HEARTBEAT_S: Final = 0.5
-"""How soon after the last put of a series its loss is noticed."""
+"""Delay after which the loss of the last message before a pause is detected."""
 
-LOG_QUEUE: Final = 16_384
-"""Capacity of a log reader. A full one blocks the session, which the publishers' caches then make good."""
+RECORDING_QUEUE: Final = 16_384
+"""Capacity of a recording reader. A full one blocks the session; the publishers' caches then fill the gap."""
 
 _SHARED_SETTINGS: Final[dict[str, object]] = {
     "scouting/multicast/enabled": False,
@@ -35,10 +35,10 @@ _SHARED_SETTINGS: Final[dict[str, object]] = {
     "timestamping/enabled": False,
     "transport/shared_memory/enabled": False,
     "transport/link/tx/lease": LEASE_MS,
-    # Batches of 64 KiB. What does not fit at once is dropped: the first tick of a filter that waited for its plant
-    # tells of every command since its start, some 30 B each.
+    # Batches of 64 KiB. A message that does not fit at once is dropped, and the first tick of a filter that waited for
+    # its plant lists every command since its start, some 30 B each.
     "transport/link/tx/queue/size/data": 16,
-    # µs. A full queue means a peer that stands still; a control loop must not stand still with it.
+    # µs. A full queue means that the peer is stalled; a control loop must not stall with it.
     "transport/link/tx/queue/congestion_control/drop/wait_before_drop": 0,
     "transport/link/tx/queue/congestion_control/block/wait_before_close": 500_000,
 }
@@ -49,79 +49,80 @@ _CONGESTION: Final = {
     Congestion.BLOCK: zenoh.CongestionControl.BLOCK,
 }
 
-Put = Callable[[bytes], None]
+PublishBytes = Callable[[bytes], None]
 
 
-class Reader:
-    """A ring of the newest messages of one topic, oldest first out."""
+class TopicReader:
+    """Ring buffer of the newest messages of one topic, oldest first."""
 
     def __init__(self, subscriber: zenoh.Subscriber[handlers.Handler[zenoh.Sample]], capacity: int) -> None:
         self._subscriber = subscriber
         self._capacity = capacity
 
     def drain(self) -> list[bytes]:
-        """Payloads that came since the last call; at most a ring full, so a fast sender cannot hold us."""
-        taken: list[bytes] = []
+        """Return the payloads received since the last call, at most one ring full, so that the call is bounded."""
+        payloads: list[bytes] = []
         try_recv = self._subscriber.try_recv
         for _ in range(self._capacity):
             sample = try_recv()
             if sample is None:
                 break
-            taken.append(sample.payload.to_bytes())
-        return taken
+            payloads.append(sample.payload.to_bytes())
+        return payloads
 
 
 class RecordingReader:
-    """Every message of every topic, without loss as long as the publishers' caches reach back.
+    """Reader of every message of every topic, without loss as far as the publishers' caches reach back.
 
-    Also what was put while there was no router between them; not what a publisher put before the reader knew of it.
+    It also receives what was published while no router was running, but not what was published before it discovered
+    the publisher.
     """
 
     def __init__(self, subscriber: ext.AdvancedSubscriber[handlers.Handler[zenoh.Sample]]) -> None:
         self._subscriber = subscriber
 
     def end(self) -> None:
-        """Read no more: what waits is dropped."""
+        """Stop reading and drop the messages in the buffer."""
         undeclare: Callable[[], None] = self._subscriber.undeclare  # without types in its stub
         undeclare()
 
     def drain(self) -> list[tuple[str, bytes]]:
-        """Key expressions and payloads that came since the last call; those of one publisher in order."""
-        taken: list[tuple[str, bytes]] = []
+        """Return key expressions and payloads received since the last call; those of one publisher in order."""
+        samples: list[tuple[str, bytes]] = []
         try_recv = self._subscriber.try_recv
-        for _ in range(LOG_QUEUE):
+        for _ in range(RECORDING_QUEUE):
             sample = try_recv()
             if sample is None:
                 break
-            taken.append((str(sample.key_expr), sample.payload.to_bytes()))
-        return taken
+            samples.append((str(sample.key_expr), sample.payload.to_bytes()))
+        return samples
 
 
 class Bus:
-    """An open session; made by ``open_bus``."""
+    """Open session; created by ``open_bus``."""
 
     def __init__(self, session: zenoh.Session) -> None:
         self._session = session
-        self._log_readers: list[RecordingReader] = []
+        self._recording_readers: list[RecordingReader] = []
         self._replies = ext.RepliesConfig(
             congestion_control=zenoh.CongestionControl.BLOCK, priority=zenoh.Priority.BACKGROUND
         )
 
     @property
     def connected(self) -> bool:
-        """Whether there is a router now; the session looks for it again by itself."""
+        """True while a router is connected; the session reconnects by itself."""
         return bool(self.router)
 
     @property
     def router(self) -> str:
-        """Which router there is now: another text for one that was started again, empty without any."""
+        """Identity of the connected router, which changes with its restart; empty without one."""
         return " ".join(str(zid) for zid in self._session.info.routers_zid())
 
-    def publisher(self, topic: Topic, source: str) -> Put:
-        """Function that publishes bytes on a topic; it neither raises nor tells whether somebody reads.
+    def publisher(self, topic: Topic, source: str) -> PublishBytes:
+        """Return a function that publishes bytes on a topic; it never raises, also without a reader.
 
         Raises:
-            PublisherError: If the table does not let ``source`` publish the topic.
+            PublisherError: ``source`` may not publish the topic.
         """
         if source not in topic.publishers:
             raise PublisherError(source, topic.name, topic.publishers)
@@ -136,32 +137,32 @@ class Bus:
             sample_miss_detection=ext.MissDetectionConfig(heartbeat=None, sporadic_heartbeat=HEARTBEAT_S),
         ).put
 
-    def reader(self, topic: Topic) -> Reader:
-        """Ring of what other sessions publish on a topic."""
+    def reader(self, topic: Topic) -> TopicReader:
+        """Return a reader of what other sessions publish on a topic."""
         subscriber = self._session.declare_subscriber(
             topic.selector,
             handlers.RingChannel(topic.queue),
             allowed_origin=zenoh.Locality.REMOTE,
         )
-        return Reader(subscriber, topic.queue)
+        return TopicReader(subscriber, topic.queue)
 
-    def log_reader(self) -> RecordingReader:
-        """Reader of everything, for a recorder."""
-        self._log_readers.append(
+    def recording_reader(self) -> RecordingReader:
+        """Return a reader of all topics, for the recorder."""
+        self._recording_readers.append(
             RecordingReader(
                 ext.declare_advanced_subscriber(
                     self._session,
                     f"{KEY_ROOT}/*/*",
-                    handlers.FifoChannel(LOG_QUEUE),
+                    handlers.FifoChannel(RECORDING_QUEUE),
                     recovery=ext.RecoveryConfig(periodic_queries=None, heartbeat=True),
                 )
             )
         )
-        return self._log_readers[-1]
+        return self._recording_readers[-1]
 
     def close(self) -> None:
-        """End the session, the log readers first: a session that waits for room in a full one does not end."""
-        for reader in self._log_readers:
+        """End the session, the recording readers first: a session blocked by a full one would not end."""
+        for reader in self._recording_readers:
             reader.end()
         close: Callable[[], None] = self._session.close  # likewise
         close()
@@ -169,16 +170,17 @@ class Bus:
 
 @contextmanager
 def open_bus(endpoint: RouterEndpoint, *, timeout_s: float = 5.0) -> Iterator[Bus]:
-    """Session with the router at ``endpoint``, closed whatever happens.
+    """Open a session with the router at ``endpoint`` and close it at the end of the block.
 
-    When the router goes away later, puts are lost and readers silent until it is back; nothing raises.
+    If the router disappears later, published messages are lost and readers receive nothing until it is back; nothing
+    raises.
 
     Args:
-        endpoint: Where the router listens.
-        timeout_s: How long to look for it. Ctrl-C waits for the end of that search.
+        endpoint: Address of the router.
+        timeout_s: Connection timeout, s. Ctrl-C takes effect after it.
 
     Raises:
-        BusError: If there is no router within ``timeout_s``.
+        BusError: No router answers within ``timeout_s``.
     """
     settings = _SHARED_SETTINGS | {
         "mode": "client",
@@ -196,10 +198,10 @@ def open_bus(endpoint: RouterEndpoint, *, timeout_s: float = 5.0) -> Iterator[Bu
 
 @contextmanager
 def listening_router(endpoint: RouterEndpoint) -> Iterator[None]:
-    """Router that listens at ``endpoint`` and passes on what its clients publish, until the block ends.
+    """Run a router that listens at ``endpoint`` until the block ends.
 
     Raises:
-        BusError: If it cannot listen there.
+        BusError: It cannot listen there.
     """
     settings = _SHARED_SETTINGS | {
         "mode": "router",
@@ -209,7 +211,7 @@ def listening_router(endpoint: RouterEndpoint) -> Iterator[None]:
     try:
         session = _open(settings)
     except zenoh.ZError as error:
-        reason, _, _ = str(error).partition(" at /")  # the rest are places in Zenoh's source
+        reason, _, _ = str(error).partition(" at /")  # the rest are locations in Zenoh's source
         raise BusError(endpoint.locator, reason) from error
     with closing(session):
         yield

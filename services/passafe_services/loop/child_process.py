@@ -1,4 +1,4 @@
-"""One supervised process: its lines, its readiness, its end."""
+"""One supervised process: its output, its readiness and its exit."""
 
 import asyncio
 import os
@@ -9,63 +9,64 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Final, cast
 
-from passafe_services.loop.process_exit import Exit, ProcessSpec
+from passafe_services.loop.process_exit import Exit
+from passafe_services.loop.process_spec import ProcessSpec
 from passafe_services.loop.readiness import ready_line
 
 LONGEST_LINE_BYTES: Final = 65_536
-"""A longer line is relayed in pieces."""
+"""Longest line relayed as one; longer ones are split."""
 
-HURRY_NICENESS: Final = -15
-"""Some thirty times the share of an ordinary process; real-time loops still go first. On two processors with a
-dozen busy processes a start took 1.0 s instead of 6.2 s."""
+STARTUP_NICENESS: Final = -15
+"""Niceness during startup: some thirty times the share of an ordinary process, still behind real-time loops. On two
+processors with a dozen busy processes a start took 1.0 s instead of 6.2 s."""
 
 _LAST_LINES_S: Final = 0.5
-"""How long to wait for the last lines of a process that has ended: another may hold its pipes."""
+"""Time to wait for the last lines of a process that has ended: another process may hold its pipes."""
 
 _STANDARD_OUTPUT: Final = 1
 _STANDARD_ERROR: Final = 2
 
-Emit = Callable[[str, str], None]
+RelayLine = Callable[[str, str], None]
 
 
-class Child(asyncio.SubprocessProtocol):
-    """A process in a session of its own, so that Ctrl-C in a terminal reaches the supervisor alone.
+class ChildProcess(asyncio.SubprocessProtocol):
+    """Process in a session of its own, so that Ctrl-C in a terminal reaches the supervisor alone.
 
-    Its standard input is a lifeline: it ends when the supervisor does, also when that is killed.
+    Its standard input is a lifeline that closes when the supervisor ends, even if it is killed.
 
     Attributes:
-        spec: What it is.
-        ready: Set when it has said that it is ready.
+        spec: Its specification.
+        ready: Set when it has reported that it is ready.
         ended: Done when it has ended and its last lines are relayed; holds its return code.
-        restarted: Whether it was started again after its end, as another child.
+        restarted: Whether another child was started in its place after its end.
     """
 
-    def __init__(self, spec: ProcessSpec, emit: Emit, loop: asyncio.AbstractEventLoop) -> None:
+    def __init__(self, spec: ProcessSpec, relay: RelayLine, loop: asyncio.AbstractEventLoop) -> None:
         self.spec = spec
         self.ready = asyncio.Event()
         self.ended: asyncio.Future[int] = loop.create_future()
         self.restarted = False
-        self._emit = emit
+        self._relay = relay
         self._loop = loop
         self._transport: asyncio.SubprocessTransport | None = None
         self._unfinished = {_STANDARD_OUTPUT: b"", _STANDARD_ERROR: b""}  # last line of each open pipe
-        self._asked = False
-        self._forced = False
-        self._hurries = False
+        self._stop_requested = False
+        self._killed = False
+        self._prioritized = False
 
     @classmethod
-    async def start(cls, spec: ProcessSpec, emit: Emit) -> "Child":
+    async def start(cls, spec: ProcessSpec, relay: RelayLine) -> "ChildProcess":
         """Start a process.
 
         Args:
-            spec: What to start.
-            emit: Takes its lines: name, line.
+            spec: The process.
+            relay: Called with its name and each line that it prints.
 
         Raises:
-            OSError: If it cannot be started.
+            OSError: The process cannot be started.
         """
         loop = asyncio.get_running_loop()
-        child = cls(spec, emit, loop)
+        child = cls(spec, relay, loop)
         await loop.subprocess_exec(
             lambda: child, *spec.argv, stdin=PIPE, stdout=PIPE, stderr=PIPE, start_new_session=True
         )
@@ -73,65 +74,65 @@ class Child(asyncio.SubprocessProtocol):
 
     @property
     def running(self) -> bool:
-        """Whether it has not ended yet."""
+        """True until it has ended."""
         return self._transport is not None and self._transport.get_returncode() is None
 
     @property
     def exit(self) -> Exit:
-        """How it ended; only after ``ended``."""
+        """Exit of the process; only after ``ended``."""
         return Exit(
             name=self.spec.name,
             returncode=self.ended.result(),
-            asked=self._asked,
-            forced=self._forced,
+            requested=self._stop_requested,
+            killed=self._killed,
             restarted=self.restarted,
             ready=self.ready.is_set(),
         )
 
-    def hurry(self) -> None:
-        """Let it set itself up before whatever else runs here at no real-time priority: somebody waits for it."""
-        self._hurries = True
-        self._set_niceness(HURRY_NICENESS, HURRY_NICENESS)
+    def prioritize_startup(self) -> None:
+        """Run it with ``STARTUP_NICENESS`` until it is ready."""
+        self._prioritized = True
+        self._set_niceness(STARTUP_NICENESS, STARTUP_NICENESS)
 
-    def ask(self) -> None:
-        """Ask it to end (SIGTERM)."""
+    def terminate(self) -> None:
+        """Request its end (SIGTERM)."""
         if self.running and self._transport is not None:
-            self._asked = True
+            self._stop_requested = True
             with suppress(ProcessLookupError):
                 self._transport.terminate()
 
     def kill(self) -> None:
-        """End it and whatever it started (SIGKILL to its process group)."""
+        """Kill it and its own children (SIGKILL to its process group)."""
         if self.running:
-            self._asked = self._forced = True
+            self._stop_requested = self._killed = True
             self._kill_group()
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Asyncio has started it."""
+        """Keep the transport of the started process (called by asyncio)."""
         self._transport = cast("asyncio.SubprocessTransport", transport)
 
     def pipe_data_received(self, fd: int, data: bytes) -> None:
-        """Asyncio has read what it printed."""
+        """Relay the lines that it printed (called by asyncio)."""
         *lines, rest = (self._unfinished[fd] + data).split(b"\n")
         if len(rest) > LONGEST_LINE_BYTES:
             lines.append(rest)
             rest = b""
         self._unfinished[fd] = rest
         for line in lines:
-            self._take(line)
+            self._receive_line(line)
 
     def pipe_connection_lost(self, fd: int, exc: Exception | None) -> None:
-        """Asyncio found one of its pipes closed; standard input may close at any time."""
+        """Relay an unfinished last line (called by asyncio); standard input may close at any time."""
         del exc
         rest = self._unfinished.pop(fd, b"")
         if rest:
-            self._take(rest)
+            self._receive_line(rest)
         if not self.running and not self._unfinished:
             self._end()
 
     def process_exited(self) -> None:
-        """Asyncio noticed its end; that may be long before its pipes close."""
-        self._kill_group()  # what it started must not outlive it
+        """End its process group (called by asyncio), possibly long before its pipes close."""
+        self._kill_group()  # its children must not outlive it
         if self._unfinished:
             self._loop.call_later(_LAST_LINES_S, self._end)
         else:
@@ -144,7 +145,7 @@ class Child(asyncio.SubprocessProtocol):
         self._transport.close()
 
     def _kill_group(self) -> None:
-        # Its group has the number of the process, which is not given out again while the group has members.
+        # The group has the pid of the process, which is not reused while the group has members.
         if self._transport is not None:
             with suppress(ProcessLookupError, PermissionError):
                 os.killpg(self._transport.get_pid(), signal.SIGKILL)
@@ -153,16 +154,16 @@ class Child(asyncio.SubprocessProtocol):
         if self._transport is None:
             return
         pid = self._transport.get_pid()
-        # Where the kernel groups processes by session, niceness counts within a group, and the group has its own.
-        with suppress(OSError):  # not permitted, or not known here: then it takes its turn with the others
+        # With autogroup scheduling, niceness applies within a session's group, and the group has a niceness of its own.
+        with suppress(OSError):  # not permitted or not supported: default scheduling remains
             os.setpriority(os.PRIO_PROCESS, pid, niceness)
             Path(f"/proc/{pid}/autogroup").write_text(str(of_session), encoding="ascii")
 
-    def _take(self, line: bytes) -> None:
+    def _receive_line(self, line: bytes) -> None:
         text = line.decode(errors="replace").rstrip("\r")
         if text == ready_line(self.spec.name):
             self.ready.set()
-            if self._hurries:
+            if self._prioritized:
                 self._set_niceness(os.getpriority(os.PRIO_PROCESS, 0), 0)
         else:
-            self._emit(self.spec.name, text)
+            self._relay(self.spec.name, text)

@@ -1,4 +1,4 @@
-"""Drives one node against the clock: what came in, the step, what goes out, and how it fares."""
+"""Live driver: steps one node at a fixed rate, receives and publishes its messages and reports its health."""
 
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -12,27 +12,27 @@ from passafe_protocol.messages import Event, Health, LinkConfig, Message
 from passafe_protocol.topics import EVENT, HEALTH, LINK_CONFIG, LINK_EVENT, LINK_STATE, Topic
 
 from passafe_services.loop.bus import Bus
-from passafe_services.loop.inlet import Inlet, inlets_of, require_links, take_all
+from passafe_services.loop.inlet import Inlet, inlets_of, pop_inbox, require_links
 from passafe_services.loop.link_control import LinkControl
 from passafe_services.loop.outlet import Outlet
 from passafe_services.loop.pace import Pace
 from passafe_services.loop.rate_limited_log import RateLimitedLog
-from passafe_services.loop.realtime import give_way
+from passafe_services.loop.realtime import yield_processor
 from passafe_services.loop.stop import Stop, StopReason
 from passafe_services.node import Node
 
 HEALTH_PERIOD_NS: Final = 1_000_000_000
-BEHIND: Final = 0.05
-"""Share of steps left out from which a process says that it does not keep up."""
+OVERLOAD: Final = 0.05
+"""Share of skipped steps above which a process reports an overload."""
 
 _NS_PER_S: Final = 1e9
 
 
 class Driver:
-    """One node, its inlets and its outlet.
+    """Runs one node with its inlets and its outlet.
 
     Attributes:
-        withheld: Messages that were not valid and therefore not sent.
+        withheld: Invalid messages of the node, which were not sent.
     """
 
     def __init__(
@@ -42,26 +42,26 @@ class Driver:
         links: Mapping[str, LinkSettings],
         changes: Sequence[LinkChange],
         epoch: int,
-        notices: RateLimitedLog,
+        log: RateLimitedLog,
     ) -> None:
-        """Declare what the node reads and what it sends.
+        """Declare the readers and publishers of the node.
 
         Args:
             node: The node.
-            bus: The session, open.
-            links: Settings of injected links by name; those at other nodes are passed over.
-            changes: Changes of these settings, planned.
-            epoch: Session number of what is published.
-            notices: Decides how often the same thing is said.
+            bus: The open session.
+            links: Settings of injected links by name; those at other nodes are ignored.
+            changes: Scheduled changes of these settings.
+            epoch: Session number of the published messages.
+            log: Log that limits the rate of repeated messages.
 
         Raises:
-            LinkNameError: If ``links`` or ``changes`` name a link that does not exist.
+            LinkNameError: ``links`` or ``changes`` name a link that does not exist.
         """
         require_links(change.link for change in changes)
         self._node = node
         self._bus = bus
         self._router = bus.router
-        self._notices = notices
+        self._log = log
         self._inlets = inlets_of(node, links)
         self._readers = tuple((inlet, bus.reader(inlet.topic)) for inlet in self._inlets)
         self._configs, self._config_reader = Inlet(LINK_CONFIG), bus.reader(LINK_CONFIG)
@@ -73,7 +73,7 @@ class Driver:
 
     @property
     def withheld(self) -> int:
-        """Messages that were not valid and therefore not sent."""
+        """Invalid messages of the node, which were not sent."""
         return self._outlet.withheld
 
     def run(
@@ -84,17 +84,17 @@ class Driver:
         finished: Callable[[], bool],
         collect: Callable[[], None],
     ) -> StopReason:
-        """Step until there is a reason not to; returns it.
+        """Step the node until there is a reason to stop, and return that reason.
 
         Args:
-            pace: When steps are due.
-            stop: Asked before each step.
-            end_ns: Monotonic time from which no step is due any more, ns; ``None``: there is none.
-            finished: Asked before each step whether the node wants no more.
+            pace: Schedule of the steps.
+            stop: Stop request, checked before each step.
+            end_ns: Monotonic time from which no step is due any more, ns; ``None``: no limit.
+            finished: Called before each step; true ends the loop.
             collect: Called once a second, after a step.
         """
         health_due_ns = pace.due_ns + HEALTH_PERIOD_NS
-        told_ns, told_steps, told_missed = pace.due_ns, 0, 0
+        reported_ns, reported_steps, reported_skipped = pace.due_ns, 0, 0
         self._publish(EVENT, Event("info", "started"))
         while True:
             reason = _reason_to_end(pace, stop, end_ns, finished)
@@ -104,44 +104,44 @@ class Driver:
             if wait_ns > 0:
                 time.sleep(wait_ns / _NS_PER_S)
             else:
-                give_way()
+                yield_processor()
             now_ns = monotonic_ns()
             self._step(pace.begin(now_ns))
             if now_ns >= health_due_ns:
-                self._tell_health(pace, (pace.steps - told_steps) * _NS_PER_S / (now_ns - told_ns))
-                self._look_for_router()
-                self._admit_being_behind(pace.steps - told_steps, pace.missed - told_missed)
-                told_ns, told_steps, told_missed = now_ns, pace.steps, pace.missed
+                self._publish_health(pace, (pace.steps - reported_steps) * _NS_PER_S / (now_ns - reported_ns))
+                self._check_router()
+                self._check_overload(pace.steps - reported_steps, pace.skipped - reported_skipped)
+                reported_ns, reported_steps, reported_skipped = now_ns, pace.steps, pace.skipped
                 health_due_ns = now_ns + HEALTH_PERIOD_NS
                 collect()
             pace.end(monotonic_ns())
         for state in self._links.last_states():
             self._publish(LINK_STATE, state)
-        elapsed_ns = max(1, monotonic_ns() - told_ns)
-        self._tell_health(pace, (pace.steps - told_steps) * _NS_PER_S / elapsed_ns)
-        self.say("end", "info", f"ended by {reason.value} after {pace.steps} steps")
+        elapsed_ns = max(1, monotonic_ns() - reported_ns)
+        self._publish_health(pace, (pace.steps - reported_steps) * _NS_PER_S / elapsed_ns)
+        self.report("end", "info", f"ended by {reason.value} after {pace.steps} steps")
         return reason
 
-    def say(self, kind: str, severity: str, text: str) -> None:
-        """Say something on standard error and as an event, within the limits of ``RateLimitedLog``."""
-        event = self._notices.notice(kind, severity, text, monotonic_ns())
+    def report(self, kind: str, severity: str, text: str) -> None:
+        """Log a message on standard error and publish it as an event, within the limits of ``RateLimitedLog``."""
+        event = self._log.report(kind, severity, text, monotonic_ns())
         if event is not None:
             self._publish(EVENT, event)
 
     def _step(self, scheduled_ns: int) -> None:
         configs = self._config_reader.drain()
-        came = [reader.drain() for _, reader in self._readers]
-        # Only now: however long this process was held up, nothing has come before it was sent.
+        payloads = [reader.drain() for _, reader in self._readers]
+        # Read the clock after draining: even if this process was suspended, no message is received before it was sent.
         now_ns = monotonic_ns()
         self._scheduled_ns = scheduled_ns
         self._started_ns = now_ns
         self._configure(now_ns, configs)
         if now_ns >= self._links.due_ns:
             self._links.advance(now_ns)
-        for (inlet, _), messages in zip(self._readers, came, strict=True):
+        for (inlet, _), messages in zip(self._readers, payloads, strict=True):
             for data in messages:
-                self._read(inlet, now_ns, data)
-        for topic, body in self._node.step(scheduled_ns, take_all(self._inlets, now_ns)):
+                self._receive(inlet, now_ns, data)
+        for topic, body in self._node.step(scheduled_ns, pop_inbox(self._inlets, now_ns)):
             self._publish(topic, body)
         if now_ns >= self._links.due_ns:
             for state in self._links.due_states(now_ns):
@@ -149,42 +149,42 @@ class Driver:
 
     def _configure(self, now_ns: int, configs: Sequence[bytes]) -> None:
         for data in configs:
-            self._read(self._configs, now_ns, data)
-        for received in self._configs.take(now_ns):
+            self._receive(self._configs, now_ns, data)
+        for received in self._configs.pop_received(now_ns):
             if isinstance(received.body, LinkConfig):
                 self._links.configure(received.header, received.body)
 
-    def _read(self, inlet: Inlet, now_ns: int, data: bytes) -> None:
-        told = inlet.read(now_ns, data)
-        if isinstance(told, ProtocolError):
-            self.say(f"refused {inlet.topic.name}", "warning", f"refused {told}")
+    def _receive(self, inlet: Inlet, now_ns: int, data: bytes) -> None:
+        outcome = inlet.receive_bytes(now_ns, data)
+        if isinstance(outcome, ProtocolError):
+            self.report(f"refused {inlet.topic.name}", "warning", f"refused {outcome}")
             return
-        for event in told:
+        for event in outcome:
             self._publish(LINK_EVENT, event)
 
     def _publish(self, topic: Topic, body: Message | Callable[[], Message]) -> None:
         error = self._outlet.publish(topic, body, scheduled_ns=self._scheduled_ns, started_ns=self._started_ns)
         if error is not None and topic is not EVENT:
-            self.say(f"withheld {topic.name}", "error", f"withheld {error}")
+            self.report(f"withheld {topic.name}", "error", f"withheld {error}")
 
-    def _look_for_router(self) -> None:
+    def _check_router(self) -> None:
         router = self._bus.router
         if not router or router == self._router:
             return
         if self._router:
-            text = "the router was started again: what was sent while there was none did not arrive"
-            self.say("router", "warning", text)
+            text = "the router was restarted: messages sent in between were not delivered"
+            self.report("router", "warning", text)
         self._router = router
 
-    def _admit_being_behind(self, made: int, left_out: int) -> None:
-        if left_out > BEHIND * (made + left_out):
-            steps = f"{left_out} of the last {made + left_out} steps"
-            self.say("behind", "warning", f"left out {steps}: too much for this machine, try a lower rate")
+    def _check_overload(self, steps: int, skipped: int) -> None:
+        if skipped > OVERLOAD * (steps + skipped):
+            share = f"{skipped} of the last {steps + skipped} steps"
+            self.report("overload", "warning", f"skipped {share}: machine overloaded, try a lower rate")
 
-    def _tell_health(self, pace: Pace, rate_hz: float) -> None:
+    def _publish_health(self, pace: Pace, rate_hz: float) -> None:
         topics = tuple(inlet.health for inlet in self._inlets)
-        late_us = pace.take_worst_late_ns() / 1e3
-        self._publish(HEALTH, Health(rate_hz, pace.steps, pace.overruns, pace.missed, late_us, topics))
+        late_us = pace.pop_max_lateness_ns() / 1e3
+        self._publish(HEALTH, Health(rate_hz, pace.steps, pace.overruns, pace.skipped, late_us, topics))
 
 
 def _reason_to_end(pace: Pace, stop: Stop, end_ns: int | None, finished: Callable[[], bool]) -> StopReason | None:

@@ -1,7 +1,6 @@
-"""The way of a message into a node: decode, judge its number, let it through the injected link.
+"""Inlet of a node: decodes a message, checks its sequence number and passes it through the injected link.
 
-Both drivers use it. The live driver feeds bytes through ``read``; the lockstep driver hands header and body
-to ``accept`` and pays for no decoding. Neither part knows a clock: the time is an argument.
+The time is an argument; an inlet has no clock.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -18,65 +17,64 @@ from passafe_protocol.topics import LINKS, Topic
 from passafe_services.loop.errors import LinkNameError
 from passafe_services.node import Node
 
-_ADMITTED = frozenset({Arrival.FRESH, Arrival.REORDERED})
+_ACCEPTED = frozenset({Arrival.FRESH, Arrival.REORDERED})
 
 
 class Inlet:
-    """What one process receives of one topic.
+    """Receives the messages of one topic for one process.
 
-    A message of a process that may not publish the topic, a repeated one and one of an ended session are
-    refused. An overtaken one passes: whether it is still of use is for the node to say, which sees the same
-    from a link with jitter. Numbers are judged before the link, so ``gaps`` tells what the bus lost and
-    ``LinkEvent`` what the link did.
+    Messages of processes that may not publish the topic, duplicates and messages of ended sessions are refused.
+    Reordered messages are delivered; the node decides whether they are stale. Sequence numbers are checked before the
+    link, so ``gaps`` counts the losses of the bus, ``LinkEvent`` those of the link.
 
     Args:
         topic: The topic.
-        link: Injected link on its way, if there is one.
+        link: Injected link on its route, if there is one.
 
     Attributes:
         topic: The topic.
         link: The link.
-        undecodable: Messages that were no valid message of the topic.
-        foreign: Messages of processes that may not publish it.
+        undecodable: Messages that could not be decoded or were invalid.
+        unauthorized: Messages of processes that may not publish the topic.
     """
 
     def __init__(self, topic: Topic, link: MessageLink | None = None) -> None:
         self.topic = topic
         self.link = link
         self.undecodable = 0
-        self.foreign = 0
+        self.unauthorized = 0
         self._guards = {source: SequenceGuard() for source in topic.publishers}
         self._arrived: list[Received] = []
 
-    def read(self, now_ns: int, data: bytes) -> Sequence[LinkEvent] | ProtocolError:
-        """Take in the bytes of a message that the bus delivered.
+    def receive_bytes(self, now_ns: int, data: bytes) -> Sequence[LinkEvent] | ProtocolError:
+        """Decode and receive a message that the bus delivered.
 
         Returns:
-            What is wrong with them, or as ``accept``.
+            The error in the bytes, or the result of ``receive``.
         """
         try:
             header, body = decode(self.topic, data)
         except ProtocolError as error:
             self.undecodable += 1
             return error
-        return self.accept(now_ns, header, body)
+        return self.receive(now_ns, header, body)
 
-    def accept(self, now_ns: int, header: Header, body: Message) -> Sequence[LinkEvent]:
-        """Take in a message.
+    def receive(self, now_ns: int, header: Header, body: Message) -> Sequence[LinkEvent]:
+        """Receive a message and put it into the link.
 
         Args:
-            now_ns: Reader's monotonic time, ns; never smaller than before.
+            now_ns: Reader's monotonic time, ns; non-decreasing.
             header: Its header.
             body: Its body.
 
         Returns:
-            What the link did to it other than delaying it, for the driver to publish.
+            Effects of the link on it other than delay, for the driver to publish.
         """
         guard = self._guards.get(header.source)
         if guard is None:
-            self.foreign += 1
+            self.unauthorized += 1
             return ()
-        if guard.classify(header) not in _ADMITTED:
+        if guard.classify(header) not in _ACCEPTED:
             return ()
         if self.link is None:
             self._arrived.append(Received(header, body, now_ns))
@@ -84,8 +82,8 @@ class Inlet:
         effects = self.link.put(now_ns, (header, body))
         return self.link.events(header, effects) if effects else ()
 
-    def take(self, now_ns: int) -> list[Received]:
-        """What has come out by ``now_ns`` and was not taken before, in order of arrival."""
+    def pop_received(self, now_ns: int) -> list[Received]:
+        """Remove and return the messages that left the link by ``now_ns``, in order of arrival."""
         if self.link is None:
             arrived, self._arrived = self._arrived, []
             return arrived
@@ -93,7 +91,7 @@ class Inlet:
 
     @property
     def sources(self) -> tuple[LinkSource, ...]:
-        """Which messages were admitted, by publisher and session."""
+        """Accepted messages by publisher and session."""
         return tuple(
             LinkSource(source, *session) for source, guard in self._guards.items() for session in guard.sessions
         )
@@ -102,7 +100,7 @@ class Inlet:
     def health(self) -> TopicHealth:
         """Counts since the start, over all publishers."""
         guards = self._guards.values()
-        refused = self.undecodable + self.foreign
+        refused = self.undecodable + self.unauthorized
         if self.link is not None:
             refused += self.link.refused_corrupted + self.link.refused_duplicate
         return TopicHealth(
@@ -114,37 +112,37 @@ class Inlet:
 
 
 def inlets_of(node: Node, links: Mapping[str, LinkSettings]) -> tuple[Inlet, ...]:
-    """One inlet for each topic that the node subscribes to, with the links that sit at this node.
+    """Return one inlet for each topic that the node subscribes to, with the links that the node reads.
 
     Args:
         node: The node.
-        links: Settings by name of the link; those of other nodes are passed over, a link without settings
-            lets everything through at once.
+        links: Settings by name of the link; those of other nodes are ignored, a link without settings delivers every
+            message at once.
 
     Raises:
-        LinkNameError: If there is no link of a name in ``links``.
+        LinkNameError: There is no link of a name in ``links``.
     """
     require_links(links)
     return tuple(Inlet(topic, _link_at(node, topic, links)) for topic in node.subscribes)
 
 
 def require_links(names: Iterable[str]) -> None:
-    """Check that there are links of these names.
+    """Check that links of these names exist.
 
     Raises:
-        LinkNameError: There is one that is not.
+        LinkNameError: One does not exist.
     """
     for name in names:
         if name not in LINKS:
             raise LinkNameError(name, tuple(LINKS))
 
 
-def take_all(inlets: Iterable[Inlet], now_ns: int) -> list[Received]:
-    """A node's inbox: what came out of all inlets by ``now_ns``, in order of arrival.
+def pop_inbox(inlets: Iterable[Inlet], now_ns: int) -> list[Received]:
+    """Remove and return the messages that left all inlets by ``now_ns``, in order of arrival: a node's inbox.
 
-    Messages of the same time keep the order of ``inlets``, then the one in which they came.
+    Messages of the same time keep the order of ``inlets``, then their own.
     """
-    inbox = [message for inlet in inlets for message in inlet.take(now_ns)]
+    inbox = [message for inlet in inlets for message in inlet.pop_received(now_ns)]
     inbox.sort(key=attrgetter("received_ns"))
     return inbox
 

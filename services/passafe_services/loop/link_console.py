@@ -1,4 +1,4 @@
-"""A session that looks at the links of a running system and changes them."""
+"""Session that reads and changes the settings of the links of a running system."""
 
 import time
 from collections.abc import Callable, Iterator
@@ -10,71 +10,71 @@ from passafe_protocol.errors import ProtocolError
 from passafe_protocol.messages import LinkConfig, LinkParameters, LinkState
 from passafe_protocol.topics import LINK_CONFIG, LINK_STATE, LINKS
 
-from passafe_services.loop.bus import Bus, Reader, open_bus
+from passafe_services.loop.bus import Bus, TopicReader, open_bus
 from passafe_services.loop.errors import LinkNameError, LinkRefusedError, LinkSilentError
-from passafe_services.loop.link_board import LinkBoard
+from passafe_services.loop.link_states import NewestLinkStates
 from passafe_services.loop.outlet import Outlet
 from passafe_services.loop.router_endpoint import RouterEndpoint
 
 SOURCE: Final = "console"
 ANSWER_S: Final = 3.0
-"""How long to wait for a link to be heard of: every one tells its state once a second."""
+"""Time to wait for the state of a link, which is published once a second."""
 
-ASK_AGAIN_S: Final = 0.5
-"""A request without an answer is repeated: the first may have gone before the router knew its reader."""
+RETRY_S: Final = 0.5
+"""Interval of retries: the first request may be sent before the router has discovered its reader."""
 
-_LOOK_S: Final = 0.005
+_POLL_S: Final = 0.005
 
 T = TypeVar("T")
 
 
 class LinkConsole:
-    """Looks at links and changes them; made by ``open_link_console``."""
+    """Reads and changes the settings of links; created by ``open_link_console``."""
 
     def __init__(self, bus: Bus, *, answer_s: float) -> None:
-        self._reader: Reader = bus.reader(LINK_STATE)
+        self._reader: TopicReader = bus.reader(LINK_STATE)
         self._outlet = Outlet(bus, SOURCE, time.time_ns())
-        self._board = LinkBoard()
+        self._states = NewestLinkStates()
         self._answer_s = answer_s
 
     def states(self) -> dict[str, LinkState]:
-        """Newest state of every link that is heard of within the time allowed, by name, in the table's order."""
-        self._wait_for(lambda: all(self._board.newest(name) for name in LINKS) or None)
-        heard = {name: self._board.newest(name) for name in LINKS}
-        return {name: each.state for name, each in heard.items() if each is not None}
+        """Return the newest states received within the timeout, by name of the link, in the order of the table."""
+        self._wait_for(lambda: all(self._states.newest(name) for name in LINKS) or None)
+        received = {name: self._states.newest(name) for name in LINKS}
+        return {name: each.state for name, each in received.items() if each is not None}
 
     def state(self, name: str) -> LinkState:
-        """State of one link.
+        """Return the state of one link.
 
         Raises:
             LinkNameError: There is no such link.
-            LinkSilentError: It is not heard of within the time allowed.
+            LinkSilentError: Its state was not received within the timeout.
         """
         if name not in LINKS:
             raise LinkNameError(name, tuple(LINKS))
-        heard = self._wait_for(lambda: self._board.newest(name))
-        if heard is None:
+        received = self._wait_for(lambda: self._states.newest(name))
+        if received is None:
             raise LinkSilentError(name, LINKS[name].reader, self._answer_s)
-        return heard.state
+        return received.state
 
     def configure(self, name: str, parameters: LinkParameters) -> LinkState:
-        """Ask for other settings of a link and return its state with those in force.
+        """Change the settings of a link and return its state with the new ones in force.
 
         Raises:
-            LinkSilentError: No answer came within the time allowed.
-            LinkRefusedError: The process that reads the link refused them.
+            LinkSilentError: No answer was received within the timeout.
+            LinkRefusedError: The process that reads the link refused the settings.
         """
         first = self._outlet.sent(LINK_CONFIG)
-        asked_s = -ASK_AGAIN_S
+        sent_s = -RETRY_S
 
         def answered() -> LinkState | None:
-            nonlocal asked_s
-            if time.monotonic() - asked_s >= ASK_AGAIN_S:
-                asked_s = time.monotonic()
+            nonlocal sent_s
+            if time.monotonic() - sent_s >= RETRY_S:
+                sent_s = time.monotonic()
                 now_ns = time.monotonic_ns()
                 self._outlet.publish(LINK_CONFIG, LinkConfig(name, parameters), scheduled_ns=now_ns, started_ns=now_ns)
-            heard = self._board.answer(name, SOURCE, self._outlet.epoch, first)
-            return None if heard is None else heard.state
+            received = self._states.answer(name, SOURCE, self._outlet.epoch, first)
+            return None if received is None else received.state
 
         state = self._wait_for(answered)
         if state is None:
@@ -84,32 +84,32 @@ class LinkConsole:
         return state
 
     def _wait_for(self, condition: Callable[[], T | None]) -> T | None:
-        """Read states until the condition gives something or the time is over."""
+        """Receive states until the condition returns a value or the timeout expires."""
         end_s = time.monotonic() + self._answer_s
         while True:
             for data in self._reader.drain():
-                self._take(data)
+                self._receive(data)
             found = condition()
             if found is not None or time.monotonic() >= end_s:
                 return found
-            time.sleep(_LOOK_S)
+            time.sleep(_POLL_S)
 
-    def _take(self, data: bytes) -> None:
+    def _receive(self, data: bytes) -> None:
         try:
             header, state = decode(LINK_STATE, data)
         except ProtocolError:
-            return  # of another version, or damaged: as good as silence
+            return  # damaged or of another version: handled as no answer
         if isinstance(state, LinkState):
-            self._board.take(header, state, time.monotonic_ns())
+            self._states.receive(header, state, time.monotonic_ns())
 
 
 @contextmanager
 def open_link_console(endpoint: RouterEndpoint, *, answer_s: float = ANSWER_S) -> Iterator[LinkConsole]:
-    """Session with the system behind a router, closed whatever happens.
+    """Open a session with the links of a system and close it at the end of the block.
 
     Args:
-        endpoint: Where the router listens.
-        answer_s: How long to wait for each answer.
+        endpoint: Address of the router.
+        answer_s: Timeout of each answer, s.
 
     Raises:
         BusError: There is no router.

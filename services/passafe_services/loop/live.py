@@ -1,4 +1,4 @@
-"""One node in one process, at a fixed rate, over the bus."""
+"""Runs one node in one process, at a fixed rate, over the bus."""
 
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -15,7 +15,7 @@ from passafe_services.loop.driver import Driver
 from passafe_services.loop.pace import Pace
 from passafe_services.loop.rate_limited_log import RateLimitedLog
 from passafe_services.loop.readiness import announce_ready
-from passafe_services.loop.realtime import own_processor, quiet_collector, request_realtime, step_aside
+from passafe_services.loop.realtime import lower_priority, paused_garbage_collection, pin_to_processor, request_realtime
 from passafe_services.loop.router_endpoint import RouterEndpoint
 from passafe_services.loop.stop import StopReason, stop_requests
 from passafe_services.node import Node
@@ -25,14 +25,14 @@ _NS_PER_S: Final = 1e9
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class LiveReport:
-    """What became of a live run of one node.
+    """Outcome of a live run of one node.
 
     Attributes:
-        steps: Steps made.
+        steps: Steps executed.
         overruns: Steps that ended after the next was due.
-        steps_skipped: Steps left out because the loop had fallen behind.
-        withheld: Messages that the node made and that were not valid.
-        reason: Why it ended.
+        steps_skipped: Steps skipped to catch up.
+        withheld: Invalid messages of the node, which were not sent.
+        reason: Reason for the end.
     """
 
     steps: int
@@ -54,43 +54,43 @@ def run_live(
     lifeline: bool = False,
     finished: Callable[[], bool] | None = None,
 ) -> LiveReport:
-    """Step a node against the clock until somebody ends it; main thread only.
+    """Step a node in real time until it is stopped; main thread only.
 
-    A node's ``now_ns`` is when its step was due, on a grid of whole periods; when the step really began is in
-    the header of all that it publishes. ``received_ns`` of a message is the time of the step that found it, or when it
-    came out of its link. So a log says exactly what the node was stepped with.
+    The ``now_ns`` of a step is the time at which it was due, on a grid of whole periods; the time at which it began is
+    in the headers of its messages. ``received_ns`` of a message is the time of the step that received it, or the time
+    at which it left its link. A log therefore contains the exact arguments of every step.
 
     Args:
         node: The node.
         rate_hz: Steps per second.
-        endpoint: Where the router listens.
-        links: Settings of injected links by name; those at other nodes are passed over.
-        link_changes: Changes of these settings, planned; those at other nodes are passed over too.
-        duration_s: How long to run; ``None``: until somebody ends it.
-        epoch: Session number of what is published; the wall clock in ns if not given.
+        endpoint: Address of the router.
+        links: Settings of injected links by name; those at other nodes are ignored.
+        link_changes: Scheduled changes of these settings; those at other nodes are ignored.
+        duration_s: Duration of the run, s; ``None``: until it is stopped.
+        epoch: Session number of the published messages; the wall clock in ns if not given.
         lifeline: Whether standard input is a lifeline (see ``passafe_services.loop.stop``).
-        finished: Asked before each step whether the node wants no more.
+        finished: Called before each step; true ends the run.
 
     Returns:
-        Counts, and why it ended: a signal, the end of the lifeline or of the duration, or ``finished``.
+        Counts, and the reason for the end: a signal, the end of the lifeline or of the duration, or ``finished``.
 
     Raises:
-        BusError: If there is no router.
-        LinkNameError: If ``links`` or ``link_changes`` name a link that does not exist.
+        BusError: There is no router.
+        LinkNameError: ``links`` or ``link_changes`` name a link that does not exist.
     """
-    notices = RateLimitedLog()
+    log = RateLimitedLog()
     with ExitStack() as stack:
         stop = stack.enter_context(stop_requests(lifeline=lifeline))
         refusal = request_realtime()
         if refusal is None:
-            own_processor(node.name)
+            pin_to_processor(node.name)
         bus = stack.enter_context(open_bus(endpoint))
-        driver = Driver(node, bus, links, link_changes, time.time_ns() if epoch is None else epoch, notices)
+        driver = Driver(node, bus, links, link_changes, time.time_ns() if epoch is None else epoch, log)
         if refusal is not None:
-            driver.say("realtime", "warning", refusal)
+            driver.report("realtime", "warning", refusal)
         announce_ready(node.name)
-        step_aside()
-        collect = stack.enter_context(quiet_collector())
+        lower_priority()
+        collect = stack.enter_context(paused_garbage_collection())
         request_realtime()
         pace = Pace(monotonic_ns() + round(_NS_PER_S / rate_hz), rate_hz)
         end_ns = None if duration_s is None else pace.due_ns + round(_NS_PER_S * duration_s)
@@ -98,7 +98,7 @@ def run_live(
         return LiveReport(
             steps=pace.steps,
             overruns=pace.overruns,
-            steps_skipped=pace.missed,
+            steps_skipped=pace.skipped,
             withheld=driver.withheld,
             reason=reason,
         )

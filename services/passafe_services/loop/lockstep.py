@@ -1,4 +1,4 @@
-"""All nodes of a closed loop in one process, in virtual time: the same nodes as live, without a network."""
+"""Lockstep driver: runs all nodes of a closed loop in one process, in virtual time, without a network."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final
@@ -16,20 +16,19 @@ from passafe_services.node import Node
 Observer = Callable[[Topic, Header, Message], None]
 
 Tap = Callable[[Any], object]
-"""Takes what a node hands over for a topic: a message, or what makes one, unmade."""
+"""Called with each outgoing item of a node on a topic: a message, or the function that would return it."""
 
 START_NS: Final = 1_000_000_000
 """Virtual monotonic time of the first step; not zero, so that no time is mistaken for a missing one."""
 
-_FAR_NS: Final = 2**62
-"""Later than everything."""
+_END_OF_TIME_NS: Final = 2**62
 
 
 class Lockstep:
-    """Steps every node once a period, in a fixed order; messages arrive through the links of the topic table.
+    """Steps every node once per period, in a fixed order; messages arrive through the links of the topic table.
 
-    A message without delay reaches a node that steps later in the same period at once, others one period later.
-    Two runs with the same nodes, links and seeds give the same messages to the last byte.
+    A message without delay reaches nodes that step later in the same period at once, others one period later. Two runs
+    with the same nodes, links and seeds exchange identical messages to the last byte.
 
     Attributes:
         now_ns: Virtual monotonic time of the next step, ns.
@@ -50,172 +49,172 @@ class Lockstep:
         """Connect the nodes.
 
         Args:
-            nodes: In the order in which they step.
+            nodes: The nodes in the order in which they step.
             period_ns: Virtual time between two steps, ns.
-            links: Settings by name of the link; a link without settings passes everything at once.
-            link_changes: Changes of these settings, planned.
+            links: Settings by name of the link; a link without settings delivers every message at once.
+            link_changes: Scheduled changes of these settings.
             wall_offset_ns: Wall clock minus virtual monotonic clock, ns.
             epoch: Session epoch in every header.
-            observer: Called with every message at the moment it is sent; without one, telemetry that nobody
-                subscribes to is not even made.
-            taps: By topic, each called with what a node hands over for it, before and whether or not a message is made
-                of that: who needs only a few figures of every tick does not pay for its telemetry.
+            observer: Called with every message when it is sent; without an observer, telemetry without subscribers is
+                not computed.
+            taps: By topic, called with each outgoing item whether or not its message is computed, so that a few values
+                of every tick can be read without the cost of telemetry.
         """
         self.now_ns = START_NS
         self._period_ns = period_ns
         self._wall_offset_ns = wall_offset_ns
         self._observer = observer
         self._taps = taps or {}
-        self._seats = [_Seat(node, epoch) for node in nodes]
+        self._slots = [_Slot(node, epoch) for node in nodes]
         self._readers: dict[Topic, list[_Reader]] = {}
-        self._ended: dict[Topic, list[LinkSource]] = {}  # what sessions that were killed had sent
-        self._due_ns = 0  # no link needs anything before
+        self._ended: dict[Topic, list[LinkSource]] = {}  # messages sent by sessions that were killed
+        self._due_ns = 0  # next time at which a link changes or reports its state
         require_links([*(links or {}), *(change.link for change in link_changes)])
         impaired = {change.link: LinkSettings() for change in link_changes} | dict(links or {})
-        for seat in self._seats:
-            for topic in seat.node.subscribes:
-                link = self._link(topic, seat, impaired)
-                self._readers.setdefault(topic, []).append((seat, link))
-            seat.control = LinkControl([*seat.links, *seat.open_links], link_changes, self._sources)
+        for slot in self._slots:
+            for topic in slot.node.subscribes:
+                link = self._link(topic, slot, impaired)
+                self._readers.setdefault(topic, []).append((slot, link))
+            slot.control = LinkControl([*slot.links, *slot.bypassed_links], link_changes, self._sources)
 
     def run(self, steps: int) -> None:
         """Advance by a number of periods."""
         for _ in range(steps):
             due = self.now_ns >= self._due_ns
             if due:
-                for seat in self._seats:
-                    seat.control.advance(self.now_ns)
-            for seat in self._seats:
-                self._step(seat)
+                for slot in self._slots:
+                    slot.control.advance(self.now_ns)
+            for slot in self._slots:
+                self._step(slot)
             if due:
-                self._tell_links()
+                self._report_links()
             self.now_ns += self._period_ns
 
     def kill(self, name: str) -> None:
-        """End a node as a process is killed: it steps no more, and what is under way to it is lost with it.
+        """Kill a node like a process: it no longer steps, and messages in flight to it are lost.
 
         Args:
-            name: The node's.
+            name: Name of the node.
         """
-        self._seat_of(name).dead = True
+        self._slot_of(name).dead = True
 
-    def revive(self, node: Node, epoch: int) -> None:
-        """Put a new node in the place of the one of the same name: a process that was started again.
+    def restart(self, node: Node, epoch: int) -> None:
+        """Replace a node by one of the same name, like a process that is restarted.
 
         Args:
-            node: The node; it subscribes to what the one before did.
-            epoch: Its session, greater than all before.
+            node: The node; it has the same subscriptions.
+            epoch: Its session, larger than all previous ones.
         """
-        seat = self._seat_of(node.name)
-        for link in seat.links:
-            link.pop_received(_FAR_NS)
-        for topic, route in seat.routes.items():
+        slot = self._slot_of(node.name)
+        for link in slot.links:
+            link.pop_received(_END_OF_TIME_NS)
+        for topic, route in slot.routes.items():
             if route.sent:
-                ended = LinkSource(seat.name, seat.epoch, 0, route.sent - 1, route.sent)
+                ended = LinkSource(slot.name, slot.epoch, 0, route.sent - 1, route.sent)
                 self._ended.setdefault(topic, []).append(ended)
-        seat.node, seat.dead, seat.epoch = node, False, epoch
-        seat.inbox, seat.routes = [], {}
+        slot.node, slot.dead, slot.epoch = node, False, epoch
+        slot.inbox, slot.routes = [], {}
 
-    def _seat_of(self, name: str) -> "_Seat":
-        """Return the place of a node.
+    def _slot_of(self, name: str) -> "_Slot":
+        """Return the slot of a node.
 
         Raises:
-            ValueError: There is none of that name.
+            ValueError: There is no node of that name.
         """
-        for seat in self._seats:
-            if seat.name == name:
-                return seat
-        raise ValueError(f"node: got {name!r}, allowed {', '.join(seat.name for seat in self._seats)}")
+        for slot in self._slots:
+            if slot.name == name:
+                return slot
+        raise ValueError(f"node: got {name!r}, allowed {', '.join(slot.name for slot in self._slots)}")
 
     def finish(self) -> None:
-        """Tell the observer the last state of every link; after the last step."""
-        self._count_open_links()
-        for seat in self._seats:
-            self._tell(seat, seat.control.last_states())
+        """Report the last state of every link to the observer; called after the last step."""
+        self._count_bypassed_links()
+        for slot in self._slots:
+            self._report(slot, slot.control.last_states())
 
     @staticmethod
-    def _link(topic: Topic, seat: "_Seat", impaired: Mapping[str, LinkSettings]) -> MessageLink | None:
-        """Return the injected link on the way of a topic to a reader, if it ever does anything."""
-        name = topic.links.get(seat.name)
+    def _link(topic: Topic, slot: "_Slot", impaired: Mapping[str, LinkSettings]) -> MessageLink | None:
+        """Return the injected link between a topic and a reader, if its settings ever have an effect."""
+        name = topic.links.get(slot.name)
         if name is None:
             return None
         if name in impaired:
             link = MessageLink(name, impaired[name])
-            seat.links.append(link)
+            slot.links.append(link)
             return link
-        seat.open_links.append(MessageLink(name, LinkSettings()))
+        slot.bypassed_links.append(MessageLink(name, LinkSettings()))
         return None
 
-    def _tell_links(self) -> None:
-        self._count_open_links()
-        for seat in self._seats:
-            self._tell(seat, seat.control.due_states(self.now_ns))
-        self._due_ns = min((seat.control.due_ns for seat in self._seats), default=0)
+    def _report_links(self) -> None:
+        self._count_bypassed_links()
+        for slot in self._slots:
+            self._report(slot, slot.control.due_states(self.now_ns))
+        self._due_ns = min((slot.control.due_ns for slot in self._slots), default=0)
 
-    def _tell(self, seat: "_Seat", states: Sequence[LinkState]) -> None:
+    def _report(self, slot: "_Slot", states: Sequence[LinkState]) -> None:
         if self._observer is not None:
             for state in states:
-                self._send(seat, self._route(seat, LINK_STATE), state)
+                self._send(slot, self._route(slot, LINK_STATE), state)
 
-    def _count_open_links(self) -> None:
-        for seat in self._seats:
-            for link in seat.open_links:
+    def _count_bypassed_links(self) -> None:
+        for slot in self._slots:
+            for link in slot.bypassed_links:
                 link.count_passed(sum(source.received for source in self._sources(link)) - link.counts.entered)
 
     def _sources(self, link: MessageLink) -> tuple[LinkSource, ...]:
-        """Which messages were put into a link: all that were sent."""
+        """Return the messages that entered a link, by sender and session: all that were sent."""
         sent = list(self._ended.get(link.topic, ()))
-        for seat in self._seats:
-            route = seat.routes.get(link.topic)
+        for slot in self._slots:
+            route = slot.routes.get(link.topic)
             if route is not None and route.sent:
-                sent.append(LinkSource(seat.name, seat.epoch, 0, route.sent - 1, route.sent))
+                sent.append(LinkSource(slot.name, slot.epoch, 0, route.sent - 1, route.sent))
         return tuple(sent)
 
-    def _step(self, seat: "_Seat") -> None:
+    def _step(self, slot: "_Slot") -> None:
         now_ns, observer = self.now_ns, self._observer
-        inbox, seat.inbox = seat.inbox, []
-        if seat.dead:
+        inbox, slot.inbox = slot.inbox, []
+        if slot.dead:
             return
-        if seat.links:
-            for link in seat.links:
+        if slot.links:
+            for link in slot.links:
                 inbox += link.pop_received(now_ns)
             if len(inbox) > 1:
                 inbox.sort(key=_arrival)
-        for topic, made in seat.node.step(now_ns, inbox):
-            route = seat.routes.get(topic) or self._route(seat, topic)
+        for topic, item in slot.node.step(now_ns, inbox):
+            route = slot.routes.get(topic) or self._route(slot, topic)
             if route.tap is not None:
-                route.tap(made)
+                route.tap(item)
             if route.readers or observer is not None:
-                self._send(seat, route, made if isinstance(made, Record) else made())
+                self._send(slot, route, item if isinstance(item, Record) else item())
 
-    def _send(self, sender: "_Seat", route: "_Route", body: Message) -> None:
+    def _send(self, sender: "_Slot", route: "_Route", body: Message) -> None:
         now_ns = self.now_ns
         wall_ns = now_ns + self._wall_offset_ns
         header = Header(sender.name, sender.epoch, route.sent, now_ns, now_ns, now_ns, wall_ns)
         route.sent += 1
         if self._observer is not None:
             self._observer(route.topic, header, body)
-        for seat, link in route.readers:
+        for slot, link in route.readers:
             if link is None:
-                seat.inbox.append(Received(header, body, now_ns))
+                slot.inbox.append(Received(header, body, now_ns))
                 continue
             effects = link.put(now_ns, (header, body))
             if effects and self._observer is not None:
                 for event in link.events(header, effects):
-                    self._send(seat, self._route(seat, LINK_EVENT), event)
+                    self._send(slot, self._route(slot, LINK_EVENT), event)
 
-    def _route(self, sender: "_Seat", topic: Topic) -> "_Route":
-        """Return the way of a sender's topic, made when it is first gone."""
+    def _route(self, sender: "_Slot", topic: Topic) -> "_Route":
+        """Return the route of a sender's topic, created at its first message."""
         if topic not in sender.routes:
             readers = [reader for reader in self._readers.get(topic, ()) if reader[0] is not sender]
             sender.routes[topic] = _Route(topic, readers, self._taps.get(topic))
         return sender.routes[topic]
 
 
-class _Seat:
-    """A node, what has come in for it, the links on its way and where what it sends goes.
+class _Slot:
+    """Node with its inbox, the links that it reads and the routes of its messages.
 
-    What has no effect on messages is passed around: those links are open, and only count.
+    Links without effect are bypassed and only count messages.
     """
 
     control: LinkControl
@@ -227,16 +226,16 @@ class _Seat:
         self.name = node.name
         self.inbox: list[Received] = []
         self.links: list[MessageLink] = []
-        self.open_links: list[MessageLink] = []
+        self.bypassed_links: list[MessageLink] = []
         self.routes: dict[Topic, _Route] = {}
 
 
-_Reader = tuple[_Seat, MessageLink | None]
-"""Who reads a topic, and the link on the way there unless it is open."""
+_Reader = tuple[_Slot, MessageLink | None]
+"""Reader of a topic and the link to it, unless that is bypassed."""
 
 
 class _Route:
-    """One topic of one sender: who reads it, and how many messages have gone that way."""
+    """One topic of one sender: its readers, its tap and the number of messages sent."""
 
     def __init__(self, topic: Topic, readers: list[_Reader], tap: Tap | None) -> None:
         self.topic = topic

@@ -1,4 +1,4 @@
-"""A node as a process at the scenario's rate."""
+"""Runs a node as a process at the scenario's rate."""
 
 from collections.abc import Callable
 
@@ -15,13 +15,13 @@ def run_node(
     epoch: int | None = None,
     finished: Callable[[], bool] | None = None,
 ) -> None:
-    """Step a node against the clock until told to stop.
+    """Step a node in real time until it is stopped.
 
     Args:
         node: The node.
         options: Scenario, endpoint and lifeline.
-        epoch: Session number, if the node must know it.
-        finished: Asked before each step whether the node wants no more.
+        epoch: Session number, if the node needs it.
+        finished: Called before each step; true ends the run.
     """
     run_live(
         node,

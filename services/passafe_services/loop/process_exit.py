@@ -1,63 +1,26 @@
-"""What a supervisor is given, and what it tells at the end."""
+"""Exits of supervised processes and the outcome of a supervised run."""
 
 import signal
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
-from typing import Final
-
-GRACE_S: Final = 3.0
-"""How long a process may take to end before it is killed, unless its specification says otherwise."""
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Restarts:
-    """How often a process that died is started again; the next death after that ends the run.
-
-    Attributes:
-        most: How many times within ``within_s``.
-        within_s: Length of the stretch of time that counts, s.
-    """
-
-    most: int = 5
-    within_s: float = 60.0
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class ProcessSpec:
-    """A process to run.
-
-    It must print ``ready_line(name)`` on standard output once it is ready, and end on SIGTERM and when its
-    standard input, the lifeline, ends.
-
-    Attributes:
-        name: Its name, unique in a run; every line that it prints gets it as a prefix.
-        argv: The program and its arguments.
-        grace_s: How long it may take to end before it is killed.
-        restarts: How often it is started again when it dies; ``None``: its death ends the run.
-    """
-
-    name: str
-    argv: tuple[str, ...]
-    grace_s: float = GRACE_S
-    restarts: Restarts | None = None
 
 
 class ExitCause(Enum):
-    """What ended a supervised run."""
+    """Cause of the end of a supervised run."""
 
     DURATION = "duration"
-    """The time was up."""
+    """The duration of the run was over."""
 
     SIGNAL = "signal"
-    """Somebody asked for the end: Ctrl-C, SIGTERM or SIGHUP."""
+    """A signal requested the end: SIGINT (Ctrl-C), SIGTERM or SIGHUP."""
 
     LEFT = "left"
-    """A process ended by itself, with exit code 0."""
+    """A process exited by itself with exit code 0."""
 
     DIED = "died"
-    """A process ended by itself in any other way, and was not to be started again."""
+    """A process died and was not to be restarted."""
 
     NOT_READY = "not ready"
     """A process was not ready in time."""
@@ -68,34 +31,34 @@ class ExitCause(Enum):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Exit:
-    """How one process ended.
+    """Exit of one process.
 
     Attributes:
         name: Its name.
         returncode: Exit code, or the negative number of the signal that killed it.
-        asked: Whether it ended because the supervisor had asked it to.
-        forced: Whether the supervisor had to kill it.
-        restarted: Whether the supervisor started it again after that.
-        ready: Whether it had ever said that it was ready.
+        requested: Whether the supervisor had requested its end.
+        killed: Whether the supervisor had to kill it.
+        restarted: Whether the supervisor restarted it.
+        ready: Whether it had ever reported that it was ready.
     """
 
     name: str
     returncode: int
-    asked: bool
-    forced: bool
+    requested: bool
+    killed: bool
     restarted: bool = False
     ready: bool = True
 
     @property
-    def well(self) -> bool:
-        """Whether it stopped as it should; what is not ready yet may know no better than to die of SIGTERM."""
-        if self.asked and not self.forced and not self.ready and self.returncode == -signal.SIGTERM:
+    def clean(self) -> bool:
+        """True for exit code 0; before it is ready, a process may also end by SIGTERM."""
+        if self.requested and not self.killed and not self.ready and self.returncode == -signal.SIGTERM:
             return True
         return self.returncode == 0
 
     @property
-    def how(self) -> str:
-        """In words: ``exit code 1``, ``killed by SIGKILL``."""
+    def description(self) -> str:
+        """Description such as ``exit code 1`` or ``killed by SIGKILL``."""
         if self.returncode >= 0:
             return f"exit code {self.returncode}"
         try:
@@ -106,13 +69,13 @@ class Exit:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class RunOutcome:
-    """How a supervised run ended; none of its processes is left.
+    """Outcome of a supervised run; none of its processes is left.
 
     Attributes:
-        cause: What ended it.
-        culprit: The process that ended it, if one did.
-        detail: In words, one line.
-        exits: How each process that was started ended, in the order in which they ended.
+        cause: Cause of the end.
+        culprit: Process that caused it, if one did.
+        detail: Description in one line.
+        exits: Exit of each process that was started, in the order in which they ended.
     """
 
     cause: ExitCause
@@ -122,16 +85,16 @@ class RunOutcome:
 
     @property
     def died(self) -> tuple[Exit, ...]:
-        """Processes that ended by themselves, and not with exit code 0."""
-        return tuple(end for end in self.exits if not end.asked and end.returncode != 0)
+        """Processes that ended without a request, with a non-zero exit code or by a signal."""
+        return tuple(end for end in self.exits if not end.requested and end.returncode != 0)
 
     @property
     def restarts(self) -> Mapping[str, int]:
-        """How often each process was started again, by name; one that never was is left out."""
+        """Number of restarts by process name; processes without any are omitted."""
         return Counter(end.name for end in self.exits if end.restarted)
 
     @property
     def clean(self) -> bool:
-        """Whether it ended as it should: none had to be killed, none failed to stop well, and none died for good."""
-        meant = self.cause in {ExitCause.DURATION, ExitCause.SIGNAL, ExitCause.LEFT}
-        return meant and all(end.well or end.restarted for end in self.exits)
+        """True if the end was intended and every process exited cleanly or was restarted."""
+        intended = self.cause in {ExitCause.DURATION, ExitCause.SIGNAL, ExitCause.LEFT}
+        return intended and all(end.clean or end.restarted for end in self.exits)

@@ -1,4 +1,4 @@
-"""What a process is started with."""
+"""Options with which a process is started."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -9,7 +9,7 @@ from passafe_services.scenarios.schema import Scenario
 
 
 class ProcessName(StrEnum):
-    """What ``passafe run`` can run."""
+    """Processes of ``passafe run``."""
 
     ROUTER = "router"
     RECORDER = "recorder"
@@ -20,7 +20,7 @@ class ProcessName(StrEnum):
 
 
 class Device(StrEnum):
-    """Who drives."""
+    """Input device of the operator."""
 
     SCRIPT = "script"
     KEYBOARD = "keyboard"
@@ -28,17 +28,17 @@ class Device(StrEnum):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ProcessOptions:
-    """What ``passafe run`` was given; each process takes from it what concerns it.
+    """Options of ``passafe run``; each process uses those that concern it.
 
     Attributes:
         scenario: Effective scenario, the same for all processes of a system.
-        endpoint: Where the router listens.
-        device: Operator: who drives.
-        duration_s: Plant: seconds of plant time after which it ends; ``None``: never.
+        endpoint: Address of the router.
+        device: Operator: input device.
+        duration_s: Plant: plant time after which it ends, s; ``None``: never.
         out: Recorder: log to write.
         port: Dashboard: port of its page.
         host: Dashboard: address of its page.
-        lifeline: Whether to end when standard input does.
+        lifeline: Whether to end when standard input closes.
     """
 
     scenario: Scenario

@@ -1,4 +1,4 @@
-"""What a process says in words: a line on standard error, and an ``Event`` to publish."""
+"""Log of a process: lines on standard error and ``Event`` messages, limited in rate."""
 
 import sys
 from contextlib import suppress
@@ -7,35 +7,35 @@ from typing import Final
 from passafe_protocol.messages import Event
 
 PERIOD_NS: Final = 5_000_000_000
-"""The same kind of notice is given at most once in so long."""
+"""Shortest time between two messages of the same kind."""
 
 
 class RateLimitedLog:
-    """Says things once, then counts until it may say them again."""
+    """Logs a message of each kind at most once per ``PERIOD_NS`` and counts those suppressed in between."""
 
     def __init__(self) -> None:
         self._next_ns: dict[str, int] = {}
-        self._untold: dict[str, int] = {}
+        self._suppressed: dict[str, int] = {}
 
-    def notice(self, kind: str, severity: str, text: str, now_ns: int) -> Event | None:
-        """Say something.
+    def report(self, kind: str, severity: str, text: str, now_ns: int) -> Event | None:
+        """Log a message.
 
         Args:
-            kind: What kind of thing it is; each kind has a limit of its own.
+            kind: Kind of the message; the limit applies to each kind separately.
             severity: ``info``, ``warning`` or ``error``.
-            text: What to say.
+            text: Text of the message.
             now_ns: Monotonic time, ns.
 
         Returns:
-            The event to publish, or ``None`` if the limit held it back; the next one tells how many were.
+            The event to publish, or ``None`` if it was suppressed; the next event contains the number of those.
         """
         if now_ns < self._next_ns.get(kind, now_ns):
-            self._untold[kind] = self._untold.get(kind, 0) + 1
+            self._suppressed[kind] = self._suppressed.get(kind, 0) + 1
             return None
         self._next_ns[kind] = now_ns + PERIOD_NS
-        untold = self._untold.pop(kind, 0)
-        told = f"{text} (and {untold} more like it)" if untold else text
-        with suppress(OSError):  # nobody is left to read it
-            sys.stderr.write(f"{severity}: {told}\n")
+        suppressed = self._suppressed.pop(kind, 0)
+        logged = f"{text} (and {suppressed} more like it)" if suppressed else text
+        with suppress(OSError):  # standard error may be closed
+            sys.stderr.write(f"{severity}: {logged}\n")
             sys.stderr.flush()
-        return Event(severity, told)
+        return Event(severity, logged)

@@ -1,4 +1,4 @@
-"""How a process tells its supervisor that it is ready: one line on standard output."""
+"""Readiness protocol between a process and its supervisor: one line on standard output."""
 
 import sys
 from typing import Final
@@ -7,11 +7,11 @@ _PREFIX: Final = "passafe-ready"
 
 
 def ready_line(name: str) -> str:
-    """The line that says that the process ``name`` has set itself up and does its work now."""
+    """Return the line with which the process ``name`` reports that it is ready."""
     return f"{_PREFIX} {name}"
 
 
 def announce_ready(name: str) -> None:
-    """Print the line."""
+    """Print the ready line of the process ``name``."""
     sys.stdout.write(f"{ready_line(name)}\n")
     sys.stdout.flush()

@@ -1,4 +1,4 @@
-"""What makes a process punctual: priority, precise sleep, a garbage collector that keeps out of the way."""
+"""Real-time settings of a process: priority, processor, timer slack and garbage collection."""
 
 import ctypes
 import gc
@@ -11,27 +11,27 @@ from typing import Final
 LOOP_PRIORITY: Final = 50
 """SCHED_FIFO priority of router and control loops, and of the bus' threads.
 
-Threads of the bus wait for one another in ways that keep a processor busy: with more than the priority of a loop on the
-same processor they would keep from running what they wait for.
+Threads of the bus spin while they wait for one another: with a higher priority than a loop on the same processor, they
+would starve the thread that they wait for.
 """
 
-ASIDE_PRIORITY: Final = 1
-"""SCHED_FIFO priority of a process that gets ready."""
+SETUP_PRIORITY: Final = 1
+"""SCHED_FIFO priority of a process during setup."""
 
 RECORDER_PRIORITY: Final = 20
-"""SCHED_FIFO priority of a recorder: never in the way of a loop, never behind the rest of the machine."""
+"""SCHED_FIFO priority of a recorder: below the loops, above all other processes."""
 
 LOOPS: Final = ("filter", "plant", "operator")
-"""Processes with a loop, the one that has most to do first."""
+"""Processes with a control loop, the most demanding first."""
 
 _PR_SET_TIMERSLACK: Final = 29
 
 
 def request_realtime(priority: int = LOOP_PRIORITY) -> str | None:
-    """Ask for SCHED_FIFO for this thread and those started later: call it before the bus is opened.
+    """Request SCHED_FIFO for this thread and those started later: call it before the bus is opened.
 
     Returns:
-        ``None`` if granted, else why not; the process can go on without it.
+        ``None`` if granted, else the reason for the refusal; the process can continue without it.
     """
     _sleep_precisely()
     if not hasattr(os, "sched_setscheduler"):
@@ -43,46 +43,46 @@ def request_realtime(priority: int = LOOP_PRIORITY) -> str | None:
     return None
 
 
-def step_aside() -> None:
-    """Go on after every loop, though before all that has no deadline: to get ready takes tens of milliseconds.
+def lower_priority() -> None:
+    """Continue with ``SETUP_PRIORITY`` for the setup, which takes tens of milliseconds: after loops, before the rest.
 
-    Nothing happens without real-time priority; ``request_realtime`` takes it back.
+    Without real-time priority nothing happens; ``request_realtime`` restores the priority.
     """
     if hasattr(os, "sched_setscheduler") and os.sched_getscheduler(0) == os.SCHED_FIFO:
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(ASIDE_PRIORITY))
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(SETUP_PRIORITY))
 
 
-def own_processor(name: str) -> None:
-    """Keep this thread on one processor: each loop's on another, as far as there are enough.
+def pin_to_processor(name: str) -> None:
+    """Pin this thread to one processor, a different one for each loop if there are enough.
 
-    Linux leaves loops of one priority where they ran last, several on one processor, and takes every processor that
-    spends 95 % of a second in real time away from them for the rest of it (``sched_rt_runtime_us``).
+    Linux leaves loops of the same priority where they ran last, possibly several on one processor, and throttles
+    real-time threads on a processor that spends 95 % of a second in them (``sched_rt_runtime_us``).
 
     Args:
-        name: Name of the process; nothing happens if it has no loop.
+        name: Name of the process; nothing happens if it has no control loop.
     """
     if name in LOOPS and hasattr(os, "sched_setaffinity"):
-        allowed = sorted(os.sched_getaffinity(0), reverse=True)  # the first ones have interrupts to serve
+        allowed = sorted(os.sched_getaffinity(0), reverse=True)  # the first ones serve interrupts
         os.sched_setaffinity(0, {allowed[min(LOOPS.index(name), len(allowed) - 1)]})
 
 
-def processors() -> int:
-    """Return how many processors this process may use."""
+def available_processors() -> int:
+    """Return the number of processors that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def give_way() -> None:
-    """Let the bus' threads run, which have the priority and the processor of a loop that does not come to rest."""
+def yield_processor() -> None:
+    """Let the threads of the bus run, which share priority and processor with a loop that never sleeps."""
     if hasattr(os, "sched_yield"):
         os.sched_yield()
 
 
 @contextmanager
-def quiet_collector() -> Iterator[Callable[[], None]]:
-    """Keep Python's cyclic garbage collector from running at moments of its own choice.
+def paused_garbage_collection() -> Iterator[Callable[[], None]]:
+    """Disable Python's automatic cyclic garbage collection within the block.
 
-    Everything alive now is set aside for good. The function that is handed out collects what was made since;
-    called once a second it takes microseconds and bounds the garbage.
+    Objects that exist now are frozen. The yielded function collects objects created since; called once a second, it
+    takes microseconds and bounds the garbage.
     """
     gc.collect()
     gc.freeze()
@@ -99,6 +99,6 @@ def _collect_young() -> None:
 
 
 def _sleep_precisely() -> None:
-    """Let timers fire within 1 ns instead of 50 µs; real-time threads have that anyway."""
+    """Reduce the timer slack from 50 µs to 1 ns; real-time threads have none anyway."""
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(_PR_SET_TIMERSLACK, 1, 0, 0, 0)

@@ -1,4 +1,4 @@
-"""Where the router is."""
+"""Address of the router."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -12,14 +12,14 @@ _LARGEST_PORT: Final = 65_535
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class RouterEndpoint:
-    """A TCP endpoint of the router: what it listens on, or what its clients connect to.
+    """TCP endpoint on which the router listens and to which its clients connect.
 
     Attributes:
         host: Host name or address; IPv6 addresses without brackets.
         port: TCP port, from 1 to 65535.
 
     Raises:
-        EndpointError: If one cannot be used.
+        EndpointError: Host or port is not valid.
     """
 
     host: str = LOOPBACK
@@ -33,6 +33,6 @@ class RouterEndpoint:
 
     @property
     def locator(self) -> str:
-        """Zenoh's way to write it: ``tcp/127.0.0.1:7447``."""
+        """Zenoh locator such as ``tcp/127.0.0.1:7447``."""
         host = f"[{self.host}]" if ":" in self.host else self.host
         return f"tcp/{host}:{self.port}"

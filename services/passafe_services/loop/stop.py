@@ -1,7 +1,7 @@
-"""When a process is to stop: a signal, or the end of its lifeline.
+"""Stop requests of a process: a signal, or the end of its lifeline.
 
-A lifeline is standard input held open by whoever started the process. It ends when the holder does, however
-that happens, so a supervised process never outlives its supervisor.
+A lifeline is a standard input that the parent holds open. It closes when the parent ends, even if it is killed, so a
+supervised process never outlives its supervisor.
 """
 
 import os
@@ -16,14 +16,14 @@ from types import FrameType
 from typing import Final
 
 LIFELINE_GRACE_S: Final = 5.0
-"""A process that has not ended so long after its lifeline did is killed."""
+"""Time after the end of its lifeline at which a process is killed."""
 
 _STANDARD_INPUT: Final = 0
 _SIGNALS: Final = (signal.SIGINT, signal.SIGTERM)
 
 
 class StopReason(Enum):
-    """Why a process stopped."""
+    """Reason for which a process stopped."""
 
     SIGNAL = "signal"
     LIFELINE = "end of the lifeline"
@@ -32,13 +32,13 @@ class StopReason(Enum):
 
 
 class Stop:
-    """A request to stop; made by ``stop_requests``.
+    """Stop request; created by ``stop_requests``.
 
-    It wakes a waiter through a pipe: a lock could be held by the very code that a signal handler interrupts.
-    The pipe is never closed, since the lifeline's thread may write to it as long as the process lives.
+    It wakes a waiter through a pipe: a lock could be held by the code that the signal handler interrupts. The pipe is
+    never closed, since the lifeline's thread may write to it until the process ends.
 
     Attributes:
-        reason: Why to stop; ``None`` as long as nobody asked.
+        reason: Reason to stop; ``None`` before a request.
     """
 
     def __init__(self) -> None:
@@ -46,20 +46,20 @@ class Stop:
         self._read_end, self._write_end = os.pipe()
 
     def request(self, reason: StopReason) -> None:
-        """Ask to stop; the first reason stays."""
+        """Request a stop; the first reason is kept."""
         if self.reason is None:
             self.reason = reason
             os.write(self._write_end, b"\0")
 
     def wait(self, timeout_s: float | None = None) -> bool:
-        """Wait until somebody asks to stop, or for ``timeout_s``; tells whether somebody did."""
+        """Wait for a stop request, at most ``timeout_s``; return whether there was one."""
         select.select([self._read_end], [], [], timeout_s)
         return self.reason is not None
 
 
 @contextmanager
 def stop_requests(*, lifeline: bool) -> Iterator[Stop]:
-    """Turn SIGINT, SIGTERM and the end of the lifeline into a request; a second signal ends the process.
+    """Turn SIGINT, SIGTERM and the end of the lifeline into a stop request; a second signal ends the process.
 
     Main thread only.
 
@@ -87,7 +87,7 @@ def _watch_lifeline(stop: Stop) -> None:
         while os.read(_STANDARD_INPUT, 4096):
             pass
     except OSError:
-        pass  # closed: as good as at its end
+        pass  # a closed standard input counts as the end of the lifeline
     stop.request(StopReason.LIFELINE)
     time.sleep(LIFELINE_GRACE_S)
     os.kill(os.getpid(), signal.SIGKILL)

@@ -1,1 +1,1 @@
-"""The recorder: every message of a run into an MCAP file that survives a kill; and files that were torn."""
+"""The recorder: writes every message of a run to an MCAP file that survives a kill."""

@@ -1,4 +1,4 @@
-"""Logs a lockstep loop: what the recorder process does live, as an observer of the loop."""
+"""Logs a lockstep loop: an observer that does the work of the recorder process."""
 
 from passafe_protocol.codec import encode
 from passafe_protocol.messages import Header, Message
@@ -8,7 +8,7 @@ from passafe_services.log.log_writer import LogWriter
 
 
 class LockstepLog:
-    """Observer that writes every recorded message of a lockstep loop, wire bytes as a live publisher makes them."""
+    """Observer that writes every recorded message of a lockstep loop, encoded as by a live publisher."""
 
     def __init__(self, log: LogWriter) -> None:
         self._log = log

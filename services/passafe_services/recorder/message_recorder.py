@@ -1,4 +1,4 @@
-"""What the recorder does with each message: log it as it is, and count what is missing."""
+"""Logs each message unchanged and counts missing ones."""
 
 from collections import defaultdict
 from collections.abc import Iterable
@@ -14,63 +14,63 @@ from passafe_services.log.wire_header import read_header
 
 @dataclass
 class _Channel:
-    """One key expression: its topic, its publisher and what came of it."""
+    """One key expression: its topic, its publisher and the counts of its messages."""
 
     topic: Topic | None
     source: str
     guard: SequenceGuard = field(default_factory=SequenceGuard)
-    bad: int = 0
+    invalid: int = 0
 
 
 class MessageRecorder:
-    """A log being filled from the bus.
+    """Writes messages from the bus to a log.
 
-    Every message is logged, also one that is no valid message, repeated or foreign: the log shows what was
-    on the wire. Only the count tells them apart.
+    Every message is logged, also invalid and duplicate ones: the log shows what was on the wire. Only the counts
+    distinguish them.
 
     Args:
-        log: Where messages go.
+        log: Log to write to.
 
     Attributes:
-        bytes_taken: Wire bytes logged so far.
+        bytes_recorded: Wire bytes logged so far.
     """
 
     def __init__(self, log: LogWriter) -> None:
-        self.bytes_taken = 0
+        self.bytes_recorded = 0
         self._log = log
         self._channels: dict[str, _Channel] = {}
 
-    def take(self, samples: Iterable[tuple[str, bytes]], wall_ns: int) -> None:
-        """Log what came off the bus.
+    def record(self, samples: Iterable[tuple[str, bytes]], wall_ns: int) -> None:
+        """Log messages from the bus.
 
         Args:
             samples: Key expression and wire bytes of each message, in order of arrival.
-            wall_ns: Wall time now: the time in the log of a message that does not tell its own.
+            wall_ns: Wall time now, ns: log time of messages without a valid header.
 
         Raises:
-            LogWriteError: The disk does not take it.
+            LogWriteError: The log cannot be written.
         """
         for key, data in samples:
             channel = self._channels.get(key) or self._open(key)
-            header = self._judged(channel, data)
+            header = self._count(channel, data)
             if header is None:
                 self._log.write(key, data, sequence=0, wall_ns=wall_ns)
             else:
                 self._log.write(key, data, sequence=header.sequence, wall_ns=header.wall_ns)
-            self.bytes_taken += len(data)
+            self.bytes_recorded += len(data)
 
     def gaps(self) -> dict[str, int]:
-        """Messages missing between others so far, by key expression; keys without gaps are left out."""
+        """Return the number of messages missing so far, by key expression; keys without gaps are omitted."""
         return {key: channel.guard.gaps for key, channel in self._channels.items() if channel.guard.gaps}
 
     def health(self) -> tuple[TopicHealth, ...]:
-        """What came of each topic so far, over all its publishers, by the topic's name."""
+        """Return the message counts of each topic over all its publishers, sorted by name."""
         totals: defaultdict[str, list[int]] = defaultdict(lambda: [0, 0, 0])
         for key, channel in self._channels.items():
             total = totals[channel.topic.name if channel.topic else key]
             total[0] += channel.guard.received
             total[1] += channel.guard.gaps
-            total[2] += channel.guard.refused + channel.bad
+            total[2] += channel.guard.refused + channel.invalid
         return tuple(
             TopicHealth(topic=name, received=received, gaps=gaps, refused=refused)
             for name, (received, gaps, refused) in sorted(totals.items())
@@ -82,11 +82,11 @@ class MessageRecorder:
         self._channels[key] = channel
         return channel
 
-    def _judged(self, channel: _Channel, data: bytes) -> Header | None:
-        """The message's header, counted; ``None`` if it has none that can be believed."""
+    def _count(self, channel: _Channel, data: bytes) -> Header | None:
+        """Count a message and return its header; ``None`` if that is missing or invalid."""
         header = read_header(channel.topic, data) if channel.topic else None
         if header is None or header.source != channel.source or header.wall_ns < 0:
-            channel.bad += 1
+            channel.invalid += 1
             return None
         channel.guard.classify(header)
         return header

@@ -1,4 +1,4 @@
-"""The recorder as a process: opens the log and the bus, records until somebody ends it."""
+"""Recorder process: opens the log and the bus, and records until it is stopped."""
 
 import time
 from pathlib import Path
@@ -25,31 +25,31 @@ NAME: Final = "recorder"
 def run_recorder(
     endpoint: RouterEndpoint, path: Path, metadata: RunMetadata, *, lifeline: bool = False
 ) -> MessageRecorder:
-    """Record everything on the bus until somebody ends it; main thread only.
+    """Record all messages on the bus until stopped; main thread only.
 
-    The log is opened first, so that a folder that cannot be written is told before anything else runs; ready
-    is announced once nothing that is published from now on can be missed.
+    The log is opened first, so that a folder that cannot be written is reported before anything else starts. The
+    process reports that it is ready once no message published from then on can be missed.
 
     Args:
-        endpoint: Where the router listens.
+        endpoint: Address of the router.
         path: The log to write.
-        metadata: Records to begin it with, see ``run_metadata``.
+        metadata: Metadata records of the log, see ``run_metadata``.
         lifeline: Whether standard input is a lifeline (see ``passafe_services.loop.stop``).
 
     Returns:
-        What was recorded.
+        The recorder with its counts.
 
     Raises:
-        LogWriteError: The log cannot be created, or the disk does not take it any more.
+        LogWriteError: The log cannot be created or written.
         BusError: There is no router.
     """
-    request_realtime(RECORDER_PRIORITY)  # loops that need it more say so if it is refused
+    request_realtime(RECORDER_PRIORITY)  # a refusal is reported by the loops, which need it more
     with (
         stop_requests(lifeline=lifeline) as stop,
         LogWriter(path, metadata) as log,
         open_bus(endpoint) as bus,
     ):
-        reader = bus.log_reader()
+        reader = bus.recording_reader()
         outlet = Outlet(bus, NAME, time.time_ns())
 
         def publish(topic: Topic, body: Message, now_ns: int) -> None:
@@ -60,6 +60,6 @@ def run_recorder(
 
 
 def start(options: ProcessOptions) -> None:
-    """Record until told to stop."""
+    """Record until stopped."""
     metadata = run_metadata(scenario_json=options.scenario.model_dump_json(), versions=versions(), driver="live")
     run_recorder(options.endpoint, options.out, metadata, lifeline=options.lifeline)

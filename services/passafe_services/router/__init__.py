@@ -1,1 +1,1 @@
-"""The router process: every message passes through it."""
+"""The router process, which every message passes."""

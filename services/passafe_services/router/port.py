@@ -1,4 +1,4 @@
-"""Whether the router's port can be had."""
+"""Check of the router's port."""
 
 import errno
 import socket
@@ -8,17 +8,17 @@ from passafe_services.loop.router_endpoint import RouterEndpoint
 
 
 def require_free_router_port(endpoint: RouterEndpoint) -> None:
-    """Make sure that a router could listen at an endpoint, before anything else is started.
+    """Check that a router can listen at an endpoint, before anything else is started.
 
     Raises:
-        PortInUseError: Somebody listens there already, most likely the router of another running system.
+        PortInUseError: The port is in use, most likely by the router of another running system.
     """
     if is_taken(endpoint):
         raise PortInUseError(endpoint.host, endpoint.port)
 
 
 def is_taken(endpoint: RouterEndpoint) -> bool:
-    """Tell whether somebody else listens at an endpoint."""
+    """Check whether an endpoint is in use."""
     try:
         family, kind, protocol, _, address = socket.getaddrinfo(endpoint.host, endpoint.port, type=socket.SOCK_STREAM)[
             0

@@ -1,4 +1,4 @@
-"""The router: the process that every message passes through. Zenoh's own, no other program."""
+"""Router process: runs Zenoh's router in this process, without another program."""
 
 from typing import Final
 
@@ -15,23 +15,23 @@ NAME: Final = "router"
 
 
 def run_router(port: int, *, host: str = LOOPBACK, lifeline: bool = False) -> StopReason | None:
-    """Route until somebody ends it; main thread only.
+    """Route messages until stopped; main thread only.
 
     Args:
         port: TCP port to listen on.
-        host: Address to listen on: loopback, unless other hosts are to take part.
+        host: Address to listen on: loopback, unless other hosts are to connect.
         lifeline: Whether standard input is a lifeline (see ``passafe_services.loop.stop``).
 
     Returns:
-        Why it ended.
+        Reason for the end.
 
     Raises:
-        EndpointError: If host or port can be no endpoint.
-        PortInUseError: If the port is taken.
-        BusError: If it cannot listen for another reason.
+        EndpointError: Host or port is not valid.
+        PortInUseError: The port is in use.
+        BusError: It cannot listen for another reason.
     """
     endpoint = RouterEndpoint(host=host, port=port)
-    request_realtime()  # the processes that keep a rate say so if it is refused
+    request_realtime()  # a refusal is reported by the processes with a control loop
     with stop_requests(lifeline=lifeline) as stop:
         try:
             with listening_router(endpoint):
@@ -45,5 +45,5 @@ def run_router(port: int, *, host: str = LOOPBACK, lifeline: bool = False) -> St
 
 
 def start(options: ProcessOptions) -> None:
-    """Route until told to stop."""
+    """Route messages until stopped."""
     run_router(options.endpoint.port, host=options.endpoint.host, lifeline=options.lifeline)
