@@ -23,7 +23,7 @@ from passafe_services.cli.options import (
     writable_folder,
 )
 from passafe_services.loop.keep_awake import awake_specs
-from passafe_services.loop.process_exit import RestartPolicy
+from passafe_services.loop.process_spec import RestartPolicy
 from passafe_services.loop.realtime import available_processors
 from passafe_services.loop.router_endpoint import DEFAULT_PORT, LOOPBACK, RouterEndpoint
 from passafe_services.loop.supervisor import supervise
