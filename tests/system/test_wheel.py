@@ -16,6 +16,17 @@ FOLDERS = ("services", "protocol", "dashboard", "multiprocessing", "numpy", *(Pa
 MODULES = ("typing", "pickle", "signal", "casadi", "zenoh")
 
 
+IMPORT_ALL = """
+from importlib import import_module
+from pkgutil import walk_packages
+
+for package in {packages}:
+    for module in walk_packages(import_module(package).__path__, package + "."):
+        if not module.name.endswith((".__main__", ".wire_table")):  # wire_table generates docs, with what dev installs
+            import_module(module.name)
+"""
+
+
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return built_wheel(tmp_path_factory.mktemp("wheel"))
@@ -90,6 +101,19 @@ def test_version_is_that_of_the_project(extra: str, request: pytest.FixtureReque
     done = request.getfixturevalue(extra).run("passafe", "--version", cwd=tmp_path)
 
     assert done.stdout == f"passafe {project['version']}\n"
+
+
+@pytest.mark.parametrize(
+    ("extra", "packages"), [("base", ["passafe"]), ("service", [Path(name).name for name in PACKAGES])]
+)
+def test_requirements_cover_every_import(
+    extra: str, packages: list[str], request: pytest.FixtureRequest, shadowing_folder: Path
+) -> None:
+    installed: Installation = request.getfixturevalue(extra)
+
+    done = installed.run("python", "-P", "-c", IMPORT_ALL.format(packages=packages), cwd=shadowing_folder)
+
+    assert done.returncode == 0, done.stderr
 
 
 def test_demo_runs_beside_shadowing_folders(service: Installation, shadowing_folder: Path) -> None:
