@@ -36,6 +36,7 @@ check: $(STAMP)  ## lint, format, types, import direction, generated files curre
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/mypy wheel_build
+	$(BIN)/mypy benchmarks
 	$(BIN)/lint-imports
 	@mkdir -p .build && $(GENERATE) --python_out=.build --pyi_out=.build $(PROTO)
 	@for f in passafe_pb2.py passafe_pb2.pyi; do cmp .build/passafe_protocol/$$f protocol/passafe_protocol/$$f || { echo "protocol/passafe_protocol/$$f is not current: run make proto"; exit 1; }; done
@@ -50,15 +51,8 @@ docs: $(STAMP)  ## generate docs/wire-protocol.md from the topic table
 pictures: $(STAMP)  ## the README's pictures, from live runs
 	$(BIN)/python -m passafe_dashboard.pictures docs/pictures
 
-bench: $(STAMP)  ## benchmarks; the peers are installed first
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[peers]'
-	$(BIN)/python benchmarks/filter_step.py
-	$(BIN)/python benchmarks/lockstep_speed.py
-	$(BIN)/python benchmarks/lockstep_speed.py --mode both $(foreach way,plant-to-filter filter-to-plant,--link $(way):delay=0.1,jitter=0.02,loss=0.1)
-	$(BIN)/python benchmarks/prediction_cost.py
-	$(BIN)/python benchmarks/experiment_speed.py
-	$(BIN)/python benchmarks/human_input.py
-	$(BIN)/python benchmarks/campaign_speed.py
+bench: $(STAMP)  ## docs/benchmarks.md: ratios of every benchmark; some 10 minutes on an idle machine
+	$(BIN)/python benchmarks/write_page.py
 
 campaign: $(STAMP)  ## 10,000 adversarial rollouts of every shipped scenario; about an hour, and it goes on where it was interrupted
 	$(BIN)/passafe campaign $(CAMPAIGN) --rollouts 10000 --out runs/campaign

@@ -1,11 +1,10 @@
-"""What a tick of an adversarial campaign costs, decided in batches and one by one, side by side in one run.
+"""Times a tick of an adversarial campaign, decided in batches and one by one.
 
 ``python benchmarks/campaign_speed.py``. CPU time of one process, filter, plant, adversaries and h between samples
-included; the two ways take turns. The share is that of ticks in a batch which the filter itself had to decide.
+included; both take turns. The share is that of ticks in a batch which the filter itself had to decide.
 """
 
-import json
-from statistics import median
+from functools import partial
 from time import process_time
 from typing import Annotated
 
@@ -14,46 +13,56 @@ from passafe_services.scenarios.load import load_scenario, shipped_scenarios
 from passafe_services.tools.campaign.rollout import Rollouts
 from passafe_services.tools.campaign.rollout_result import RolloutResult
 from passafe_services.tools.campaign.workers import BATCH, BATCH_SINGLY
-from rich.console import Console
-from rich.table import Table
+from report import AsJson, Ratio, Report, Smallest, spread
 from threadpoolctl import threadpool_limits
+from timing import in_turn
+
+AGREEMENT = 1e-6
+"""How far the lowest h of a rollout may be from that of the same one decided in a batch."""
 
 
 def main(
     scenarios: Annotated[list[str] | None, typer.Argument(help="Shipped scenarios; all of them if not given.")] = None,
     ticks: Annotated[int, typer.Option(min=1, help="Ticks of every rollout.")] = 500,
-    repeats: Annotated[int, typer.Option(min=1, help="Runs of each way, in turn.")] = 3,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    rounds: Annotated[int, typer.Option(min=1, help="Rounds.")] = 3,
+    smallest: Smallest = False,
+    as_json: AsJson = False,
 ) -> None:
     """Measure µs a tick of every scenario."""
-    figures = {}
+    scalar, batch = BATCH_SINGLY, BATCH
+    names = scenarios or shipped_scenarios()
+    if smallest:
+        ticks, rounds, scalar, batch, names = 5, 1, 2, 10, names[:1]
+    report = Report(
+        title=f"Campaign, {ticks} ticks, {rounds} rounds",
+        columns=("scenario", "one by one, µs a tick", f"{batch} at once, µs a tick", "decided by the filter itself"),
+    )
     with threadpool_limits(1):
-        for name in scenarios or shipped_scenarios():
-            figures[name] = measured(name, ticks, repeats)
-    if as_json:
-        print(json.dumps(figures, indent=2))
-        return
-    table = Table("scenario", "one by one, µs", f"{BATCH} at once, µs", "ratio", "decided singly")
-    for name, (singly_us, at_once_us, share) in figures.items():
-        row = (f"{singly_us:.1f}", f"{at_once_us:.2f}", f"{singly_us / at_once_us:.1f}", f"{share:.2%}")
-        table.add_row(name, *row)
-    Console().print(table)
+        for name in names:
+            report.rows.append(measure(name, ticks, rounds, scalar, batch, report))
+    report.finish(as_json=as_json)
 
 
-def measured(name: str, ticks: int, repeats: int) -> tuple[float, float, float]:
-    """Return µs a tick one by one, the same in a batch, and the share decided singly there."""
+def measure(name: str, ticks: int, rounds: int, scalar: int, batch: int, report: Report) -> tuple[str, ...]:
+    """Return the table's row of one scenario; report its ratio, and results that differ between the two."""
     scenario = load_scenario(name)
-    ways = {singly: Rollouts(scenario, singly=singly) for singly in (True, False)}
-    spent_us: dict[bool, list[float]] = {True: [], False: []}
-    done: list[RolloutResult] = []
-    for _ in range(repeats):
-        for singly, rollouts in ways.items():
-            seeds = range(BATCH_SINGLY if singly else BATCH)
-            start_s = process_time()
-            done = rollouts.run(seeds, ticks * scenario.dt_s)
-            spent_us[singly].append((process_time() - start_s) * 1e6 / (ticks * len(seeds)))
-    share = sum(outcome.decided_singly for outcome in done) / sum(outcome.ticks for outcome in done)
-    return median(spent_us[True]), median(spent_us[False]), share
+    one_by_one, at_once = Rollouts(scenario, singly=True), Rollouts(scenario, singly=False)
+    found: dict[bool, list[RolloutResult]] = {}
+
+    def tick_us(*, alone: bool) -> float:
+        seeds = range(scalar if alone else batch)
+        rollouts = one_by_one if alone else at_once
+        start_s = process_time()
+        found[alone] = rollouts.run(seeds, ticks * scenario.dt_s)
+        return (process_time() - start_s) * 1e6 / (ticks * len(seeds))
+
+    scalar_us, batch_us = in_turn([partial(tick_us, alone=True), partial(tick_us, alone=False)], rounds)
+    for ours, theirs in zip(found[True], found[False], strict=False):
+        if abs(ours.h_min - theirs.h_min) > AGREEMENT:
+            report.failures.append(f"{name}: lowest h of one rollout: got {theirs.h_min}, allowed {ours.h_min}")
+    report.ratios.append(Ratio.of_rounds(f"{name}: one by one", scalar_us, "at once", batch_us))
+    share = sum(result.decided_singly for result in found[False]) / sum(result.ticks for result in found[False])
+    return name, spread(scalar_us), spread(batch_us, 2), f"{share:.2%}"
 
 
 if __name__ == "__main__":

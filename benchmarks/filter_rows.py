@@ -1,51 +1,60 @@
-"""One filter step with 20 rows, certificate included, at 2 and at 7 inputs.
+"""Times one filter step with 20 rows, certificate included, at 2 and at 7 inputs.
 
 ``python benchmarks/filter_rows.py``. Points of m dimensions between 19 half-spaces, with a passivity row; states are
 drawn from the inside of all of them, and the operator pushes so that rows bind.
 """
 
-import gc
-import os
+from collections.abc import Sequence
+from functools import partial
 from statistics import median
-from time import perf_counter_ns
 from typing import Annotated
 
 import casadi as ca
 import numpy as np
 import typer
-from rich.console import Console
-from rich.table import Table
+from report import AsJson, Ratio, Report, Smallest, spread
+from timing import Times, call_times_us, in_turn
 
 from passafe import Barrier, FilterDesign, Linear, Passivity, SafetyPassivityFilter, System, half_plane
-from passafe.workspace import Array
 
 ROWS = 20
-STATES = 400
+INPUTS = (2, 7)
+
+Request = tuple[Sequence[float], Sequence[float], Sequence[float], Sequence[float]]
+"""Arguments x, u, u_h and u̇_h of a decision."""
 
 
 def main(
-    rounds: Annotated[int, typer.Option(min=1, max=100, help="Rounds; the median of their medians counts.")] = 9,
+    states: Annotated[int, typer.Option(min=10, max=5000, help="States inside all walls.")] = 400,
+    rounds: Annotated[int, typer.Option(min=1, max=100, help="Rounds.")] = 9,
+    smallest: Smallest = False,
+    as_json: AsJson = False,
 ) -> None:
     """Time decisions on damped points of 2 and 7 dimensions between many walls."""
-    table = Table(title=f"One filter step, {ROWS} rows, {STATES} states, load {os.getloadavg()[0]:.1f}")
-    for column in ("inputs", "p50 µs (min–max of rounds)", "p99 µs", "with an active row", "solvers"):
-        table.add_column(column)
-    for m in (2, 7):
-        made, requests = problem(m)
-        decisions = [made.decide(*request) for request in requests]
+    if smallest:
+        states, rounds = 20, 1
+    report = Report(
+        title=f"One filter step, {ROWS} rows, {states} states, {rounds} rounds",
+        columns=("inputs", "p50 µs", "p99 µs", "with an active row", "solvers"),
+    )
+    problems = [walled_point(m, states) for m in INPUTS]
+    times = in_turn([partial(call_times_us, walled.decide, requests) for walled, requests in problems], rounds + 1)
+    medians = [[float(np.percentile(round_us, 50)) for round_us in of[1:]] for of in times]
+    for m, (walled, requests), p50_us, of in zip(INPUTS, problems, medians, times, strict=True):
+        decisions = [walled.decide(x, u, u_h, u_h_rate) for x, u, u_h, u_h_rate in requests]
+        uncertified = sum(decision.status.is_fallback for decision in decisions)
+        if uncertified:
+            report.failures.append(f"answers at {m} inputs: got {uncertified} without a certificate, allowed none")
         active = sum(decision.duals.max() > 1e-6 for decision in decisions) / len(decisions)
-        solvers = sorted({decision.solver for decision in decisions})
-        medians, late = [], []
-        for _ in range(rounds):
-            times = timed(made, requests)
-            medians.append(median(times))
-            late.append(float(np.percentile(times, 99)))
-        spread = f"{median(medians):.1f} ({min(medians):.1f}–{max(medians):.1f})"
-        table.add_row(f"{m}", spread, f"{median(late):.1f}", f"{active:.0%}", ", ".join(solvers))
-    Console(width=110).print(table)
+        p99_us = median(float(np.percentile(round_us, 99)) for round_us in of[1:])
+        solvers = ", ".join(sorted({decision.solver for decision in decisions}))
+        report.rows.append((f"{m}", spread(p50_us), f"{p99_us:.1f}", f"{active:.0%}", solvers))
+    few, many = medians
+    report.ratios.append(Ratio.of_rounds(f"{INPUTS[1]} inputs", many, f"{INPUTS[0]} inputs", few))
+    report.finish(as_json=as_json)
 
 
-def problem(m: int) -> tuple[SafetyPassivityFilter, list[tuple[list[float], ...]]]:
+def walled_point(m: int, states: int) -> tuple[SafetyPassivityFilter, list[Request]]:
     """Return a filter with ``ROWS`` rows for m inputs, and requests at states inside all its walls."""
     rng = np.random.default_rng(m)
     x, u = ca.SX.sym("x", 2 * m), ca.SX.sym("u", m)
@@ -64,28 +73,15 @@ def problem(m: int) -> tuple[SafetyPassivityFilter, list[tuple[list[float], ...]
         dt_s=1e-3,
         input_bound=100.0,
     )
-    made = SafetyPassivityFilter(design)
-    inside = ca.Function("inside", [x], [ca.vertcat(*(psi for chain in made.chains for psi in chain.psi[:-1]))])
-    requests: list[tuple[list[float], ...]] = []
-    while len(requests) < STATES:
-        state: Array = np.concatenate((rng.uniform(-1, 1, m), rng.uniform(-1, 1, m)))
+    walled = SafetyPassivityFilter(design)
+    inside = ca.Function("inside", [x], [ca.vertcat(*(psi for chain in walled.chains for psi in chain.psi[:-1]))])
+    requests: list[Request] = []
+    while len(requests) < states:
+        state: Times = np.concatenate((rng.uniform(-1, 1, m), rng.uniform(-1, 1, m)))
         if float(inside(state).full().min()) > 0:
             u_h = rng.uniform(-300, 300, m).tolist()
             requests.append((state.tolist(), rng.uniform(-1, 1, m).tolist(), u_h, [0.0] * m))
-    return made, requests
-
-
-def timed(made: SafetyPassivityFilter, requests: list[tuple[list[float], ...]]) -> list[float]:
-    """Return how long each request takes, µs."""
-    gc.collect()
-    gc.disable()
-    times = []
-    for request in requests:
-        begin = perf_counter_ns()
-        made.decide(*request)
-        times.append((perf_counter_ns() - begin) / 1e3)
-    gc.enable()
-    return times
+    return walled, requests
 
 
 if __name__ == "__main__":

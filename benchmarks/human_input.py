@@ -1,4 +1,4 @@
-"""How far estimates of u_h and of its rate are from the truth, ours and others'.
+"""Compares estimates of u_h and of its rate with the truth, ours and others'.
 
 ``python benchmarks/human_input.py``. Inputs of one axis in [-1, 1], known exactly; sampled irregularly, quantised,
 delayed each for itself so that samples overtake one another, and stamped with the time at which they were asked for.
@@ -6,7 +6,6 @@ Errors are taken every 5 ms against the truth at that same time; that of φ = �
 rate's plus k_i times that of u_h. Settings are chosen by ``--tune`` on other seeds.
 """
 
-import json
 from collections.abc import Callable, Iterator
 from functools import partial
 from itertools import product
@@ -16,14 +15,14 @@ from typing import Annotated, Any, Final, NamedTuple
 
 import typer
 from human_input_contenders import ENTRIES, STEP, Contender
-from rich.console import Console
-from rich.table import Table
+from report import AsJson, Ratio, Report, Smallest
 
 DURATION_S: Final = 10.0
 LOOK_EVERY_S: Final = 0.005
 RAMP_S: Final = 0.1
 K_I: Final = 100.0
 TUNING_SEED: Final = 10_000
+OURS: Final = "passafe"
 
 Signal = Callable[[float], tuple[float, float]]
 """u_h and its rate, as a function of time."""
@@ -40,7 +39,7 @@ class Errors(NamedTuple):
 
 
 class Sampling(NamedTuple):
-    """How a signal is told: mean rate drawn for each trial from this range, every sample delayed by up to a time."""
+    """Sampling of a signal: mean rate drawn for each trial from this range, every sample delayed by up to a time."""
 
     rate_min_hz: float
     rate_max_hz: float
@@ -160,9 +159,12 @@ def main(
     rate_max_hz: Annotated[float, typer.Option(min=1.0, max=2000.0, help="Largest mean rate, Hz.")] = 100.0,
     tune: Annotated[bool, typer.Option(help="Choose settings anew instead, on seeds of its own.")] = False,
     only: Annotated[str, typer.Option(help="Contenders whose name contains this.")] = "",
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of the table.")] = False,
+    smallest: Smallest = False,
+    as_json: AsJson = False,
 ) -> None:
     """Compare estimators of the operator's input with the truth."""
+    if smallest:
+        seeds = 1
     names = [name for name in ENTRIES if only in name]
     sampling = Sampling(rate_min_hz, rate_max_hz, delay_max_s)
     if tune:
@@ -170,25 +172,23 @@ def main(
             score, settings = tuned(name, min(seeds, 4), sampling)
             print(f"{name}: {score:.3f} {settings}")
         return
-    rows = {kind: {name: chosen(name, kind, first_seed, seeds, sampling) for name in names} for kind in SIGNALS}
-    if as_json:
-        print(json.dumps({kind: {n: e._asdict() for n, e in of.items()} for kind, of in rows.items()}, indent=2))
-        return
-    print(f"{seeds} trials of {DURATION_S:g} s for each signal, seeds {first_seed} to {first_seed + seeds - 1},")
-    print(f"{rate_min_hz:g} to {rate_max_hz:g} Hz, delay up to {delay_max_s:g} s, quantised to {STEP:g}, range -1 to 1")
-    for kind, errors in rows.items():
-        table = Table(title=kind)
-        for column in ("estimator", "u_h RMS", "worst", "rate RMS, 1/s", "worst, 1/s", "φ RMS, 1/s"):
-            table.add_column(column, justify="left" if column == "estimator" else "right")
-        for name, of in errors.items():
-            table.add_row(name, *(f"{number:.3f}" for number in of))
-        Console().print(table)
-
-
-def chosen(name: str, kind: str, first_seed: int, seeds: int, sampling: Sampling) -> Errors:
-    """Return the errors of a contender with its chosen settings on one kind of signal."""
-    trials = [trial(kind, first_seed + i, sampling) for i in range(seeds)]
-    return errors_of(partial(ENTRIES[name].make, **ENTRIES[name].chosen), trials)
+    report = Report(
+        title=f"Estimates of u_h in -1 to 1, {seeds} trials of {DURATION_S:g} s a signal, from seed {first_seed}, "
+        f"{rate_min_hz:g} to {rate_max_hz:g} Hz, delay up to {delay_max_s:g} s, quantised to {STEP:g}",
+        columns=("estimator", "signal", "u_h RMS", "worst", "rate RMS, 1/s", "worst, 1/s", "φ RMS, 1/s"),
+    )
+    phi_rms: dict[str, list[float]] = {name: [] for name in names}
+    for kind in SIGNALS:
+        trials = [trial(kind, first_seed + i, sampling) for i in range(seeds)]
+        for name in names:
+            errors = errors_of(partial(ENTRIES[name].make, **ENTRIES[name].chosen), trials)
+            phi_rms[name].append(errors.phi_rms)
+            report.rows.append((name, kind, *(f"{number:.3f}" for number in errors)))
+    report.notes.append("ratios: φ RMS, median, least and most over the kinds of signal")
+    for name in names:
+        if name != OURS and OURS in names:
+            report.ratios.append(Ratio.of_rounds(name, phi_rms[name], OURS, phi_rms[OURS]))
+    report.finish(as_json=as_json)
 
 
 if __name__ == "__main__":

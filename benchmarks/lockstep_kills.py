@@ -1,17 +1,17 @@
-"""Filter, router or a link dies at a random moment, in virtual time, a thousand times: h ≥ 0, and the loop goes on.
+"""Kills filter, router or a link at a random moment, in virtual time, a thousand times: h ≥ 0, and the loop resumes.
 
-``python benchmarks/lockstep_kills.py``. Each seed decides a scenario, a safe start, an adversary who drives, the delay
-of the robot's links, what is killed, when and for how long. A killed filter loses all that it knew and what was under
-way to it, and is started again as another session; a killed router is an outage of every link, a killed link of one.
+``python benchmarks/lockstep_kills.py``. Each seed decides a scenario, a safe start, an adversary operator, the delay
+of the robot's links, what is killed, when and for how long. A killed filter loses its memory and the messages in flight
+to it, and is started again as another session; a killed router is an outage of every link, a killed link of one.
 """
 
-import json
 from collections import Counter
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import cache
 from multiprocessing import get_context
+from statistics import median
 from typing import Annotated, Any, Final
 
 import numpy as np
@@ -25,9 +25,9 @@ from passafe_services.tools.campaign.safe_starts import SafeStarts
 from passafe_services.tools.experiment.metrics import metrics_of
 from passafe_services.tools.experiment.run_trace import RunTrace
 from passafe_services.tools.experiment.runner import CompiledStudy
+from report import AsJson, Report, Smallest
 from rich.console import Console
 from rich.progress import track
-from rich.table import Table
 
 SCENARIOS: Final = ("notomista-cai-2020", "walls-and-disks")
 STRATEGIES: Final = ("piecewise-constant", "chirp", "bang-bang", "against-h", "against-the-tank")
@@ -35,22 +35,22 @@ LINKS: Final = ("operator-to-filter", "filter-to-plant", "plant-to-filter", "pla
 VICTIMS: Final = ("filter", "router", *LINKS[:3])
 RATE_HZ: Final = 500.0
 RUN_S: Final = 5.0
-BACK_S: Final = 2.0
-"""How long after the victim is back the robot has to be armed again, at the latest; links delay by 0.4 s at most."""
+RESUMED_WITHIN_S: Final = 2.0
+"""How long after the victim's return the input sequence must last again, at most; links delay by 0.4 s at most."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Kill:
-    """What one kill came to.
+    """Outcome of one kill.
 
     Attributes:
-        seed: What it can be run again with.
+        seed: Seed that it can be run again with.
         scenario: Name.
-        victim: What died.
+        victim: What was killed.
         h_min: Smallest barrier value, at and between samples.
         tank_min_j: Smallest energy in the tank, J.
-        disarmed: Whether the plant had to hold or fail safe after the kill.
-        back_s: From the victim's return until the robot was armed for good, s; ``None`` if it never was.
+        broke: Whether the plant had to hold or fail safe after the kill.
+        resumed_after_s: From the victim's return until the plant applied inputs for good, s; ``None`` if it never did.
     """
 
     seed: int
@@ -58,67 +58,77 @@ class Kill:
     victim: str
     h_min: float
     tank_min_j: float
-    disarmed: bool
-    back_s: float | None
+    broke: bool
+    resumed_after_s: float | None
 
 
 def main(
     kills: Annotated[int, typer.Option(min=1, help="How many.")] = 1000,
     first_seed: Annotated[int, typer.Option(min=0, help="Seed of the first.")] = 0,
     workers: Annotated[int, typer.Option(min=1, help="Processes.")] = 2,
-    as_json: Annotated[bool, typer.Option("--json", help="Print every kill as JSON.")] = False,
+    smallest: Smallest = False,
+    as_json: AsJson = False,
 ) -> None:
-    """Kill, and tell the worst that happened; exits with 1 if h < 0 or the robot was not armed again."""
+    """Kill, and report the worst that happened; exits with 1 if h < 0 or the robot did not resume."""
+    if smallest:
+        kills, workers = 3, 1
     seeds = range(first_seed, first_seed + kills)
-    console = Console(stderr=as_json)
     with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
-        found = list(track(pool.map(kill, seeds, chunksize=8), total=kills, console=console, description="killing"))
-    if as_json:
-        typer.echo(json.dumps([asdict(each) for each in found], indent=2))
-    else:
-        show(found, console)
-    raise typer.Exit(0 if all(each.h_min >= 0 and each.back_s is not None for each in found) else 1)
+        done = track(pool.map(kill, seeds, chunksize=8), total=kills, console=Console(stderr=True), description="kills")
+        found = list(done)
+    report = Report(
+        title=f"{kills} kills in virtual time at {RATE_HZ:g} Hz, seeds from {first_seed} on",
+        columns=("victim", "kills", "h < 0", "lowest h (seed)", "lowest tank, J", "breaks", "resumed after: p50, max"),
+    )
+    for victim, count in Counter(each.victim for each in found).items():
+        report.rows.append(row(victim, count, [each for each in found if each.victim == victim]))
+    for each in found:
+        if not each.h_min >= 0:
+            report.failures.append(f"lowest h of seed {each.seed}: got {each.h_min}, allowed 0 or more")
+        if each.resumed_after_s is None:
+            report.failures.append(f"seed {each.seed} did not resume within {RESUMED_WITHIN_S} s")
+    report.finish(as_json=as_json)
 
 
 def kill(seed: int) -> Kill:
-    """Return what the kill of one seed came to."""
+    """Return the outcome of one seed's kill."""
     rng = np.random.default_rng([seed, 0x61])
     name, victim = str(rng.choice(SCENARIOS)), str(rng.choice(VICTIMS))
-    kit, starts = kit_of(name)
+    study, starts = compiled_study(name)
     at_s, down_s = float(rng.uniform(0.05, 3.0)), float(10 ** rng.uniform(-2.5, 0.0))
     scenario = drawn(name, rng, starts, {} if victim == "filter" else outage(victim, at_s, down_s))
-    tape = RunTrace(kit.compiled.filter.core)
-    loop = lockstep_loop(scenario, taps=tape.taps, compiled=kit.compiled)
+    trace = RunTrace(study.compiled.filter.core)
+    loop = lockstep_loop(scenario, taps=trace.taps, compiled=study.compiled)
     before, down, rest = (round(t * RATE_HZ) for t in (at_s, down_s, RUN_S))
     loop.run(before)
     if victim == "filter":
         loop.kill("filter")
     loop.run(down)
     if victim == "filter":
-        loop.restart(filter_node(scenario, "lockstep", 2, kit.compiled.model, kit.compiled.filter), 2)
+        loop.restart(filter_node(scenario, "lockstep", 2, study.compiled.model, study.compiled.filter), 2)
     loop.run(rest)
-    figures = metrics_of(scenario, tape, kit.mathematics, kit.motion, None)
-    assert figures.h_min is not None, "a run without a sample"  # noqa: S101 - a benchmark may
-    assert figures.tank_min_j is not None, "a run without a sample"  # noqa: S101 - a benchmark may
-    unserved = np.flatnonzero(tape.phases()[-rest:] != PlantPhase.RUNNING)
-    back_s = (unserved[-1] + 1) / RATE_HZ if unserved.size else 0.0
+    metrics = metrics_of(scenario, trace, study.mathematics, study.motion, None)
+    assert metrics.h_min is not None, "a run without a sample"  # noqa: S101 - a benchmark may
+    assert metrics.tank_min_j is not None, "a run without a sample"  # noqa: S101 - a benchmark may
+    unserved = np.flatnonzero(trace.phases()[-rest:] != PlantPhase.RUNNING)
+    resumed_after_s = (unserved[-1] + 1) / RATE_HZ if unserved.size else 0.0
     return Kill(
         seed=seed,
         scenario=name,
         victim=victim,
-        h_min=figures.h_min,
-        tank_min_j=figures.tank_min_j,
-        disarmed=figures.held_s + figures.fail_safe_s > 0,
-        back_s=back_s if back_s < BACK_S else None,
+        h_min=metrics.h_min,
+        tank_min_j=metrics.tank_min_j,
+        broke=metrics.held_s + metrics.fail_safe_s > 0,
+        resumed_after_s=resumed_after_s if resumed_after_s < RESUMED_WITHIN_S else None,
     )
 
 
 @cache
-def kit_of(name: str) -> tuple[CompiledStudy, SafeStarts]:
-    """Return what is derived from a scenario, once in each process."""
+def compiled_study(name: str) -> tuple[CompiledStudy, SafeStarts]:
+    """Return the compiled scenario and its safe starts, made once in each process."""
     scenario = load_scenario(name, {"rate_hz": RATE_HZ})
-    kit = CompiledStudy(scenario)
-    return kit, SafeStarts(scenario, kit.compiled.filter.core)
+    study = CompiledStudy(scenario)
+    return study, SafeStarts(scenario, study.compiled.filter.core)
 
 
 def drawn(name: str, rng: np.random.Generator, starts: SafeStarts, outages: dict[str, Any]) -> Scenario:
@@ -143,26 +153,19 @@ def outage(victim: str, at_s: float, down_s: float) -> dict[str, Any]:
     return {f"links.{link}.outages_s": [[at_s, at_s + down_s]] for link in dead}
 
 
-def show(found: Sequence[Kill], console: Console) -> None:
-    """Print a row for each victim."""
-    table = Table(
-        "victim", "kills", "h < 0", "lowest h (seed)", "lowest tank, J", "disarmed", "back after, s: p50, max"
+def row(victim: str, count: int, kills: Sequence[Kill]) -> tuple[str, ...]:
+    """Return the table's row of one victim."""
+    worst = min(kills, key=lambda each: each.h_min)
+    resumed_s = [each.resumed_after_s for each in kills if each.resumed_after_s is not None]
+    return (
+        victim,
+        f"{count}",
+        f"{sum(each.h_min < 0 for each in kills)}",
+        f"{worst.h_min:.2g} ({worst.seed})",
+        f"{min(each.tank_min_j for each in kills):.3g}",
+        f"{sum(each.broke for each in kills)}",
+        f"{median(resumed_s):.2f} s, {max(resumed_s):.2f} s" if resumed_s else "never",
     )
-    for victim, count in Counter(each.victim for each in found).items():
-        of = [each for each in found if each.victim == victim]
-        worst = min(of, key=lambda each: each.h_min)
-        back = [each.back_s for each in of if each.back_s is not None]
-        lost = f", {len(of) - len(back)} NEVER" if len(back) < len(of) else ""
-        table.add_row(
-            victim,
-            f"{count}",
-            f"{sum(each.h_min < 0 for each in of)}",
-            f"{worst.h_min:.2g} ({worst.seed})",
-            f"{min(each.tank_min_j for each in of):.3g}",
-            f"{sum(each.disarmed for each in of)}",
-            f"median {np.median(back):.2f}, most {max(back):.2f}{lost}",
-        )
-    console.print(table)
 
 
 if __name__ == "__main__":

@@ -1,10 +1,10 @@
-"""Is every sign, row and gain of the core guarded by a test?
+"""Tests whether every sign, row and gain of the core is guarded by a test.
 
 ``python benchmarks/mutation.py`` copies the tree, changes one thing at a time in the core
 (``core_changes.py``) and runs the core's tests on it until one fails: those that noticed earlier changes of the same
 file, are named after it or import it first, then the others, the quickest first. A change that no test notices survives
-and is listed; the exit code then is 1. What was found is written down as it comes, and the same command goes on where
-it was interrupted. A change is tried again when its file has changed, or the tests that noticed it; one that survived,
+and is listed; the exit code then is 1. Findings are written as they come, and the same command resumes where it was
+interrupted. A change is tried again when its file has changed, or the tests that noticed it; one that survived,
 when any have.
 """
 
@@ -25,6 +25,7 @@ from typing import Annotated, Any, Final
 import typer
 from core_changes import EQUIVALENT, FILES, ROOT, Change, changes_of
 from core_copy import NO_END, Copy
+from report import Smallest
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
@@ -34,7 +35,7 @@ LONGEST_S: Final = 3600.0
 
 
 class Findings:
-    """What became of every change, in a file, a line each.
+    """Outcome of every change, kept in a file, a line each.
 
     Attributes:
         seconds: What each file of tests takes without a change.
@@ -43,6 +44,7 @@ class Findings:
 
     def __init__(self, path: Path) -> None:
         """Read what is known about the present tests."""
+        path.parent.mkdir(parents=True, exist_ok=True)
         self._path = path
         self.seconds: dict[str, float] = {}
         self.noticed_by: dict[str, str] = {}
@@ -90,27 +92,26 @@ def main(
     every: Annotated[int, typer.Option(min=1, help="Try every so many-th change only.")] = 1,
     workers: Annotated[int, typer.Option(min=1, help="Changes tried at a time.")] = 2,
     findings: Annotated[Path, typer.Option(help="File of what was found.")] = ROOT / "runs" / "mutation.jsonl",
+    tests: Annotated[str, typer.Option(help="Files of the core's tests, as a pattern.")] = "test_*.py",
     show: Annotated[bool, typer.Option("--list", help="List the changes and try none.")] = False,
+    smallest: Smallest = False,
 ) -> None:
     """Change the core, one thing at a time, and list the changes that no test notices."""
+    if smallest:
+        only, tests, every, workers = "tank.py", "test_tank.py", 1000, 1
     console = Console(width=120, highlight=False)
-    every_change = [change for file in FILES for change in changes_of(file)]
-    stale = EQUIVALENT.keys() - {(change.file, change.source, change.what) for change in every_change}
-    if stale:
-        raise SystemExit(f"EQUIVALENT: got {sorted(stale)}, allowed changes that there are")
-    changes = [change for change in every_change if change.file == (only or change.file)][::every]
+    changes = selected_changes(only, every)
     if show:
         for change in changes:
-            console.print(f"{change.file}:{change.line} {change.what}{' (equivalent)' * change.is_equivalent}")
+            console.print(f"{change.file}:{change.line} {change.words}{' (equivalent)' * change.is_equivalent}")
         raise typer.Exit
-    findings.parent.mkdir(parents=True, exist_ok=True)
-    found = Findings(findings)
     asked = [change for change in changes if not change.is_equivalent]
     with TemporaryDirectory() as folder:
+        found = Findings(Path(folder) / "findings.jsonl" if smallest else findings)
         copies: SimpleQueue[Copy] = SimpleQueue()
         for k in range(workers):
             copies.put(Copy.into(Path(folder) / f"{k}"))
-        time_tests(found, copies, workers)
+        time_tests(tests, found, copies, workers)
         try_all([change for change in asked if change.key not in found.noticed_by], found, copies, workers)
     noticed = [found.noticed_by[change.key] for change in asked]
     survivors = [change for change, test in zip(asked, noticed, strict=True) if not test]
@@ -119,13 +120,26 @@ def main(
         f"without an end; {len(changes) - len(asked)} others change nothing that can be seen"
     )
     for change in survivors:
-        console.print(f"survived: {change.file}:{change.line} {change.what}")
+        console.print(f"survived: {change.file}:{change.line} {change.words}")
     raise typer.Exit(1 if survivors else 0)
 
 
-def time_tests(found: Findings, copies: "SimpleQueue[Copy]", workers: int) -> None:
-    """Find out how long every file of tests takes, and that it passes, without a change."""
-    unknown = [file.name for file in sorted(TESTS.glob("test_*.py")) if file.name not in found.seconds]
+def selected_changes(only: str, every: int) -> list[Change]:
+    """Return every so many-th change of one file of the core, of all of them for an empty name.
+
+    Raises:
+        SystemExit: Changes are listed as equivalent that there are not.
+    """
+    every_change = [change for file in FILES for change in changes_of(file)]
+    stale = EQUIVALENT.keys() - {(change.scope, change.words) for change in every_change}
+    if stale:
+        raise SystemExit(f"EQUIVALENT: got {sorted(stale)}, allowed changes that there are")
+    return [change for change in every_change if change.file == (only or change.file)][::every]
+
+
+def time_tests(pattern: str, found: Findings, copies: "SimpleQueue[Copy]", workers: int) -> None:
+    """Measure how long every file of tests takes, and that it passes, without a change."""
+    unknown = [file.name for file in sorted(TESTS.glob(pattern)) if file.name not in found.seconds]
 
     def timed(test: str) -> tuple[str, str, float]:
         where, start_s = copies.get(), perf_counter()
@@ -192,7 +206,7 @@ def _digest(test: str) -> str:
 
 @cache
 def _imports(test: Path, module: str) -> bool:
-    """Tell whether a test imports a module of the core, by its last name."""
+    """Return whether a test imports a module of the core, by its last name."""
     nodes = ast.walk(ast.parse(test.read_text(encoding="utf-8")))
     named = [node.module for node in nodes if isinstance(node, ast.ImportFrom) and node.module]
     return any(name.startswith("passafe.") and name.endswith(f".{module}") for name in named)

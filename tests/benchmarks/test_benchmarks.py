@@ -1,0 +1,67 @@
+"""Every benchmark runs at its smallest size, and its checks hold: answers of peers agree with ours, h ≥ 0."""
+
+import json
+import math
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+FOLDER = Path(__file__).parents[2] / "benchmarks"
+LIVE = ("live_kills", "live_latency")
+OTHERS = (
+    "campaign_speed",
+    "experiment_speed",
+    "filter_rows",
+    "filter_step",
+    "human_input",
+    "lockstep_kills",
+    "lockstep_speed",
+    "prediction_cost",
+)
+PLAIN = ("mutation", "write_page")
+
+
+def run(name: str, *options: str) -> str:
+    command = [sys.executable, str(FOLDER / f"{name}.py"), *options]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def check(name: str) -> None:
+    report = json.loads(run(name, "--smallest", "--json"))
+
+    assert report["rows"]
+    assert all(len(row) == len(report["columns"]) for row in report["rows"])
+    assert not report["failures"]
+    assert all(math.isfinite(ratio["median"]) for ratio in report["ratios"])
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_benchmark_runs_and_its_checks_hold(name: str) -> None:
+    check(name)
+
+
+@pytest.mark.live
+@pytest.mark.parametrize("name", LIVE)
+def test_live_benchmark_runs_and_its_checks_hold(name: str) -> None:
+    check(name)
+
+
+def test_mutation_tries_a_change_of_the_core() -> None:
+    assert "1 changes, 1 noticed" in run("mutation", "--smallest")
+
+
+def test_every_benchmark_is_run_here() -> None:
+    scripts = {path.stem for path in FOLDER.glob("*.py") if "typer.run(main)" in path.read_text()}
+
+    assert scripts == {*LIVE, *OTHERS, *PLAIN}
+
+
+def test_page_has_every_benchmark_that_measures_ratios() -> None:
+    page = (FOLDER.parent / "docs" / "benchmarks.md").read_text()
+    measuring = {path.stem for path in FOLDER.glob("*.py") if "ratios.append" in path.read_text()}
+
+    assert {name for name in measuring if f"## {name}\n" in page} == measuring
