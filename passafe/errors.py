@@ -1,31 +1,101 @@
-"""Errors of the core: all raised while a filter is designed, none in the loop.
+"""Errors of passafe, of the core and of all packages around it. The text of each is one message to the user.
 
-* ``PassafeError``
-    * ``DesignError``: a part of the design that cannot be used as given
-        * ``ShapeError``: an expression or vector of the wrong shape
-        * ``RelativeDegreeError``: a barrier that the input never reaches
+* ``PassafeError``: anything that passafe refuses, or cannot do for a reason outside of it
+    * ``NotAllowedError``: something that may not be what it is: field, got, allowed
+        * ``DesignError``: a part of a design that cannot be used as given
+            * ``ShapeError``: an expression or vector of the wrong shape
+            * ``RelativeDegreeError``: a barrier that the input never reaches
+        * ``ConfigurationError``: a file of configuration with fields that hold what they may not
+            * ``ScenarioError``: a scenario
+                * ``UnknownScenarioError``: no scenario of that name and no such file
+                * ``UnreadableScenarioError``: a file that is no TOML
+                * ``LinkTraceError``: a file that is no trace of packet-delivery times
+            * ``ExperimentError``: an experiment
+                * ``UnknownExperimentError``: no experiment of that name and no such file
+                * ``UnreadableExperimentError``: a file that is no TOML
+        * ``OptionError``: an option of a command
+        * ``SourceConfigError``: a setting of a source of commands
+        * ``RecordingError``: a place in a recorded command series
+        * ``TerminalError``: no terminal that a person could drive from
+        * ``EndpointError``: a host or port that can be no endpoint
+        * ``PublisherError``: a process that may not publish a topic
+        * ``LinkNameError``: settings for a link that does not exist
+        * ``LinkUpdateError``: settings of a link that do not go together
+        * ``PageAddressError``: an address that the page cannot listen on
+            * ``PagePortInUseError``: another program listens on its port
+        * ``SeriesError``: a series for the report that does not fit together
+        * ``FeasibilityError``: a map that cannot be made
+        * ``NoSafeStartError``: a box of starts without a safe one
+        * ``CampaignResultsError``: a file of outcomes that a campaign cannot resume from
+        * ``ResultsFileError``: a file of results that a sweep cannot resume from
+        * ``SchedulerError``: a cluster that cannot be used
+        * ``LiveRunError``: a live run without a log
     * ``IntegrationError``: a step of a nonlinear plant that did not reach its stated accuracy
+    * ``ProtocolError``: anything wrong with what crosses the wire
+        * ``DecodeError``: bytes that are no message of their topic
+            * ``ChecksumError``: bytes that are not those that were sent
+        * ``SchemaVersionError``: a message of another version of ``passafe.proto``; also a ``NotAllowedError``
+        * ``InvalidMessageError``: a field that may not hold what it holds; also a ``NotAllowedError``
+        * ``LinkSettingsError``: a link's setting outside its range; also a ``NotAllowedError``
+    * ``LogFileError``: a log that cannot be used
+        * ``LogWriteError``: it cannot be created or grown
+        * ``LogReadError``: it is missing, empty or no MCAP file
+        * ``ReviewError``: it can be read, but not reviewed
+            * ``ForeignLogError``: it is not of a run of passafe
+            * ``ScenarioRecordError``: this build cannot read its scenario
+            * ``MismatchedLogError``: its messages do not fit its scenario
+    * ``BusError``: the router cannot be reached, or cannot listen
+    * ``PortInUseError``: the router's port is taken
+    * ``LinkSilentError``: nothing was received of a link
+    * ``LinkRefusedError``: the process that reads a link refused its settings
+    * ``LinkAnswerError``: nothing was received of a link that the page was to change
+    * ``WorkerLostError``: a worker process is gone
 """
+
+from reprlib import Repr
+from typing import Any, ClassVar
+
+_SHORT = Repr()
+_SHORT.maxstring = _SHORT.maxother = _SHORT.maxlong = 100
 
 
 class PassafeError(Exception):
-    """Anything that the core refuses."""
+    """Anything that passafe refuses, or cannot do for a reason outside of it."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Return what pickle restores the error from, whatever its constructor takes: workers send their errors."""
+        return _restored, (type(self), self.args), self.__dict__
 
 
-class DesignError(PassafeError):
-    """A part of the design that cannot be used as given.
+def _restored(kind: type[PassafeError], args: tuple[object, ...]) -> PassafeError:
+    return kind.__new__(kind, *args)
+
+
+class NotAllowedError(PassafeError):
+    """Something that may not be what it is; the text is ``<prefix><field>: got …, allowed …``.
 
     Attributes:
-        part: What it is about, for example ``barrier 'disk' class_k``.
+        field: What it is, for example ``barrier 'disk' class_k``.
         got: What was given.
         allowed: What is allowed, in words.
+        prefix: Stands before the field in the text.
+        quotes_got: Whether ``got`` is a value, which the text shows as Python writes it and shortened; else it is
+            a number or words.
     """
 
-    def __init__(self, part: str, got: object, allowed: str) -> None:
-        self.part = part
+    prefix: str = ""
+    quotes_got: ClassVar[bool] = False
+
+    def __init__(self, field: str, got: object, allowed: str) -> None:
+        self.field = field
         self.got = got
         self.allowed = allowed
-        super().__init__(f"{part}: got {got}, allowed {allowed}")
+        shown = _SHORT.repr(got) if self.quotes_got else got
+        super().__init__(f"{self.prefix}{field}: got {shown}, allowed {allowed}")
+
+
+class DesignError(NotAllowedError):
+    """A part of a design that cannot be used as given."""
 
 
 class ShapeError(DesignError):

@@ -1,35 +1,21 @@
-"""Errors of the dashboard.
+"""Errors of the dashboard; the tree of all errors is in ``passafe.errors``."""
 
-* ``DashboardError``
-    * ``PageAddressError``: the page's address cannot be listened on
-        * ``PagePortInUseError``: another program listens on its port
-    * ``SeriesError``: a series for the report that does not fit together
-    * ``LinkUpdateError``: settings of a link that do not go together
-    * ``LinkAnswerError``: nothing was heard of a link
-"""
+from passafe.errors import NotAllowedError, PassafeError
 
 
-class DashboardError(Exception):
-    """Anything that the dashboard refuses."""
-
-
-class PageAddressError(DashboardError):
+class PageAddressError(NotAllowedError):
     """The page's address cannot be listened on.
 
     Attributes:
         host: Address that was to be listened on.
         port: Port that was to be listened on.
-        reason: What is wrong with it.
     """
 
     def __init__(self, host: str, port: int, reason: str) -> None:
         self.host = host
         self.port = port
-        self.reason = reason
-        super().__init__(
-            f"dashboard address: got {host}:{port} ({reason}), allowed an address of this machine and a port "
-            "that this user may listen on"
-        )
+        allowed = "an address of this machine and a port that this user may listen on"
+        super().__init__("dashboard address", f"{host}:{port} ({reason})", allowed)
 
 
 class PagePortInUseError(PageAddressError):
@@ -41,40 +27,26 @@ class PagePortInUseError(PageAddressError):
         self.args = (f"dashboard port {port} on {host} is in use: {advice}",)
 
 
-class SeriesError(DashboardError):
-    """A series for the report that does not fit together.
+class SeriesError(NotAllowedError):
+    """A series for the report that does not fit together."""
 
-    Attributes:
-        field: Name of the field.
-        got: Its shape or value.
-        allowed: What is allowed, in words.
-    """
-
-    def __init__(self, field: str, got: object, allowed: str) -> None:
-        self.field = field
-        self.got = got
-        self.allowed = allowed
-        super().__init__(f"series {field}: got {got}, allowed {allowed}")
+    prefix = "series "
 
 
-class LinkUpdateError(DashboardError):
+class LinkUpdateError(NotAllowedError):
     """Settings of a link that do not go together.
 
     Attributes:
         loc: Where in the settings.
-        got: What was asked for.
-        allowed: What is allowed, in words.
     """
 
     def __init__(self, loc: tuple[int | str, ...], got: object, allowed: str) -> None:
         self.loc = loc
-        self.got = got
-        self.allowed = allowed
-        super().__init__(f"link: got {got}, allowed {allowed}")
+        super().__init__("link", got, allowed)
 
 
-class LinkAnswerError(DashboardError):
-    """Nothing was heard of a link.
+class LinkAnswerError(PassafeError):
+    """Nothing was received of a link.
 
     Attributes:
         link: Its name.

@@ -1,22 +1,16 @@
-"""Errors of the wire.
+"""Errors of the wire; the tree of all errors is in ``passafe.errors``."""
 
-* ``ProtocolError``
-    * ``DecodeError``: bytes that are no message of this topic (truncated, garbage)
-        * ``ChecksumError``: bytes that are not those that were sent
-    * ``SchemaVersionError``: a message of another version of ``passafe.proto``
-    * ``InvalidMessageError``: decoded, but a field holds what it may not (NaN, inf, wrong shape, …)
-    * ``LinkSettingsError``: a link's setting outside its range
-"""
+from typing import ClassVar
 
-from reprlib import repr as short
+from passafe.errors import NotAllowedError, PassafeError
 
 
-class ProtocolError(Exception):
+class ProtocolError(PassafeError):
     """Anything wrong with what crosses the wire."""
 
 
 class DecodeError(ProtocolError):
-    """Bytes that are no message of the topic.
+    """Bytes that are no message of the topic: truncated, or garbage.
 
     Attributes:
         topic: Name of the topic that they arrived on.
@@ -36,51 +30,36 @@ class ChecksumError(DecodeError):
         super().__init__(topic, size, "the checksum is missing or another")
 
 
-class SchemaVersionError(ProtocolError):
-    """A message of another schema version.
-
-    Attributes:
-        topic: Name of the topic.
-        got: Version in the message.
-        allowed: Version that this build speaks.
-    """
-
-    def __init__(self, topic: str, got: int, allowed: int) -> None:
-        self.topic = topic
-        self.got = got
-        self.allowed = allowed
-        super().__init__(f"{topic}: schema_version {got}, allowed {allowed}")
-
-
-class InvalidMessageError(ProtocolError):
+class InvalidMessageError(ProtocolError, NotAllowedError):
     """A decoded message with a field that may not hold what it holds.
 
     Attributes:
         topic: Name of the topic.
-        field: Name of the field.
-        got: Its value.
-        allowed: What is allowed, in words.
     """
+
+    quotes_got: ClassVar[bool] = True
 
     def __init__(self, topic: str, field: str, got: object, allowed: str) -> None:
         self.topic = topic
-        self.field = field
-        self.got = got
-        self.allowed = allowed
-        super().__init__(f"{topic}.{field}: got {short(got)}, allowed {allowed}")
+        self.prefix = f"{topic}."
+        super().__init__(field, got, allowed)
 
 
-class LinkSettingsError(ProtocolError):
-    """A link setting outside its range.
+class SchemaVersionError(ProtocolError, NotAllowedError):
+    """A message of another schema version.
 
     Attributes:
-        field: Name of the setting.
-        got: Its value.
-        allowed: What is allowed, in words.
+        topic: Name of the topic.
     """
 
-    def __init__(self, field: str, got: object, allowed: str) -> None:
-        self.field = field
-        self.got = got
-        self.allowed = allowed
-        super().__init__(f"link {field}: got {short(got)}, allowed {allowed}")
+    def __init__(self, topic: str, got: int, allowed: int) -> None:
+        self.topic = topic
+        self.prefix = f"{topic}."
+        super().__init__("schema_version", got, str(allowed))
+
+
+class LinkSettingsError(ProtocolError, NotAllowedError):
+    """A link setting outside its range."""
+
+    prefix = "link "
+    quotes_got: ClassVar[bool] = True

@@ -15,14 +15,14 @@ def test_one_base_catches_whatever_the_core_refuses() -> None:
 def test_design_errors_say_what_got_and_allowed(kind: type[DesignError]) -> None:
     error = kind("disk radius", -1.0, "a positive number, m")
 
-    assert (error.part, error.got, error.allowed) == ("disk radius", -1.0, "a positive number, m")
+    assert (error.field, error.got, error.allowed) == ("disk radius", -1.0, "a positive number, m")
     assert str(error) == "disk radius: got -1.0, allowed a positive number, m"
 
 
 def test_relative_degree_errors_name_the_barrier_and_the_derivatives_taken() -> None:
     error = RelativeDegreeError("disk", 4)
 
-    assert (error.barrier, error.tried, error.part) == ("disk", 4, "barrier 'disk'")
+    assert (error.barrier, error.tried, error.field) == ("disk", 4, "barrier 'disk'")
     assert str(error).startswith("barrier 'disk': got an h whose first 4 time derivatives do not contain the input, ")
 
 

@@ -73,7 +73,7 @@ def test_a_radius_is_positive_and_finite(radius: float) -> None:
     with pytest.raises(DesignError) as refused:
         disk_keep_out(p, centre=(0, 0), radius=radius)
 
-    assert (refused.value.part, refused.value.got) == ("disk radius", radius)
+    assert (refused.value.field, refused.value.got) == ("disk radius", radius)
 
 
 @pytest.mark.parametrize("centre", [(0.0, nan), (inf, 0.0)])

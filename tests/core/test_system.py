@@ -52,7 +52,7 @@ def test_states_and_inputs_are_columns_of_symbols(part: str, symbol: ca.SX) -> N
     with pytest.raises(ShapeError) as refused:
         System(**parts)
 
-    assert (refused.value.part, refused.value.allowed) == (f"system {part}", "a non-empty column of symbols")
+    assert (refused.value.field, refused.value.allowed) == (f"system {part}", "a non-empty column of symbols")
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,9 @@ import socket
 
 import pytest
 from passafe_dashboard.address import listening_socket, require_free_page_port
-from passafe_dashboard.errors import DashboardError, PageAddressError, PagePortInUseError
+from passafe_dashboard.errors import PageAddressError, PagePortInUseError
+
+from passafe.errors import PassafeError
 
 
 def test_a_taken_port_is_named_with_what_to_do() -> None:
@@ -33,4 +35,4 @@ def test_invalid_address_is_refused_in_one_line(host: str, port: int) -> None:
     assert not isinstance(refused.value, PagePortInUseError)
     assert host in str(refused.value)
     assert "\n" not in str(refused.value)
-    assert isinstance(refused.value, DashboardError)
+    assert isinstance(refused.value, PassafeError)

@@ -14,13 +14,14 @@ from passafe_protocol.link_settings import LinkSettings
 from passafe_protocol.messages import OperatorCommand, PlantInput, Received
 from passafe_protocol.topics import COMMAND, INPUT, TOPIC_OF_NAME
 from passafe_services.loop.bus import TopicReader, open_bus
-from passafe_services.loop.errors import RuntimeFault
 from passafe_services.loop.live import run_live
 from passafe_services.loop.readiness import announce_ready
 from passafe_services.loop.router_endpoint import RouterEndpoint
 from passafe_services.loop.stop import stop_requests
 from passafe_services.node import Outgoing
 from passafe_services.router.process import run_router
+
+from passafe.errors import PassafeError
 
 FOREVER_S = 60.0
 
@@ -172,7 +173,7 @@ def main() -> None:
                 stubborn(options)
             case _:
                 plain(options)
-    except RuntimeFault as fault:
+    except PassafeError as fault:
         say(fault=type(fault).__name__, text=str(fault))
         sys.exit(2)
 

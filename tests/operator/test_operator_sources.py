@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from passafe_services.operator.errors import OperatorError, RecordingError, SourceConfigError
+from passafe_services.operator.errors import RecordingError, SourceConfigError
 from passafe_services.operator.keyboard.keys import Key
 from passafe_services.operator.sources.command import Command
 from passafe_services.operator.sources.script_source import build_source
@@ -57,7 +57,7 @@ def test_a_recording_is_found_beside_its_scenario_and_ends_at_its_last_value(tmp
 
 
 def test_a_recording_that_is_not_there_is_one_error_of_the_operator(tmp_path: Path) -> None:
-    with pytest.raises(OperatorError) as caught:
+    with pytest.raises(RecordingError) as caught:
         build_source(schema.RecordedSource(kind="recorded", path="none.csv"), 2, folder=tmp_path)
     assert isinstance(caught.value, RecordingError)
     assert caught.value.path == tmp_path / "none.csv"

@@ -20,8 +20,8 @@ from passafe_protocol.errors import (
         ),
         (
             SchemaVersionError("state", 2, 1),
-            "state: schema_version 2, allowed 1",
-            {"topic": "state", "got": 2, "allowed": 1},
+            "state.schema_version: got 2, allowed 1",
+            {"topic": "state", "got": 2, "allowed": "1"},
         ),
         (
             InvalidMessageError("state", "x", (), "1 to 64 numbers"),

@@ -16,9 +16,10 @@ from passafe_protocol.messages import (
     ScenarioInfo,
 )
 from passafe_protocol.topics import STATE
+from passafe_services.log.errors import LogFileError, LogReadError
 from passafe_services.log.log_writer import LogWriter, run_metadata
 from passafe_services.tools.recover import recover
-from passafe_services.tools.review.errors import ForeignLogError, ReviewError, ScenarioRecordError, UnreadableLogError
+from passafe_services.tools.review.errors import ForeignLogError, ScenarioRecordError
 from passafe_services.tools.review.run_log import RunLog
 
 
@@ -131,7 +132,7 @@ def test_the_published_configuration_stands_in_for_missing_metadata(tmp_path: Pa
     assert read.identity.versions == {"piqp": "0.7"}
 
 
-def unfit(tmp_path: Path) -> dict[str, tuple[Path, type[ReviewError], str]]:
+def unfit(tmp_path: Path) -> dict[str, tuple[Path, type[LogFileError], str]]:
     """Files that cannot be reviewed, what is raised for each and a part of what is said."""
     files = {name: tmp_path / f"{name}.mcap" for name in ("empty", "text", "foreign", "silent", "newer")}
     files["empty"].touch()
@@ -148,10 +149,10 @@ def unfit(tmp_path: Path) -> dict[str, tuple[Path, type[ReviewError], str]]:
     with LogWriter(files["newer"], run_metadata(scenario_json=newer, versions={}, driver="live")):
         pass
     return {
-        "missing": (tmp_path / "missing.mcap", UnreadableLogError, "no such file"),
-        "folder": (tmp_path, UnreadableLogError, "cannot be read: Is a directory"),
-        "empty": (files["empty"], UnreadableLogError, "is empty"),
-        "text": (files["text"], UnreadableLogError, "is no MCAP file"),
+        "missing": (tmp_path / "missing.mcap", LogReadError, "no such file"),
+        "folder": (tmp_path, LogReadError, "cannot be read: Is a directory"),
+        "empty": (files["empty"], LogReadError, "is empty"),
+        "text": (files["text"], LogReadError, "is no MCAP file"),
         "foreign": (files["foreign"], ForeignLogError, "/camera/image"),
         "silent": (files["silent"], ScenarioRecordError, "does not say which scenario"),
         "newer": (files["newer"], ScenarioRecordError, "schema_version"),

@@ -24,11 +24,10 @@ from passafe_protocol.messages import (
 )
 from passafe_protocol.topics import EVENT, HEALTH, LINK_EVENT, LINK_STATE, SCENARIO, STATE, TICK, TOPIC_OF_BODY, Topic
 from passafe_services.loop.link_states import NewestLinkStates
-from passafe_services.scenarios.errors import ScenarioError
 from passafe_services.scenarios.schema import Scenario
 from pydantic import ValidationError
 
-from passafe.errors import DesignError
+from passafe.errors import PassafeError
 from passafe_dashboard.barrier_values import BarrierValues
 from passafe_dashboard.columns import ColumnLayout
 from passafe_dashboard.decimation import NS_PER_S, DecimatedSeries, WorstSample
@@ -282,7 +281,7 @@ class Feed:
                 self._adopt(scenario)
         except ValidationError as error:
             self._refuse_scenario(header, f"{error.error_count()} errors", received_ns)
-        except (DesignError, ScenarioError) as error:
+        except PassafeError as error:
             self._refuse_scenario(header, str(error), received_ns)
 
     def _refuse_scenario(self, header: Header, reason: str, received_ns: int) -> None:

@@ -1,20 +1,7 @@
-"""Errors of the command line.
+"""Errors of the command line; the tree of all errors is in ``passafe.errors``."""
 
-* ``OptionError``: an option whose value cannot be used here
-"""
+from passafe.errors import NotAllowedError
 
 
-class OptionError(Exception):
-    """An option whose value cannot be used here.
-
-    Attributes:
-        option: Its name, as typed.
-        got: What it was given.
-        allowed: What is allowed, in words.
-    """
-
-    def __init__(self, option: str, got: object, allowed: str) -> None:
-        self.option = option
-        self.got = got
-        self.allowed = allowed
-        super().__init__(f"{option}: got {got}, allowed {allowed}")
+class OptionError(NotAllowedError):
+    """An option whose value cannot be used here; the field is its name as typed."""

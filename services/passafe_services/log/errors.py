@@ -1,15 +1,12 @@
-"""Errors of reading and writing logs.
-
-* ``LogFileError``
-    * ``LogWriteError``: the log cannot be created or grown (no folder, no permission, disk full)
-    * ``LogReadError``: the file is missing, empty or no MCAP file
-"""
+"""Errors of log files; the tree of all errors is in ``passafe.errors``."""
 
 from pathlib import Path
 
+from passafe.errors import PassafeError
 
-class LogFileError(Exception):
-    """Anything wrong with a log as a file.
+
+class LogFileError(PassafeError):
+    """A log that cannot be used as a file, or as the log of a run.
 
     Attributes:
         path: The file.
@@ -23,7 +20,7 @@ class LogFileError(Exception):
 
 
 class LogWriteError(LogFileError):
-    """The log cannot be created or grown."""
+    """A log that cannot be created or grown: no folder, no permission, a full disk."""
 
     def __init__(self, path: Path, error: OSError) -> None:
         self.errno = error.errno
@@ -31,4 +28,4 @@ class LogWriteError(LogFileError):
 
 
 class LogReadError(LogFileError):
-    """The file is missing, empty or no MCAP file."""
+    """A file that is missing, empty or no MCAP file."""

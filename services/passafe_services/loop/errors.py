@@ -1,41 +1,19 @@
-"""Errors of the runtime.
-
-* ``RuntimeFault``
-    * ``EndpointError``: a host or port that can be no endpoint
-    * ``BusError``: the router cannot be reached, or cannot listen
-    * ``PortInUseError``: the router's port is taken
-    * ``PublisherError``: a process that may not publish a topic
-    * ``LinkNameError``: settings for a link that does not exist
-    * ``LinkSilentError``: nothing was heard of a link
-    * ``LinkRefusedError``: the process that reads a link refused what it was asked for
-"""
+"""Errors of running systems; the tree of all errors is in ``passafe.errors``."""
 
 from collections.abc import Sequence
+from typing import ClassVar
 
+from passafe.errors import NotAllowedError, PassafeError
 from passafe_services.suggestion import suggestion
 
 
-class RuntimeFault(Exception):  # noqa: N818  "RuntimeError" is taken, and means something else
-    """Anything that keeps a process of a running system from starting or going on."""
+class EndpointError(NotAllowedError):
+    """A host or port that can be no endpoint."""
+
+    quotes_got: ClassVar[bool] = True
 
 
-class EndpointError(RuntimeFault):
-    """A host or port that can be no endpoint.
-
-    Attributes:
-        field: Name of the field.
-        got: Its value.
-        allowed: What is allowed, in words.
-    """
-
-    def __init__(self, field: str, got: object, allowed: str) -> None:
-        self.field = field
-        self.got = got
-        self.allowed = allowed
-        super().__init__(f"{field}: got {got!r}, allowed {allowed}")
-
-
-class BusError(RuntimeFault):
+class BusError(PassafeError):
     """The router cannot be reached, or cannot listen.
 
     Attributes:
@@ -49,7 +27,7 @@ class BusError(RuntimeFault):
         super().__init__(f"{locator}: {reason}")
 
 
-class PortInUseError(RuntimeFault):
+class PortInUseError(PassafeError):
     """The router's port is taken, most likely by another running system.
 
     Attributes:
@@ -63,38 +41,26 @@ class PortInUseError(RuntimeFault):
         super().__init__(f"port {port} on {host} is in use: is another router running? Choose another port.")
 
 
-class PublisherError(RuntimeFault):
-    """A process that may not publish a topic.
+class PublisherError(NotAllowedError):
+    """A process that may not publish a topic."""
 
-    Attributes:
-        source: Name of the process.
-        topic: Name of the topic.
-        allowed: Processes that may publish it.
-    """
+    quotes_got: ClassVar[bool] = True
 
     def __init__(self, source: str, topic: str, allowed: Sequence[str]) -> None:
-        self.source = source
-        self.topic = topic
-        self.allowed = tuple(allowed)
-        super().__init__(f"publisher of {topic}: got {source!r}, allowed {', '.join(allowed)}")
+        super().__init__(f"publisher of {topic}", source, ", ".join(allowed))
 
 
-class LinkNameError(RuntimeFault):
-    """Settings for a link that does not exist.
+class LinkNameError(NotAllowedError):
+    """Settings for a link that does not exist."""
 
-    Attributes:
-        got: The name.
-        allowed: Names of the links there are.
-    """
+    quotes_got: ClassVar[bool] = True
 
     def __init__(self, got: str, allowed: Sequence[str]) -> None:
-        self.got = got
-        self.allowed = tuple(allowed)
-        super().__init__(f"link: got {got!r}, allowed {', '.join(allowed)}{suggestion(got, allowed)}")
+        super().__init__("link", got, ", ".join(allowed) + suggestion(got, allowed))
 
 
-class LinkSilentError(RuntimeFault):
-    """Nothing was heard of a link, or no answer came.
+class LinkSilentError(PassafeError):
+    """Nothing was received of a link, or no answer came.
 
     Attributes:
         link: Its name.
@@ -109,7 +75,7 @@ class LinkSilentError(RuntimeFault):
         super().__init__(f"link {link}: no answer from {reader} within {waited_s:g} s: is it running?")
 
 
-class LinkRefusedError(RuntimeFault):
+class LinkRefusedError(PassafeError):
     """The process that reads a link refused what it was asked for; the settings before are still in force.
 
     Attributes:

@@ -1,44 +1,43 @@
-"""Errors of scenario files.
-
-* ``ScenarioError``: a field that holds what it may not
-    * ``UnknownScenarioError``: no scenario of that name and no such file
-    * ``UnreadableScenarioError``: a file that is no TOML
-    * ``LinkTraceError``: a file that is no trace of packet-delivery times
-"""
+"""Errors of scenario files; the tree of all errors is in ``passafe.errors``."""
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import ClassVar
 
+from passafe.errors import NotAllowedError
 from passafe_services.scenarios.field_problems import FieldProblem, problems_text
 from passafe_services.suggestion import suggestion
 
 
-class ScenarioError(Exception):
-    """A scenario with fields that hold what they may not.
+class ConfigurationError(NotAllowedError):
+    """A file of configuration with fields that hold what they may not.
 
     Attributes:
-        scenario: Its name or file.
-        field: Dotted name of the first of them.
-        got: What it holds.
-        allowed: What is allowed, in words.
+        noun: What the file holds.
+        name: Its name, or that of the file.
+        field: Dotted name of the first of the fields; ``got`` and ``allowed`` are of it, too.
     """
 
-    def __init__(self, scenario: str, field: str, got: object, allowed: str, *more: FieldProblem) -> None:
-        self.scenario = scenario
-        self.field = field
-        self.got = got
-        self.allowed = allowed
+    noun: ClassVar[str]
+
+    def __init__(self, name: str, field: str, got: object, allowed: str, *more: FieldProblem) -> None:
+        self.name = name
+        super().__init__(field, got, allowed)
         first = FieldProblem(field=field, got=str(got), allowed=allowed)
-        super().__init__(problems_text(f"scenario {scenario}", (first, *more)))
+        self.args = (problems_text(f"{self.noun} {name}", (first, *more)),)
+
+
+class ScenarioError(ConfigurationError):
+    """A scenario with fields that hold what they may not."""
+
+    noun: ClassVar[str] = "scenario"
 
 
 class UnknownScenarioError(ScenarioError):
     """No shipped scenario has that name, and there is no such file."""
 
     def __init__(self, name: str, shipped: Sequence[str]) -> None:
-        super().__init__(
-            name, "name", repr(name), f"a TOML file or one of {', '.join(shipped)}{suggestion(name, shipped)}"
-        )
+        super().__init__(name, "name", repr(name), names_or_file(name, shipped))
 
 
 class UnreadableScenarioError(ScenarioError):
@@ -58,3 +57,8 @@ class LinkTraceError(ScenarioError):
     def __init__(self, path: Path, got: object, allowed: str) -> None:
         self.path = path
         super().__init__("links", f"trace {path}", got, allowed)
+
+
+def names_or_file(name: str, shipped: Sequence[str]) -> str:
+    """Return what is allowed in the place of an unknown name, with the name that was most likely meant."""
+    return f"a TOML file or one of {', '.join(shipped)}{suggestion(name, shipped)}"

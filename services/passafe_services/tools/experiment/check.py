@@ -20,7 +20,7 @@ def check(study: Study) -> None:
     Raises:
         ScenarioError: A value that a scenario may not hold.
         DesignError: A design that cannot be built.
-        OperatorError: An operator that does not fit the robot.
+        SourceConfigError: A source of commands that does not fit the robot.
     """
     designed: set[str] = set()
     for variant in study.experiment.variants:

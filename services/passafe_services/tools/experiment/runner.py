@@ -8,14 +8,14 @@ from typing import Final, Generic, TypeVar
 import numpy as np
 from pydantic import BaseModel
 
-from passafe.errors import PassafeError
+from passafe.errors import DesignError, IntegrationError
 from passafe_services.loop.lockstep import Lockstep, Observer
-from passafe_services.operator.errors import OperatorError
+from passafe_services.operator.errors import RecordingError, SourceConfigError
 from passafe_services.scenarios.errors import ScenarioError
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.scenarios.source_schema import HumanSource
 from passafe_services.simulation import CompiledScenario, lockstep_loop, steps_of
-from passafe_services.tools.campaign.errors import CampaignError
+from passafe_services.tools.campaign.errors import NoSafeStartError
 from passafe_services.tools.campaign.safe_starts import SafeStarts
 from passafe_services.tools.experiment.load import Study
 from passafe_services.tools.experiment.metrics import Metrics, metrics_of
@@ -28,7 +28,7 @@ MOST_DERIVED: Final = 32
 MOST_REFERENCES: Final = 128
 MOST_ROUNDS: Final = 8
 
-EXPECTED: Final = (PassafeError, ScenarioError, CampaignError, OperatorError)
+EXPECTED: Final = (DesignError, IntegrationError, NoSafeStartError, RecordingError, ScenarioError, SourceConfigError)
 """What a run may end with: a design that cannot be built, a plant that cannot be integrated, no safe start."""
 
 _START: Final = 0x57A27

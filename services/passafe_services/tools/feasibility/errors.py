@@ -1,20 +1,7 @@
-"""Errors of the feasibility atlas.
+"""Errors of the feasibility atlas; the tree of all errors is in ``passafe.errors``."""
 
-* ``FeasibilityError``: a map that cannot be made, because of what it was asked for
-"""
+from passafe.errors import NotAllowedError
 
 
-class FeasibilityError(Exception):
-    """A map that cannot be made, because of what it was asked for.
-
-    Attributes:
-        field: What is wrong.
-        got: What it is.
-        allowed: What is allowed, in words.
-    """
-
-    def __init__(self, field: str, got: object, allowed: str) -> None:
-        self.field = field
-        self.got = got
-        self.allowed = allowed
-        super().__init__(f"{field}: got {got}, allowed {allowed}")
+class FeasibilityError(NotAllowedError):
+    """A map that cannot be made, because of what it was asked for."""

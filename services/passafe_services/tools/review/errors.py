@@ -1,31 +1,10 @@
-"""Errors of reviewing a log.
+"""Errors of reviewing a log; the tree of all errors is in ``passafe.errors``."""
 
-* ``ReviewError``
-    * ``UnreadableLogError``: missing, empty, no MCAP file
-    * ``ForeignLogError``: an MCAP file, but not of a run of passafe
-    * ``ScenarioRecordError``: a run of passafe whose scenario this build cannot read
-    * ``MismatchedLogError``: a run of passafe whose messages do not fit its own scenario
-"""
-
-from pathlib import Path
+from passafe_services.log.errors import LogFileError
 
 
-class ReviewError(Exception):
-    """A file that cannot be reviewed.
-
-    Attributes:
-        path: The file.
-        reason: Why not, in words.
-    """
-
-    def __init__(self, path: Path, reason: str) -> None:
-        self.path = path
-        self.reason = reason
-        super().__init__(f"{path}: {reason}")
-
-
-class UnreadableLogError(ReviewError):
-    """The file is missing, empty or no MCAP file."""
+class ReviewError(LogFileError):
+    """A readable log that cannot be reviewed."""
 
 
 class ForeignLogError(ReviewError):
@@ -33,8 +12,8 @@ class ForeignLogError(ReviewError):
 
 
 class ScenarioRecordError(ReviewError):
-    """The log does not say which scenario it is of, or says it in a way that this build does not read."""
+    """A log that does not state its scenario, or not in a way that this build reads."""
 
 
 class MismatchedLogError(ReviewError):
-    """The messages in the log do not fit the scenario that it says it is of."""
+    """A log whose messages do not fit its own scenario."""

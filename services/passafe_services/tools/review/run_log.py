@@ -12,12 +12,11 @@ from passafe_protocol.errors import ProtocolError
 from passafe_protocol.messages import Message, ScenarioInfo
 from passafe_protocol.topics import KEY_ROOT, SCENARIO, TOPIC_OF_BODY, TOPICS, Topic
 
-from passafe_services.log.errors import LogReadError
 from passafe_services.log.log_reader import LogReader
 from passafe_services.log.log_writer import SCENARIO_RECORD, topic_of_key
 from passafe_services.tools.recover import RECOVERED_RECORD
 from passafe_services.tools.review.continuity import Logged, TopicCount, in_order
-from passafe_services.tools.review.errors import ForeignLogError, UnreadableLogError
+from passafe_services.tools.review.errors import ForeignLogError
 from passafe_services.tools.review.run_identity import RunIdentity, identify
 
 B = TypeVar("B", bound=Message)
@@ -70,15 +69,12 @@ class RunLog:
         """Read a finished or torn log; of a torn one, what comes before the tear.
 
         Raises:
-            UnreadableLogError: The file is missing, empty or no MCAP file.
+            LogReadError: The file is missing, empty or no MCAP file.
             ForeignLogError: It has no channel of passafe.
             ScenarioRecordError: It does not say which scenario it is of, or this build cannot read that.
         """
-        try:
-            reader = LogReader(path)
-            contents = _contents(reader)
-        except LogReadError as error:
-            raise UnreadableLogError(path, error.reason) from error
+        reader = LogReader(path)
+        contents = _contents(reader)
         if not contents.is_of_passafe:
             found = ", ".join(contents.foreign_keys[:3]) or "none"
             raise ForeignLogError(path, f"is no log of passafe: got channels {found}, allowed {KEY_ROOT}/…")
