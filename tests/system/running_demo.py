@@ -12,6 +12,8 @@ from pathlib import Path
 from queue import Empty, Queue
 from threading import Thread
 
+import psutil
+
 START_S = 90.0
 """A loaded machine takes long to import CasADi six times."""
 
@@ -61,9 +63,9 @@ class RunningDemo:
     def children(self) -> dict[str, int]:
         """Return the process ids of the supervised processes by name."""
         found = {}
-        for pid in Path(f"/proc/{self.process.pid}/task/{self.process.pid}/children").read_text().split():
-            words = Path(f"/proc/{pid}/cmdline").read_bytes().decode().split("\0")
-            found[words[words.index("passafe_services.cli.run") + 1]] = int(pid)
+        for child in psutil.Process(self.process.pid).children():
+            words = child.cmdline()
+            found[words[words.index("passafe_services.cli.run") + 1]] = child.pid
         return found
 
     def end(self, timeout_s: float = 60.0) -> int:

@@ -1,4 +1,4 @@
-"""A verdict in the terminal."""
+"""Prints a verdict to the terminal."""
 
 from pathlib import Path
 
@@ -15,8 +15,26 @@ def exit_code(verdict: Verdict) -> int:
 
 
 def print_verdict(verdict: Verdict, log: Path) -> None:
-    """Print what a review found, and where the log is."""
-    console = Console()
+    """Print the properties of a run, its counts, and the path of its log.
+
+    Args:
+        verdict: What the review found.
+        log: The log that was reviewed.
+    """
+    console = Console(highlight=False)
+    console.print(_properties_table(verdict))
+    if verdict.steering is not None:
+        _print_steering(console, verdict.steering)
+    final = "none" if verdict.final_x is None else ", ".join(f"{value:.4f}" for value in verdict.final_x)
+    console.print(f"final x   {final}")
+    _print_counts(console, verdict)
+    for account in verdict.links:
+        console.print(f"link      {account.text}", soft_wrap=True)
+    console.print(f"verdict   [bold]{verdict.verdict}[/]")
+    console.print(f"log       {log}", soft_wrap=True)
+
+
+def _properties_table(verdict: Verdict) -> Table:
     title = f"{verdict.scenario}, mode {verdict.mode}, law {verdict.law}, {verdict.driver}"
     table = Table("property", "required", "holds", "worst", "at", title=title, title_justify="left")
     for name, entry in verdict.properties.items():
@@ -27,28 +45,22 @@ def print_verdict(verdict: Verdict, log: Path) -> None:
             _number(entry.worst),
             "" if entry.at_s is None else f"{entry.at_s:.3f} s",
         )
-    console.print(table)
-    if verdict.steering is not None:
-        _print_steering(console, verdict.steering)
-    final = "none" if verdict.final_x is None else ", ".join(f"{value:.4f}" for value in verdict.final_x)
+    return table
+
+
+def _print_counts(console: Console, verdict: Verdict) -> None:
     counts = ", ".join(f"{name} {count}" for name, count in verdict.status_counts.items())
-    console.print(f"final x   {final}")
-    console.print(f"ticks     {verdict.ticks} ({counts}), {verdict.steps_skipped} missed", highlight=False)
-    again = ", ".join(f"{name} {count}" for name, count in verdict.sessions.items() if count > 1)
-    if again:
-        console.print(f"sessions  {again}", highlight=False)
+    console.print(f"ticks     {verdict.ticks} ({counts}), {verdict.steps_skipped} missed")
+    restarted = ", ".join(f"{name} {count}" for name, count in verdict.sessions.items() if count > 1)
+    if restarted:
+        console.print(f"sessions  {restarted}")
     if verdict.disarmings:
-        console.print(f"disarmed  {verdict.disarmings} times, {verdict.disarmed_s:.3f} s in all", highlight=False)
+        console.print(f"disarmed  {verdict.disarmings} times, {verdict.disarmed_s:.3f} s in all")
     if verdict.late_us_p99 is not None and verdict.solve_us_p50 is not None:
         console.print(
             f"timing    late p50 {verdict.late_us_p50:.0f} µs, p99 {verdict.late_us_p99:.0f} µs; "
-            f"filter step p50 {verdict.solve_us_p50:.0f} µs, p99 {verdict.solve_us_p99:.0f} µs",
-            highlight=False,
+            f"filter step p50 {verdict.solve_us_p50:.0f} µs, p99 {verdict.solve_us_p99:.0f} µs"
         )
-    for account in verdict.links:
-        console.print(f"link      {account.text}", highlight=False, soft_wrap=True)
-    console.print(f"verdict   [bold]{verdict.verdict}[/]")
-    console.print(f"log       {log}", highlight=False, soft_wrap=True)
 
 
 def _print_steering(console: Console, steering: Steering) -> None:
@@ -64,8 +76,7 @@ def _print_steering(console: Console, steering: Steering) -> None:
     console.print(table)
     console.print(
         f"effort    {_number(steering.effort) or 'unknown'}, held back {_number(steering.held_back) or 'unknown'}; "
-        f"{steering.collisions} collisions, {steering.collided_s:.2f} s",
-        highlight=False,
+        f"{steering.collisions} collisions, {steering.collided_s:.2f} s"
     )
 
 
