@@ -17,10 +17,28 @@ Moment = Annotated[float, Field(ge=0, le=1e6)]
 
 
 class LinkFields(Config):
-    """Settings of an injected link: see ``passafe_protocol.link_settings``; docs/links.md explains each.
+    """Settings of an injected link; ``docs/links.md`` explains each.
 
-    ``trace`` is a CSV file of times at which the link lets one message through, repeated: in ms without a header, as
-    Mahimahi has it, else as the header says (``time_s`` or ``time_ms``).
+    Attributes:
+        delay_s: Constant part of the delay, s.
+        jitter_s: Half width of a uniform random part, else its standard deviation, s.
+        distribution: Of the random part.
+        quantiles_s: Of a histogram: delays at equal steps of probability, s.
+        correlation: Rank correlation of successive delays.
+        reorder: Whether messages may overtake one another.
+        loss: Probability of an independent loss.
+        burst_enter: Gilbert–Elliott: probability of entering the bad state.
+        burst_leave: Probability of leaving it.
+        burst_loss_good: Probability of a loss in the good state.
+        burst_loss_bad: Probability of a loss in the bad state.
+        duplicate: Probability of a copy.
+        corrupt: Probability that one bit is flipped.
+        rate_hz: Messages per second through the bottleneck; 0: no limit.
+        queue: Messages that may wait there.
+        outages_s: Start and end of each outage, s from the first message.
+        trace: CSV file of times at which the link lets one message through, repeated: in ms without a header, as
+            Mahimahi has it, otherwise as the header says (``time_s`` or ``time_ms``).
+        seed: Of its random sequences.
     """
 
     delay_s: Delay = 0.0
@@ -44,7 +62,7 @@ class LinkFields(Config):
 
 
 class ScenarioLink(LinkFields):
-    """Settings that go together."""
+    """Settings of one link, checked together."""
 
     @model_validator(mode="after")
     def _go_together(self) -> Self:
@@ -66,7 +84,13 @@ class ScenarioLink(LinkFields):
 
 
 class LinkChangeConfig(Config):
-    """At ``at_s`` after the first step of the process that reads the link, these settings change; the others stay."""
+    """One planned change of a link.
+
+    Attributes:
+        at_s: When, s after the first step of the process that reads the link.
+        link: Which link.
+        settings: What changes; other settings stay.
+    """
 
     at_s: NonNegative
     link: LinkName

@@ -16,13 +16,18 @@ from passafe_services.scenarios.source_schema import Source
 
 
 class PlantConfig(Config):
-    """The robot: a model of the core by name, its parameters and where it starts.
+    """The robot: a model of the core, its parameters and its start.
 
-    ``playout_s`` is how long before it takes effect an input should arrive, beyond the longest time that one took
-    lately: the buffer that absorbs jitter and loss.
-    ``hold_s`` is how long an input stays in force when no other follows, before the fail-safe law takes over; the
-    filter's margin between samples covers it, so a long one keeps the robot further from its barriers.
-    ``start_low`` and ``start_high`` span the box from which campaigns draw their starts; ±3 where they are not given.
+    Attributes:
+        model: Robot model of the core.
+        parameters: Its parameters by name.
+        x0: Initial state: positions, then velocities, m and m/s or rad and rad/s.
+        playout_s: How long before its effect an input should arrive, s, beyond the largest recent transit time: the
+            buffer that absorbs jitter and loss.
+        hold_s: How long an input stays in force when no other follows, s, before the fail-safe law takes over. The
+            intersample margin covers it, so a long hold keeps the robot further from its barriers.
+        start_low: Lowest corner of the box from which campaigns draw their starts; −3 by default.
+        start_high: Highest corner; 3 by default.
     """
 
     model: Literal["damped-point", "drag-point", "lagged-point", "saturating-point", "two-points", "joint-chain"]
@@ -40,17 +45,19 @@ class PlantConfig(Config):
 
 
 class AsSentEstimator(Config):
-    """The filter takes u_h and its rate as the newest command says them."""
+    """Pass-through: u_h and its rate are those of the newest command."""
 
     kind: Literal["as-sent"] = "as-sent"
 
 
 class WhiteAccelerationEstimator(Config):
-    """The filter estimates u_h and its rate from the commands with a Kalman filter whose rate is a random walk.
+    """Kalman filter of the commands, whose rate is a random walk.
 
-    ``agility`` is √S, S the density of the second derivative, units of u per s^1.5. ``resolution`` is the step in
-    which the device tells u_h, units of u. The newest rate is believed for ``horizon_s``, then it falls to zero in
-    ``fade_s``.
+    Attributes:
+        agility: √S, S the spectral density of the second derivative of u_h, units of u per s^1.5.
+        resolution: Quantisation step of the device, units of u.
+        horizon_s: How long the newest rate is trusted in full, s.
+        fade_s: How long the rate then takes to fall to zero, s.
     """
 
     kind: Literal["white-acceleration"]
@@ -72,10 +79,13 @@ Estimator = Annotated[AsSentEstimator | WhiteAccelerationEstimator, Field(discri
 
 
 class OperatorConfig(Config):
-    """Who drives, and what the filter makes of it.
+    """Who drives, and what the filter makes of the commands.
 
-    A command older than ``stale_s`` is stale at the filter. Then, and when the dead-man is released, what it asked for
-    fades to zero within ``fade_s``.
+    Attributes:
+        source: Who or what drives.
+        stale_s: Age from which a command is stale at the filter, s.
+        fade_s: How long the request then takes to fade to zero, s; also after the dead-man is released.
+        estimator: How the filter derives u_h and its rate from the commands.
     """
 
     source: Source
@@ -85,17 +95,30 @@ class OperatorConfig(Config):
 
 
 class FeedbackConfig(Config):
-    """u_fb = −k_p·position − k_d·velocity."""
+    """The state feedback u_fb = −k_p·position − k_d·velocity.
+
+    Attributes:
+        k_p: Proportional gain, 1/s².
+        k_d: Derivative gain, 1/s.
+    """
 
     k_p: NonNegative = 0.0
     k_d: NonNegative = 0.0
 
 
 class PassivityConfig(Config):
-    """The passivity row: ``power`` keeps the power margin, ``tank`` spends an energy tank.
+    """The passivity row.
 
-    ``storage`` is V: ``squared-norm`` ‖x‖², ``kinetic`` ½‖v‖², ``spring`` ½‖v‖² + ½·spring_stiffness_per_s2·‖p‖².
-    ``slack_weight`` is ρ_u, the price of one unit of slack squared against one unit of u squared.
+    Attributes:
+        kind: ``power`` bounds the power margin, ``tank`` spends an energy tank.
+        storage: V: ``squared-norm`` ‖x‖², ``kinetic`` ½‖v‖², ``spring`` ½‖v‖² + ½·spring_stiffness_per_s2·‖p‖².
+        spring_stiffness_per_s2: Stiffness of the spring in V, 1/s².
+        slack_weight: ρ_u, the cost of one unit of slack squared against one unit of u squared.
+        class_k: γ_u, of the continuous law only.
+        tank_initial_j: Tank level at the start, J.
+        tank_reserve_j: Level below which only safety may draw, J.
+        tank_max_j: Largest level, J.
+        tank_rate_per_s: κ, 1/s: how fast the tank may be emptied towards the reserve.
     """
 
     kind: Literal["power", "tank"] = "power"
@@ -110,14 +133,25 @@ class PassivityConfig(Config):
 
 
 class FilterConfig(Config):
-    """The filter: law, mode, gains, limits of the input, passivity and barriers.
+    """The filter: law, mode, gains, input limits, passivity and barriers.
 
-    ``k_i`` is α/2 of the tracking term. ``input_bound`` limits every axis of u, ``input_norm_bound`` its length and
-    ``input_rate_bound_per_s`` how fast every axis may change. ``start`` is the input before the first one:
-    ``nearest`` lets the first one be the nearest to û that keeps every row, ``zero`` begins at u = 0 as the paper
-    does. ``between_samples`` keeps barriers between samples too. ``prediction`` lets the filter decide for the state at
-    which its input will take effect; without it, for the newest state that came, however old. ``repeats`` is how many
-    earlier inputs each message repeats, as far as 64 numbers hold them.
+    Attributes:
+        law: Rows of the quadratic program: ``sampled``, or ``continuous`` as in the paper.
+        mode: What is enforced.
+        k_i: Tracking gain α/2, 1/s, below ``rate_hz``.
+        input_bound: Largest magnitude of every axis of u.
+        input_norm_bound: Largest ‖u‖₂.
+        input_rate_bound_per_s: Largest rate of change of every axis, units of u per s.
+        start: The input before the first one: ``nearest`` lets the first be the nearest to û that satisfies every row,
+            ``zero`` begins at u = 0 as the paper does.
+        between_samples: Whether rows have the intersample margin.
+        feedback: u_fb.
+        passivity: The passivity row.
+        barriers: The safe set, one entry per barrier.
+        stale_s: Age of the newest plant state from which the filter sends nothing, s.
+        prediction: Whether the filter decides for the state at which its input will take effect; without it, for the
+            newest state received, however old.
+        repeats: Earlier inputs that each message repeats, as far as 64 numbers hold them.
     """
 
     law: Literal["sampled", "continuous"] = "sampled"
@@ -139,7 +173,18 @@ class FilterConfig(Config):
 class Scenario(Config):
     """One scenario: everything that decides what a run does.
 
-    ``links`` are the impaired links at the start, ``link_changes`` what becomes of them later.
+    Attributes:
+        schema_version: Of this file's format.
+        name: Short name: lower case, digits and dashes.
+        title: One line.
+        description: More text.
+        duration_s: Plant time to run, s.
+        rate_hz: Ticks per second of operator, filter and plant, Hz.
+        plant: The robot.
+        operator: Who drives.
+        filter: The filter.
+        links: Impaired links at the start, by name.
+        link_changes: Planned changes of links.
     """
 
     schema_version: Literal[1]

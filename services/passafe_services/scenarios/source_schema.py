@@ -12,7 +12,12 @@ Seed = Annotated[int, Field(ge=0, lt=2**63)]
 
 
 class LagSource(Config):
-    """First-order lag from 0 to ``target``: u_h = target·(1 − exp(−t/T))."""
+    """First-order lag from 0 to ``target``: u_h = target·(1 − exp(−t/T)).
+
+    Attributes:
+        target: Final value, units of u.
+        time_constant_s: T, s.
+    """
 
     kind: Literal["lag"]
     target: Vector
@@ -20,14 +25,25 @@ class LagSource(Config):
 
 
 class ConstantSource(Config):
-    """The same u_h throughout."""
+    """The same u_h throughout.
+
+    Attributes:
+        value: u_h, units of u.
+    """
 
     kind: Literal["constant"]
     value: Vector
 
 
 class SineSource(Config):
-    """u_h = offset + amplitude·sin(2π f t + phase), each axis with the same frequency."""
+    """u_h = offset + amplitude·sin(2π f t + phase), each axis with the same frequency.
+
+    Attributes:
+        amplitude: Of each axis, units of u.
+        frequency_hz: f, Hz.
+        offset: Of each axis, units of u; 0 by default.
+        phase_rad: Of each axis, rad; 0 by default.
+    """
 
     kind: Literal["sine"]
     amplitude: Vector
@@ -37,14 +53,23 @@ class SineSource(Config):
 
 
 class Waypoint(Config):
-    """At time ``at_s`` the operator asks for ``value``; between waypoints the command is interpolated."""
+    """One waypoint; between two of them the command is interpolated.
+
+    Attributes:
+        at_s: Plant time, s.
+        value: u_h at that time, units of u.
+    """
 
     at_s: NonNegative
     value: Vector
 
 
 class WaypointSource(Config):
-    """u_h interpolated linearly through waypoints, held before the first and after the last."""
+    """u_h interpolated linearly through waypoints, held before the first and after the last.
+
+    Attributes:
+        points: Waypoints with increasing times.
+    """
 
     kind: Literal["waypoints"]
     points: Annotated[tuple[Waypoint, ...], Field(min_length=1)]
@@ -56,34 +81,53 @@ class WaypointSource(Config):
 
 
 class RecordedSource(Config):
-    """A recorded command series: CSV with a column ``time_s`` and one column ``u_h_<i>`` an axis."""
+    """A recorded command series.
+
+    Attributes:
+        path: CSV file with a column ``time_s`` and one column ``u_h_<i>`` per axis.
+    """
 
     kind: Literal["recorded"]
     path: str
 
 
 class KeyboardSource(Config):
-    """A person at the keyboard of the terminal: arrow keys push, the dead-man releases to zero."""
+    """A person at the keyboard of the terminal.
+
+    Attributes:
+        authority: Largest ‖u_h‖, units of u.
+    """
 
     kind: Literal["keyboard"]
     authority: Positive = 15.0
 
 
 class Target(Config):
-    """From plant time ``at_s`` on the person wants the robot to be at ``position``."""
+    """One target of a simulated person.
+
+    Attributes:
+        at_s: Plant time from which it is the target, s.
+        position: Where the robot should be, m.
+    """
 
     at_s: NonNegative
     position: Vector
 
 
 class HumanSource(Config):
-    """A simulated person who steers the robot to one target after another by what there is to see.
+    """A simulated person who steers by sight: McRuer's crossover model (``docs/operators.md``).
 
-    McRuer's crossover model, see ``docs/operators.md``. ``reaction_s`` passes from eye to muscle, ``neuromuscular_s``
-    is the lag of the arm, ``crossover_rad_per_s`` the gain of person and robot together, ``glance_s`` the time between
-    two looks at the screen. ``remnant`` is the density of what the person makes of it at random, relative to the
-    variance of what is seen and per rad/s, ``remnant_bandwidth_rad_per_s`` its bandwidth. ‖u_h‖ ≤ ``authority``.
-    A target counts as reached within ``tolerance_m``.
+    Attributes:
+        targets: Targets with increasing times.
+        crossover_rad_per_s: Gain of person and robot together, rad/s.
+        reaction_s: Delay from eye to muscle, s.
+        neuromuscular_s: Lag of the arm, s.
+        glance_s: Time between two looks at the screen, s.
+        remnant: Density of the person's random share, relative to the variance of what is seen, s/rad.
+        remnant_bandwidth_rad_per_s: Its bandwidth, rad/s.
+        authority: Largest ‖u_h‖, units of u.
+        tolerance_m: Distance within which a target counts as reached, m.
+        seed: Of the remnant.
     """
 
     kind: Literal["human"]
@@ -105,11 +149,15 @@ class HumanSource(Config):
 
 
 class AdversarySource(Config):
-    """An operator who wants the robot to fail, as in a campaign: |u_h| ≤ ``strength`` in each axis.
+    """An operator who wants the robot to fail, as in a campaign.
 
-    ``piecewise-constant`` asks for something else about once a second, ``chirp`` swings from 0.1 to 50 Hz,
-    ``against-h`` pushes into the tightest barrier, ``bang-bang`` does so to and fro, ``against-the-tank`` pushes where
-    energy is drawn fastest. The last three go by the newest state that reached the operator.
+    Attributes:
+        strategy: ``piecewise-constant`` commands another value about once a second; ``chirp`` oscillates from 0.1 to
+            50 Hz; ``against-h`` pushes into the tightest barrier; ``bang-bang`` does so with alternating sign;
+            ``against-the-tank`` pushes where energy is drawn fastest. The last three go by the newest state that
+            reached the operator.
+        strength: Largest magnitude of every axis of u_h.
+        seed: Of its random choices.
     """
 
     kind: Literal["adversary"]
