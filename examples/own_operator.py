@@ -1,0 +1,47 @@
+"""Drive the robot with a program of your own: a node on the bus that pushes in a circle.
+
+Start ``passafe demo --headless`` in one terminal and ``python examples/own_operator.py`` in another. The session that
+started last drives, so this node takes over from the demo's operator; the filter decides what the robot does with it.
+"""
+
+import argparse
+from collections.abc import Sequence
+from math import cos, sin, tau
+
+from passafe_protocol.messages import OperatorCommand, PlantState, Received
+from passafe_protocol.topics import COMMAND, STATE, Topic
+from passafe_services.loop.live import run_live
+from passafe_services.loop.router_endpoint import RouterEndpoint
+from passafe_services.node import Outgoing
+
+STRENGTH, TURNS_PER_S = 8.0, 0.25  # size of the push, in units of the plant's input
+
+
+class CirclingOperator:
+    """A node: a name, the topics it reads, and a step. It has no clock and no socket, so tests can step it, too."""
+
+    name = "operator"  # the topic table lets this process publish commands
+    subscribes: tuple[Topic, ...] = (STATE,)
+    position: tuple[float, ...] | None = None  # of the robot, once a state arrived
+
+    def step(self, now_ns: int, inbox: Sequence[Received]) -> Sequence[Outgoing]:
+        """Return one command; called at a fixed rate with the messages that arrived since the step before."""
+        for message in inbox:
+            if isinstance(message.body, PlantState):
+                self.position = message.body.x[:2]
+        angle, rate = tau * TURNS_PER_S * now_ns / 1e9, tau * TURNS_PER_S
+        u_h = (STRENGTH * cos(angle), STRENGTH * sin(angle))
+        u_h_rate = (-rate * u_h[1], rate * u_h[0])
+        return [(COMMAND, OperatorCommand(u_h=u_h, u_h_rate=u_h_rate, enabled=True, device="circle"))]
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description="Push the robot of a running demo in a circle.")
+    parser.add_argument("--port", type=int, default=7447, help="port of the router")
+    parser.add_argument("--duration", type=float, default=10.0, help="seconds to drive")
+    options = parser.parse_args()
+    node = CirclingOperator()
+    # The live driver: connects to the router, steps the node 100 times a second, publishes what it returns.
+    endpoint = RouterEndpoint(port=options.port)
+    report = run_live(node, rate_hz=100.0, endpoint=endpoint, links={}, duration_s=options.duration)
+    print(f"{report.steps} steps; the robot was last seen at {node.position}")
