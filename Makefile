@@ -9,7 +9,7 @@ DEMO ?=
 PYTHONS ?= python3.12 python3.13
 CAMPAIGN ?= $(basename $(notdir $(wildcard services/passafe_services/scenarios/*.toml)))
 
-.PHONY: help demo test check fast proto lock docs pictures bench campaign atlas delay-atlas mutation wheel wheel-test clean
+.PHONY: help demo test check fast proto lock docs site pictures bench campaign atlas delay-atlas mutation wheel wheel-test clean
 
 help:  ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 13
@@ -31,30 +31,38 @@ test: $(STAMP)  ## every test that CI runs, with coverage of core and protocol
 fast: $(STAMP)  ## the tests that start no process and no browser, and compile nothing
 	$(BIN)/python -m pytest -n auto --dist loadfile -m 'not live and not browser and not compiled'
 
-check: $(STAMP)  ## lint, format, types, import direction, generated files current
+check: $(STAMP)  ## lint, format, types, import direction, generated files current, docs build
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/mypy wheel_build
 	$(BIN)/mypy benchmarks
+	$(BIN)/mypy docs_build examples
 	$(BIN)/lint-imports
 	@mkdir -p .build && $(GENERATE) --python_out=.build --pyi_out=.build $(PROTO)
 	@for f in passafe_pb2.py passafe_pb2.pyi; do cmp .build/passafe_protocol/$$f protocol/passafe_protocol/$$f || { echo "protocol/passafe_protocol/$$f is not current: run make proto"; exit 1; }; done
 	$(BIN)/python -m passafe_protocol.wire_table --check docs/wire-protocol.md
+	$(BIN)/python docs_build/reference.py --check
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict
 
 proto: $(STAMP)  ## generate the protobuf code
 	$(GENERATE) --python_out=protocol --pyi_out=protocol $(PROTO)
 
-docs: $(STAMP)  ## generate docs/wire-protocol.md from the topic table
+docs: $(STAMP)  ## generate the reference pages: wire, command line, keys of files
 	$(BIN)/python -m passafe_protocol.wire_table --write docs/wire-protocol.md
+	$(BIN)/python docs_build/reference.py --write
 
-pictures: $(STAMP)  ## the README's pictures, from live runs
+site: $(STAMP)  ## the documentation as a site, .build/site/index.html
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
+
+pictures: $(STAMP)  ## the pictures of README and docs, from runs
+	$(BIN)/python docs_build/moving_picture.py docs/pictures/four-modes.gif
 	$(BIN)/python -m passafe_dashboard.pictures docs/pictures
 
 bench: $(STAMP)  ## docs/benchmarks.md: ratios of every benchmark; some 10 minutes on an idle machine
 	$(BIN)/python benchmarks/write_page.py
 
-campaign: $(STAMP)  ## 10,000 adversarial rollouts of every shipped scenario; about an hour, and it goes on where it was interrupted
+campaign: $(STAMP)  ## 10,000 adversarial rollouts of every shipped scenario; about an hour; resumes where it was interrupted
 	$(BIN)/passafe campaign $(CAMPAIGN) --rollouts 10000 --out runs/campaign
 
 atlas: $(STAMP)  ## the pictures of docs/feasibility.md
@@ -63,10 +71,10 @@ atlas: $(STAMP)  ## the pictures of docs/feasibility.md
 		cp runs/atlas/gain-$$gain/notomista-cai-2020.svg docs/pictures/feasibility-gain-$$gain.svg || exit 1; \
 	done
 
-mutation: $(STAMP)  ## changes the core one thing at a time: does a test notice? an hour or two; goes on where it was interrupted
+mutation: $(STAMP)  ## changes the core one thing at a time: does a test notice? an hour or two; resumes where it was interrupted
 	$(BIN)/python benchmarks/mutation.py
 
-delay-atlas: $(STAMP)  ## the delay-margin atlas of docs/experiments.md; it goes on where it was interrupted
+delay-atlas: $(STAMP)  ## the delay-margin atlas of docs/measurements.md; resumes where it was interrupted
 	$(BIN)/passafe experiment delay-margin --keep none --out runs/delay-margin
 	cp runs/delay-margin/boundaries.svg docs/pictures/delay-margin.svg
 
