@@ -1,4 +1,4 @@
-"""The rule of ``docs/scenarios.md``: braking keeps the rows of all convex barriers that stand still, at once."""
+"""The rule of ``docs/feasibility.md``: braking keeps the rows of all convex barriers that stand still, at once."""
 
 import casadi as ca
 import numpy as np
