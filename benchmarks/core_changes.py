@@ -66,7 +66,7 @@ class Change:
 
     @property
     def is_equivalent(self) -> bool:
-        """Whether it is known to change nothing."""
+        """True if the change is known to have no visible effect."""
         return (self.scope, self.words) in EQUIVALENT
 
 

@@ -1,4 +1,4 @@
-"""A copy of the core and its tests, in which one change at a time is made and tried.
+"""Copies the core and its tests, makes one change at a time there and tries it.
 
 Tests run in children of a server that has imported the large libraries, though nothing of the core: reading them is
 most of what a few tests take.
@@ -38,7 +38,7 @@ NO_MEMORY: Final = 127
 """Exit code of the system's loader where it gets no memory."""
 
 CRASHED: Final = frozenset({pytest.ExitCode.INTERNAL_ERROR, NO_MEMORY, -SIGSEGV, -SIGABRT})
-"""Exit codes that stand for a change that was noticed although no test is named; others say nothing of the change."""
+"""Exit codes that stand for a change that was noticed although no test is named; others do not judge the change."""
 
 _children = get_context("forkserver")
 _children.set_forkserver_preload(["__main__", "casadi", "daqp", "piqp", "scipy.integrate", "scipy.optimize"])
@@ -67,9 +67,9 @@ class Copy:
 
     def failing(self, tests: Sequence[str], timeout_s: float) -> str:
         """Return what fails first, or an empty string if all of them pass."""
-        said = self.where / "said.txt"
-        said.write_text("", encoding="utf-8")
-        child = _children.Process(target=_run, args=(self.where, tests, said))
+        file = self.where / "output.txt"
+        file.write_text("", encoding="utf-8")
+        child = _children.Process(target=_run, args=(self.where, tests, file))
         child.start()
         child.join(timeout_s)
         if child.is_alive():
@@ -78,7 +78,7 @@ class Copy:
             return NO_END
         if child.exitcode == 0:
             return ""
-        output = said.read_text(encoding="utf-8")
+        output = file.read_text(encoding="utf-8")
         named = re.search(r"^(?:FAILED|ERROR) (\S+)", output, re.MULTILINE)
         if named:
             return named[1].removeprefix("tests/core/")
@@ -108,13 +108,13 @@ class Copy:
         return ""
 
 
-def _run(where: Path, tests: Sequence[str], said: Path) -> None:
+def _run(where: Path, tests: Sequence[str], output: Path) -> None:
     """Run tests in this process, which is a child, and end it with pytest's exit code."""
     setrlimit(RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
     os.chdir(where)
     sys.path[:] = [str(where), *(path for path in sys.path if path != str(Path(__file__).parent))]
     sys.dont_write_bytecode = True
-    output = os.open(said, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
-    os.dup2(output, 1)
-    os.dup2(output, 2)
+    descriptor = os.open(output, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+    os.dup2(descriptor, 1)
+    os.dup2(descriptor, 2)
     sys.exit(int(pytest.main(["-x", "-q", "-p", "no:cacheprovider", *(f"tests/core/{test}" for test in tests)])))

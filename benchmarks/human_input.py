@@ -62,9 +62,9 @@ def reaches(random: Random) -> Signal:
         t, place = t + lasts_s + random.uniform(0.0, 0.5), goal
 
     def signal(t: float) -> tuple[float, float]:
-        start_s, lasts_s, start, way = next(leg for leg in reversed(legs) if leg[0] <= t)
+        start_s, lasts_s, start, distance = next(leg for leg in reversed(legs) if leg[0] <= t)
         s = min((t - start_s) / lasts_s, 1.0)
-        return start + way * s**3 * (10 - 15 * s + 6 * s**2), way * 30 * s**2 * (1 - s) ** 2 / lasts_s
+        return start + distance * s**3 * (10 - 15 * s + 6 * s**2), distance * 30 * s**2 * (1 - s) ** 2 / lasts_s
 
     return signal
 

@@ -1,4 +1,4 @@
-"""Who competes in ``human_input.py``: each estimates one axis of u_h and its rate from samples as they arrive.
+"""Estimators that compete in ``human_input.py``: each for one axis of u_h and its rate from samples as they arrive.
 
 All but the first are continued beyond the newest sample by the same rule as ours: its rate for ``horizon_s``, then
 fading to zero over ``fade_s``. An overtaken sample is put where it belongs by those that can.
@@ -29,7 +29,7 @@ class Contender(Protocol):
 
 
 class Reach(NamedTuple):
-    """How far beyond the newest sample its rate is believed."""
+    """Time beyond the newest sample for which its rate is used."""
 
     horizon_s: float
     fade_s: float
@@ -44,7 +44,7 @@ class Reach(NamedTuple):
 
 
 class Hold:
-    """The newest sample, and no rate: what ``as-sent`` does with a device that tells none."""
+    """The newest sample, and no rate: what ``as-sent`` does with a device that sends none."""
 
     def __init__(self) -> None:
         self._newest = (-inf, 0.0)

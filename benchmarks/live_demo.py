@@ -20,7 +20,7 @@ from passafe_services.loop.router_endpoint import RouterEndpoint
 
 START_S = 180.0
 PATIENCE_S = 60.0
-"""How long a message may take to come: a loaded machine starts processes slowly."""
+"""Longest wait for a message: a loaded machine starts processes slowly."""
 
 Wanted = Callable[[Header, Message], bool]
 

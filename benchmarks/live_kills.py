@@ -82,7 +82,7 @@ def main(
 def struck_demo(
     name: str, folder: Path, number: int, numbers: range, chance: random.Random, rate_hz: float, console: Console
 ) -> tuple[RunLog, list[Strike]]:
-    """Run one demo with its kills; return its log and what the log says of each kill."""
+    """Run one demo with its kills; return its log and its kills, with the times that the log shows."""
     folder.mkdir(parents=True)
     source = {"kind": "sine", **SWEEPS[name]}
     scenario = load_scenario(name, {"operator.source": source, "filter.mode": "both"})
@@ -108,7 +108,7 @@ def row(strike: Strike) -> tuple[str, ...]:
 
 
 def note(number: int, verdict: Verdict, log: RunLog) -> str:
-    """Return what the log of one demo says as a whole."""
+    """Return a summary of one demo's log."""
     return (
         f"demo {number}, {verdict.scenario}, {verdict.duration_s:.1f} s: lowest h {verdict.h_min}, "
         f"at samples {verdict.h_min_at_samples}, lowest tank {verdict.tank_min_j} J, "

@@ -36,7 +36,7 @@ VICTIMS: Final = ("filter", "router", *LINKS[:3])
 RATE_HZ: Final = 500.0
 RUN_S: Final = 5.0
 RESUMED_WITHIN_S: Final = 2.0
-"""How long after the victim's return the input sequence must last again, at most; links delay by 0.4 s at most."""
+"""Time after the victim's return from which the plant must apply inputs for good; links delay by 0.4 s at most."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -31,7 +31,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 TESTS: Final = ROOT / "tests" / "core"
 LONGEST_S: Final = 3600.0
-"""What one file of tests may take without a change."""
+"""Longest time of one file of tests without a change."""
 
 
 class Findings:

@@ -1,4 +1,4 @@
-"""Reports a benchmark: one table and ratios of figures that were measured side by side, printed or as JSON."""
+"""Reports a benchmark: one table and ratios of what was measured side by side, printed or as JSON."""
 
 import json
 from collections.abc import Sequence
@@ -17,7 +17,7 @@ Smallest = Annotated[bool, typer.Option("--smallest", help="Measure next to noth
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Ratio:
-    """Quotient of two figures measured side by side.
+    """Quotient of two quantities measured side by side.
 
     Attributes:
         of: Name of the dividend.
@@ -35,7 +35,7 @@ class Ratio:
 
     @classmethod
     def of_rounds(cls, of: str, dividends: Sequence[float], over: str, divisors: Sequence[float]) -> "Ratio":
-        """Return the ratio of figures that were measured in the same rounds."""
+        """Return the ratio of two quantities measured in the same rounds."""
         each = [dividend / divisor for dividend, divisor in zip(dividends, divisors, strict=True)]
         return cls(of=of, over=over, median=median(each), least=min(each), most=max(each))
 
@@ -94,7 +94,7 @@ class Report:
             console.print(f"failed: {failure}", style="bold red", markup=False)
 
 
-def spread(figures: Sequence[float], decimals: int = 1) -> str:
-    """Return median, least and largest of a figure's rounds as text."""
-    middle = f"{median(figures):.{decimals}f}"
-    return middle if len(figures) == 1 else f"{middle} ({min(figures):.{decimals}f} to {max(figures):.{decimals}f})"
+def spread(values: Sequence[float], decimals: int = 1) -> str:
+    """Return median, least and largest of a quantity's rounds as text."""
+    middle = f"{median(values):.{decimals}f}"
+    return middle if len(values) == 1 else f"{middle} ({min(values):.{decimals}f} to {max(values):.{decimals}f})"

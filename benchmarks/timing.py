@@ -16,7 +16,7 @@ def in_turn(measures: Sequence[Callable[[], T]], rounds: int) -> list[list[T]]:
     """Return the results of every measure, one for each round.
 
     Every round runs all measures and begins with another one, so that a drift of the machine hits all alike: ratios
-    within a round mean something on a machine whose load changes, while the figures themselves do not.
+    within a round mean something on a machine whose load changes, while the times themselves do not.
     """
     results: list[list[T]] = [[] for _ in measures]
     for turn in range(rounds):

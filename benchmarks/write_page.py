@@ -1,7 +1,7 @@
 """Runs the benchmarks one after the other and writes their ratios to a page: ``python benchmarks/write_page.py``.
 
-Each runs in a process of its own, and its ratios are of figures measured in turn in that process: they can be compared
-between machines and days, while times cannot. Exits with 1 if a check of a benchmark failed; the page then stays as it
+Each runs in a process of its own, and its ratios are of quantities measured in turn there: ratios can be compared
+between machines and days, times cannot. Exits with 1 if a check of a benchmark failed; the page then stays as it
 was.
 """
 
@@ -31,7 +31,7 @@ BENCHMARKS: Final = {
     "experiment_speed": "a sweep over bad networks",
     "campaign_speed": "one tick of an adversarial campaign, CPU time",
     "human_input": "errors of estimates of the operator's input and its rate, RMS of φ; least and most over signals",
-    "live_latency": "the way from operator to plant in a live system, play-out time included, median",
+    "live_latency": "the path from operator to plant in a live system, play-out time included, median",
 }
 """Benchmarks that measure ratios, with what they are of."""
 
@@ -39,9 +39,9 @@ PACKAGES: Final = ("casadi", "piqp", "daqp", "numpy", "scipy", "msgspec", "cbfpy
 
 INTRODUCTION: Final = """# Benchmarks
 
-`make bench` writes this page. Each ratio is of two figures measured in turn in one process: median over rounds, least
-and most. Ratios can be compared between machines and days; times cannot. Tests run every benchmark at its smallest
-size, agreement checks included.
+`make bench` writes this page. Each ratio is of two quantities measured in turn in one process: median over rounds,
+least and most. Ratios can be compared between machines and days; times cannot. Tests run every benchmark at its
+smallest size, agreement checks included.
 """
 
 
