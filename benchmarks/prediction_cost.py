@@ -80,10 +80,10 @@ def tick_us(name: str, horizon: int, ticks: int, error: float) -> float:
         predictor.confirm(state)
         if k == 0:
             for ahead in range(horizon):
-                predictor.at(ahead * dt_ns)
-                predictor.sent(ahead * dt_ns, u)
-        predictor.at((k + horizon) * dt_ns)
-        predictor.sent((k + horizon) * dt_ns, u)
+                predictor.predict(ahead * dt_ns)
+                predictor.record_sent(ahead * dt_ns, u)
+        predictor.predict((k + horizon) * dt_ns)
+        predictor.record_sent((k + horizon) * dt_ns, u)
         if k > horizon:
             times.append((perf_counter_ns() - begin_ns) / 1e3)
         sample = compiled.model.dynamics.advance(state.x, u)

@@ -17,7 +17,7 @@ from passafe_protocol.messages import (
 )
 from passafe_protocol.topics import TICK
 from passafe_services.filter.build import filter_node
-from passafe_services.filter.decision_loop import MOST_AT_ONCE, MOST_UNACCOUNTED
+from passafe_services.filter.decision_loop import MOST_AT_ONCE, MOST_UNREPORTED
 from passafe_services.node import Node, Outgoing
 from passafe_services.scenarios.design import design_of, robot_of
 from passafe_services.scenarios.load import load_scenario
@@ -173,7 +173,7 @@ def test_an_old_state_stops_the_inputs() -> None:
     assert isinstance(tick, FilterTick)
     assert isinstance(event, Event)
     assert tick.status is FilterStatus.STALE
-    assert "not been heard of" in event.text
+    assert "is stale" in event.text
 
 
 @pytest.mark.parametrize(
@@ -273,16 +273,16 @@ def test_while_the_plant_runs_on_anothers_inputs_nothing_is_sent_and_the_first_t
 def test_a_wait_without_end_fills_no_memory_and_no_message() -> None:
     node = make_node()
     held = 0
-    for k in range(1, MOST_UNACCOUNTED + 500):
+    for k in range(1, MOST_UNREPORTED + 500):
         node.step(k * MS, [plant_state(k, k, phase=PlantPhase.RUNNING), command(k)])
-        held = max(held, len(node._decisions._unaccounted))
-    at_ms = MOST_UNACCOUNTED + 500
+        held = max(held, len(node._decisions._unreported))
+    at_ms = MOST_UNREPORTED + 500
     broken = plant_state(
         at_ms, at_ms, phase=PlantPhase.HOLDING, sequence_break_ns=at_ms * MS, input_since_ns=at_ms * MS
     )
     tick = tick_of(node, at_ms, broken)
 
-    assert held <= MOST_UNACCOUNTED + 2
+    assert held <= MOST_UNREPORTED + 2
     assert tick.u_h == (-3.0, 0.5)
     assert decode(TICK, encode(head("filter", 1), tick))[1] == tick
 

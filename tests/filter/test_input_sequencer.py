@@ -24,22 +24,22 @@ def send(series: InputSequencer, *times_ms: int) -> list[PlantInput]:
 
 
 def test_the_first_series_begins_where_the_schedule_says() -> None:
-    assert arming().begins_with(state(0, WAITING), 3 * MS) == (3 * MS, True)
+    assert arming().next_input(state(0, WAITING), 3 * MS) == (3 * MS, True)
 
 
 def test_every_period_has_its_turn_whatever_the_schedule_says() -> None:
     series = arming()
-    series.begins_with(state(0, WAITING), 0)
+    series.next_input(state(0, WAITING), 0)
     send(series, 0, 1)
 
-    assert series.begins_with(state(0, RUNNING), 2 * MS) == (2 * MS, False)
-    assert series.begins_with(state(0, RUNNING), 9 * MS) == (2 * MS, False)  # catches up from where it was
-    assert series.begins_with(state(0, RUNNING), MS) == (2 * MS, False)  # nothing to make: the next is later
+    assert series.next_input(state(0, RUNNING), 2 * MS) == (2 * MS, False)
+    assert series.next_input(state(0, RUNNING), 9 * MS) == (2 * MS, False)  # catches up from where it was
+    assert series.next_input(state(0, RUNNING), MS) == (2 * MS, False)  # nothing to make: the next is later
 
 
 def test_messages_tell_of_their_arming_and_repeat_the_newest_earlier_inputs() -> None:
     series = arming(repeats=2)
-    series.begins_with(state(40, FAIL_SAFE, 31), 50 * MS)
+    series.next_input(state(40, FAIL_SAFE, 31), 50 * MS)
     sent = send(series, 50, 51, 52, 53)
 
     assert [each.previous_u for each in sent] == [
@@ -56,7 +56,7 @@ def test_messages_tell_of_their_arming_and_repeat_the_newest_earlier_inputs() ->
 
 def test_without_repeats_messages_hold_their_own_input_alone() -> None:
     series = arming(repeats=0)
-    series.begins_with(state(0, WAITING), 0)
+    series.next_input(state(0, WAITING), 0)
 
     assert [each.previous_u for each in send(series, 0, 1)] == [(), ()]
 
@@ -64,66 +64,66 @@ def test_without_repeats_messages_hold_their_own_input_alone() -> None:
 @pytest.mark.parametrize("phase", [HOLDING, FAIL_SAFE])
 def test_a_break_ends_the_series_and_the_next_one_rests_on_it(phase: PlantPhase) -> None:
     series = arming()
-    series.begins_with(state(0, WAITING), 0)
+    series.next_input(state(0, WAITING), 0)
     send(series, 0, 1, 2, 3)
 
-    assert series.begins_with(state(2, phase, 2), 9 * MS) == (9 * MS, True)
+    assert series.next_input(state(2, phase, 2), 9 * MS) == (9 * MS, True)
     [message] = send(series, 9)
     assert (message.input_sequence_start_ns, message.known_break_ns, message.previous_u) == (9 * MS, 2 * MS, ())
 
 
 def test_a_series_that_can_still_begin_is_kept() -> None:
     series = arming()
-    series.begins_with(state(2, FAIL_SAFE, 2), 9 * MS)
+    series.next_input(state(2, FAIL_SAFE, 2), 9 * MS)
     send(series, 9)
 
-    assert series.begins_with(state(8, FAIL_SAFE, 2), 10 * MS) == (10 * MS, False)
+    assert series.next_input(state(8, FAIL_SAFE, 2), 10 * MS) == (10 * MS, False)
 
 
 @pytest.mark.parametrize("phase", [HOLDING, FAIL_SAFE])
 def test_a_series_that_did_not_begin_in_time_is_given_up(phase: PlantPhase) -> None:
     series = arming()
-    series.begins_with(state(2, FAIL_SAFE, 2), 9 * MS)
+    series.next_input(state(2, FAIL_SAFE, 2), 9 * MS)
     send(series, 9)
 
-    assert series.begins_with(state(9, phase, 2), 20 * MS) == (20 * MS, True)
+    assert series.next_input(state(9, phase, 2), 20 * MS) == (20 * MS, True)
 
 
 def test_a_plant_that_runs_on_what_another_filter_made_gets_nothing_until_it_has_run_out() -> None:
     series = arming()
 
     for plant_ms in range(5):
-        next_ns, begins = series.begins_with(state(plant_ms, RUNNING, 2), (plant_ms + 6) * MS)
+        next_ns, begins = series.next_input(state(plant_ms, RUNNING, 2), (plant_ms + 6) * MS)
         assert next_ns > (plant_ms + 6) * MS
         assert not begins
-    assert series.begins_with(state(5, HOLDING, 5), 11 * MS) == (11 * MS, True)
+    assert series.next_input(state(5, HOLDING, 5), 11 * MS) == (11 * MS, True)
     assert send(series, 11)[0].known_break_ns == 5 * MS
 
 
 def test_a_plant_that_was_armed_anew_by_another_filter_ends_the_series_and_gets_none() -> None:
     series = arming()
-    series.begins_with(state(2, FAIL_SAFE, 2), 9 * MS)
+    series.next_input(state(2, FAIL_SAFE, 2), 9 * MS)
     send(series, 9)
 
-    assert series.begins_with(state(20, RUNNING, 15), 25 * MS) == (26 * MS, False)
+    assert series.next_input(state(20, RUNNING, 15), 25 * MS) == (26 * MS, False)
 
 
 def test_a_plant_at_rest_gets_another_series_when_the_first_input_seems_to_be_lost() -> None:
     series, last_ms = arming(), WAITING_NS // MS
-    series.begins_with(state(0, WAITING), 0)
+    series.next_input(state(0, WAITING), 0)
     send(series, last_ms - 2)
-    assert series.begins_with(state(0, WAITING), (last_ms - 1) * MS) == ((last_ms - 1) * MS, False)
+    assert series.next_input(state(0, WAITING), (last_ms - 1) * MS) == ((last_ms - 1) * MS, False)
     send(series, last_ms - 1)
 
-    assert series.begins_with(state(0, WAITING), last_ms * MS) == (last_ms * MS, True)
+    assert series.next_input(state(0, WAITING), last_ms * MS) == (last_ms * MS, True)
 
 
 def test_after_a_restart_a_new_series_begins_with_whatever_plant_there_is() -> None:
     series = arming()
-    series.begins_with(state(0, WAITING), 0)
+    series.next_input(state(0, WAITING), 0)
     send(series, 0, 1)
 
     series.restart()
 
-    assert series.begins_with(state(0, WAITING), 0) == (0, True)
+    assert series.next_input(state(0, WAITING), 0) == (0, True)
     assert send(series, 0)[0].previous_u == ()

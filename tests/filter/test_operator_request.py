@@ -37,7 +37,7 @@ def hear(
     scheduled_ns = CLOCK_AHEAD_NS + round(at_ms * MS)
     header = Header("operator", epoch, round(at_ms) if number is None else number, scheduled_ns, 0, 0, 0)
     body = OperatorCommand(u_h, rate, enabled, "test")
-    request.hear(Received(header, body, round((at_ms + late_ms) * MS)), body)
+    request.receive(Received(header, body, round((at_ms + late_ms) * MS)), body)
 
 
 def ramp(request: PassThroughRequest, first_ms: int = 0, last_ms: int = 500) -> None:
@@ -233,19 +233,19 @@ def test_a_newest_command_later_than_any_link_makes_it_starts_anew() -> None:
 
 def test_the_clock_forgets_the_fastest_message_as_clocks_may_drift() -> None:
     clock = SenderClock()
-    assert clock.hear(0, 5 * MS) == 0
-    assert clock.hear(1000 * MS, 1007 * MS) == 2 * MS - 100_200
+    assert clock.update(0, 5 * MS) == 0
+    assert clock.update(1000 * MS, 1007 * MS) == 2 * MS - 100_200
     assert clock.now_s(1007 * MS) == pytest.approx(1.0 + 0.002 - 0.0001002, abs=1e-12)
     assert clock.sent_s(1000 * MS) == 1.0
 
 
 def test_an_overtaken_message_does_not_set_the_clock_back() -> None:
     clock = SenderClock()
-    clock.hear(40 * MS, 60 * MS)
-    clock.hear(20 * MS, 61 * MS)
+    clock.update(40 * MS, 60 * MS)
+    clock.update(20 * MS, 61 * MS)
 
-    assert not clock.runs_on(30 * MS)
-    assert clock.runs_on(41 * MS)
+    assert not clock.advances(30 * MS)
+    assert clock.advances(41 * MS)
 
 
 def test_a_rate_that_the_device_tells_is_not_used() -> None:

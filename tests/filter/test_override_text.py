@@ -3,8 +3,13 @@ from math import pi, sqrt
 import casadi as ca
 import numpy as np
 import pytest
-from passafe_services.filter.barrier_distance import BarrierDistance, Reading
-from passafe_services.filter.event_emitter import FORGET_NS, LOOK_AGAIN_NS, QUIET_NS, OverrideEventEmitter
+from passafe_services.filter.barrier_distance import BarrierDistance, DistanceReading
+from passafe_services.filter.event_emitter import (
+    CHECK_PERIOD_NS,
+    EVENT_PERIOD_NS,
+    REPEAT_AFTER_NS,
+    OverrideEventEmitter,
+)
 from passafe_services.filter.override_text import OverrideText
 
 from passafe.barrier_chain import Barrier, derive_chain
@@ -116,7 +121,7 @@ def test_rows_that_contradict_one_another_are_said_to() -> None:
     core = core_of(wall("a", 1.0, 0.01), wall("b", -1.0, 0.01))
     words = said(core, (0.0,) * 4, (0.0, 0.0))
 
-    assert words == "gave up 1 m/s² of obstacle `a` and 1 m/s² of obstacle `b`: they contradict one another"
+    assert words == "relaxed 1 m/s² of obstacle `a` and 1 m/s² of obstacle `b`: they conflict"
 
 
 def test_rows_that_the_limits_contradict_are_said_to() -> None:
@@ -128,11 +133,9 @@ def test_rows_that_the_limits_contradict_are_said_to() -> None:
     )
 
     assert said(one, (0.0,) * 4, (0.0, 0.0)).endswith(
-        "gave up 3 m/s² of obstacle `a`: it asks for more than the input limits allow"
+        "relaxed 3 m/s² of obstacle `a`: it requires more than the input limits allow"
     )
-    assert said(core_of(*sides, bound=2.0), (0.0,) * 4, (0.0, 0.0)).endswith(
-        "they contradict one another within the input limits"
-    )
+    assert said(core_of(*sides, bound=2.0), (0.0,) * 4, (0.0, 0.0)).endswith("they conflict within the input limits")
 
 
 def test_hard_passivity_that_is_given_up_is_energy() -> None:
@@ -141,7 +144,7 @@ def test_hard_passivity_that_is_given_up_is_energy() -> None:
     given_up = core.decide((9.0, 0.0, 1e-3, 0.0), (50.0, 0.0), REST, REST)
 
     assert given_up.status is Status.INFEASIBLE
-    assert "m/s² of energy: it asks" in OverrideText(core, ROBOT, "m/s²").sentence(
+    assert "m/s² of energy: it requires" in OverrideText(core, ROBOT, "m/s²").sentence(
         given_up, Explainer(core).override(given_up)
     )
 
@@ -153,25 +156,25 @@ def test_passivity_that_yields_says_by_how_much() -> None:
     words = OverrideText(core, ROBOT, "m/s²").sentence(decision, Explainer(core).override(decision))
 
     assert decision.status is Status.RELAXED
-    assert words.endswith(f"gave up {decision.slack:.2g} W of passivity")
+    assert words.endswith(f"relaxed passivity by {decision.slack:.2g} W")
 
 
 def test_a_gauge_of_a_disk_is_its_distance_to_first_order_and_h_where_that_has_no_slope() -> None:
     disk = barrier("disk", disk_keep_out(ROBOT.position, centre=(0.0, 0.0), radius=1.0))
-    gauge = BarrierDistance(derive_chain(ROBOT.system, disk), ROBOT)
+    distance = BarrierDistance(derive_chain(ROBOT.system, disk), ROBOT)
 
-    assert gauge.is_obstacle
-    assert gauge.read(np.array([1.02, 0.0, 3.0, 1.0]), 0.0) == Reading(
+    assert distance.is_obstacle
+    assert distance.read(np.array([1.02, 0.0, 3.0, 1.0]), 0.0) == DistanceReading(
         value=pytest.approx(0.02, abs=0.02**2 / 2), unit="m"
     )
-    assert gauge.read(np.zeros(4), 0.0) == Reading(value=-1.0, unit="")
+    assert distance.read(np.zeros(4), 0.0) == DistanceReading(value=-1.0, unit="")
 
 
 def test_a_moving_obstacle_is_read_at_its_time() -> None:
     h = half_plane(ROBOT.position, normal=(1.0, 0.0), offset=-1.0) - ca.sin(ROBOT.system.t)
-    gauge = BarrierDistance(derive_chain(ROBOT.system, barrier("tide", h)), ROBOT)
+    distance = BarrierDistance(derive_chain(ROBOT.system, barrier("tide", h)), ROBOT)
 
-    assert gauge.read(np.zeros(4), pi / 2) == Reading(value=pytest.approx(0.0, abs=1e-15), unit="m")
+    assert distance.read(np.zeros(4), pi / 2) == DistanceReading(value=pytest.approx(0.0, abs=1e-15), unit="m")
 
 
 def announcer(core: SafetyPassivityFilter) -> OverrideEventEmitter:
@@ -199,8 +202,8 @@ def test_other_reasons_are_told_but_not_within_a_second() -> None:
     made = announcer(CORE)
     made.event(0, pushed((-3.0, 0.0)))
 
-    assert made.event(QUIET_NS - 1, pushed((0.0, -3.0))) is None
-    event = made.event(QUIET_NS, pushed((0.0, -3.0)))
+    assert made.event(EVENT_PERIOD_NS - 1, pushed((0.0, -3.0))) is None
+    event = made.event(EVENT_PERIOD_NS, pushed((0.0, -3.0)))
     assert event is not None
     assert "`south`" in event.text
 
@@ -209,18 +212,18 @@ def test_after_a_while_without_it_the_same_is_told_again() -> None:
     made = announcer(CORE)
     made.event(0, pushed((-3.0, 0.0)))
 
-    assert made.event(FORGET_NS, pushed((-3.0, 0.0))) is None
-    assert made.event(2 * FORGET_NS + 1, pushed((-3.0, 0.0))) is not None
+    assert made.event(REPEAT_AFTER_NS, pushed((-3.0, 0.0))) is None
+    assert made.event(2 * REPEAT_AFTER_NS + 1, pushed((-3.0, 0.0))) is not None
 
 
 def test_what_passes_or_hardly_changes_is_not_told_and_not_looked_at_again_at_once() -> None:
     made = announcer(CORE)
 
     assert made.event(0, pushed((3.0, 3.0))) is None
-    assert made.event(LOOK_AGAIN_NS - 1, pushed((-3.0, 0.0))) is None
-    assert made.event(LOOK_AGAIN_NS, pushed((-1.0, 30.0))) is None  # a thirtieth of what was asked for
-    assert made.event(2 * LOOK_AGAIN_NS, pushed((-0.05, 0.0))) is None  # all of it, but next to nothing
-    assert made.event(3 * LOOK_AGAIN_NS, pushed((-3.0, 0.0))) is not None
+    assert made.event(CHECK_PERIOD_NS - 1, pushed((-3.0, 0.0))) is None
+    assert made.event(CHECK_PERIOD_NS, pushed((-1.0, 30.0))) is None  # a thirtieth of what was asked for
+    assert made.event(2 * CHECK_PERIOD_NS, pushed((-0.05, 0.0))) is None  # all of it, but next to nothing
+    assert made.event(3 * CHECK_PERIOD_NS, pushed((-3.0, 0.0))) is not None
 
 
 def test_the_fail_safe_law_is_not_explained() -> None:

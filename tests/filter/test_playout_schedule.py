@@ -3,7 +3,7 @@ from itertools import pairwise
 import pytest
 from msgspec.structs import replace
 from passafe_protocol.messages import PlantPhase, PlantState
-from passafe_services.filter.playout_schedule import SLEW_STEPS, EffectSchedule
+from passafe_services.filter.playout_schedule import SLEW_STEPS, PlayoutSchedule
 
 MS = 1_000_000
 WAITING, RUNNING = PlantPhase.WAITING, PlantPhase.RUNNING
@@ -16,11 +16,11 @@ def state(plant_ms: int, *, phase: PlantPhase = RUNNING, transit_ms: float = -10
     return replace(body, input_transit_ns=round(transit_ms * MS), input_epoch=epoch)
 
 
-def make_schedule(playout_ms: int = 5) -> EffectSchedule:
-    return EffectSchedule(period_ns=MS, playout_ns=playout_ms * MS, epoch=EPOCH)
+def make_schedule(playout_ms: int = 5) -> PlayoutSchedule:
+    return PlayoutSchedule(period_ns=MS, playout_ns=playout_ms * MS, epoch=EPOCH)
 
 
-def started(playout_ms: int = 5) -> EffectSchedule:
+def started(playout_ms: int = 5) -> PlayoutSchedule:
     """A schedule by which the step at 100 ms made the input for plant time 0."""
     schedule = make_schedule(playout_ms)
     schedule.effective_ns(100 * MS, state(0, phase=WAITING))

@@ -94,8 +94,8 @@ def sent_ahead(predictor: Predictor, inputs: list[tuple[float, float]], first: i
     """Send the inputs of some periods, as a filter does; return the state that each was decided for."""
     predicted = {}
     for k in range(first, last + 1):
-        predicted[k] = predictor.at(k * MS).sample.x
-        predictor.sent(k * MS, inputs[k])
+        predicted[k] = predictor.predict(k * MS).sample.x
+        predictor.record_sent(k * MS, inputs[k])
     return predicted
 
 
@@ -104,15 +104,15 @@ def test_the_prediction_is_what_the_plant_does_to_the_last_bit_at_one_step_of_th
     inputs, truth, predictor = random_inputs(120), TruePlant(), make_predictor()
     predictor.confirm(truth.state())
     sent_ahead(predictor, inputs, 1, delay - 1)
-    foreseen = {}
+    predicted = {}
     for k in range(delay, 120):
-        foreseen[k] = predictor.at(k * MS)
-        predictor.sent(k * MS, inputs[k])
+        predicted[k] = predictor.predict(k * MS)
+        predictor.record_sent(k * MS, inputs[k])
         truth.advance(inputs[truth.k + 1])
         predictor.confirm(truth.state())
-        if truth.k in foreseen:
-            assert foreseen[truth.k].sample.x == truth.sample.x
-            assert foreseen[truth.k].u == truth.u
+        if truth.k in predicted:
+            assert predicted[truth.k].sample.x == truth.sample.x
+            assert predicted[truth.k].u == truth.u
     assert predictor.horizon_ns == (delay - 1) * MS
     assert predictor._plant.steps == 119
 
@@ -130,15 +130,15 @@ def test_an_arming_that_broke_is_followed_through_hold_and_fail_safe_to_the_next
         truth.advance(None)
     predictor.confirm(truth.state())
 
-    predictor.begin(20 * MS)
-    foreseen = predictor.at(20 * MS)
-    before_u, phase = foreseen.u, foreseen.phase
+    predictor.begin_sequence(20 * MS)
+    at_break = predictor.predict(20 * MS)
+    before_u, phase = at_break.u, at_break.phase
     predicted = sent_ahead(predictor, inputs, 20, 25)
     while truth.k < 19:
         truth.advance(None)
         predictor.confirm(truth.state())
 
-    assert (before_u, phase, foreseen.sequence_break_ns) == (truth.u, FAIL_SAFE, missing * MS)
+    assert (before_u, phase, at_break.sequence_break_ns) == (truth.u, FAIL_SAFE, missing * MS)
     for k in range(20, 26):
         truth.advance(inputs[k])
         assert predicted[k] == truth.sample.x
@@ -151,7 +151,7 @@ def test_a_series_with_a_hole_is_predicted_to_be_disarmed_there_for_good() -> No
     for k in (1, 2, 4, 5):  # 3 is never sent
         predictor._sent[k * MS] = (1.0, 1.0)
 
-    found = predictor.at(12 * MS)
+    found = predictor.predict(12 * MS)
     for u in ((1.0, 1.0), (1.0, 1.0), *[None] * 10):
         truth.advance(u)
 
@@ -164,12 +164,12 @@ def test_a_break_earlier_than_foreseen_counts_even_where_state_and_input_are_the
     truth, predictor = TruePlant(), make_predictor()
     predictor.confirm(truth.state())
     sent_ahead(predictor, [(1.0, 1.0)] * 4, 1, 3)
-    predictor.at(10 * MS)
+    predictor.predict(10 * MS)
     for u in ((1.0, 1.0), (1.0, 1.0), None, None):
         truth.advance(u)
     predictor.confirm(truth.state())
 
-    found = predictor.at(10 * MS)
+    found = predictor.predict(10 * MS)
     while truth.k < 10:
         truth.advance(None)
     assert found.sample.x == truth.sample.x
@@ -191,10 +191,10 @@ def test_whatever_is_missing_an_input_that_takes_effect_meets_the_state_that_was
         if truth.sequence_break_ns != basis or (truth.phase is not RUNNING and now >= first):
             first = next_k = now + delay
             basis = truth.sequence_break_ns
-            predictor.begin(first * MS)
+            predictor.begin_sequence(first * MS)
         while next_k <= now + delay:
-            predicted[next_k] = predictor.at(next_k * MS).sample.x
-            predictor.sent(next_k * MS, inputs[next_k])
+            predicted[next_k] = predictor.predict(next_k * MS).sample.x
+            predictor.record_sent(next_k * MS, inputs[next_k])
             if next_k not in lost:
                 arrived[next_k] = first
             next_k += 1
@@ -212,7 +212,7 @@ SHARED = make_predictor()
 def test_a_plant_at_rest_is_predicted_from_the_plant_time_that_the_first_input_sets() -> None:
     inputs, truth, predictor = random_inputs(20), TruePlant(), make_predictor()
     predictor.confirm(truth.state(WAITING))
-    predictor.begin(0)
+    predictor.begin_sequence(0)
     sent_ahead(predictor, inputs, 0, 4)
     for _ in range(3):
         predictor.confirm(truth.state(WAITING))
@@ -221,7 +221,7 @@ def test_a_plant_at_rest_is_predicted_from_the_plant_time_that_the_first_input_s
         predictor.confirm(truth.state())
         truth.advance(inputs[k])
 
-    assert predictor.at(4 * MS).sample.x == truth.sample.x
+    assert predictor.predict(4 * MS).sample.x == truth.sample.x
     assert predictor._plant.steps == 4
 
 
@@ -231,8 +231,8 @@ def test_the_tank_follows_the_plants_energies() -> None:
     level, before = tank.reserve_j, truth.sample.stored_j
     predictor.confirm(truth.state())
     for k, u in enumerate(random_inputs(200), start=1):
-        ahead = predictor.at(k * MS)
-        predictor.sent(k * MS, u)
+        ahead = predictor.predict(k * MS)
+        predictor.record_sent(k * MS, u)
         truth.advance(u)
         level = tank.balance(level, truth.sample.energy_in_j, truth.sample.stored_j - before)
         before = truth.sample.stored_j
@@ -247,7 +247,7 @@ def test_only_a_plant_that_nobody_has_driven_yet_has_a_full_tank(phase: PlantPha
     predictor = make_predictor(tank)
     for _ in range(2):  # a plant, and the next one
         predictor.confirm(TruePlant().state(phase))
-        assert predictor.at(0).tank_j == (3.0 if phase is PlantPhase.WAITING else 0.5)
+        assert predictor.predict(0).tank_j == (3.0 if phase is PlantPhase.WAITING else 0.5)
         predictor.restart()
 
 
@@ -262,11 +262,11 @@ def test_after_a_break_the_tank_is_what_the_plants_own_energies_say() -> None:
         states.append(truth.state())
         if k in {2, 9, 15, 19}:  # the others were lost
             predictor.confirm(states[-1])
-            predictor.begin((k + 5) * MS)
+            predictor.begin_sequence((k + 5) * MS)
     supplied = states[-1].energy_in_j - states[0].energy_in_j
     stored = states[-1].energy_stored_j - states[0].energy_stored_j
 
-    assert predictor.at(19 * MS).tank_j == pytest.approx(5.0 + supplied - stored, abs=1e-9)
+    assert predictor.predict(19 * MS).tank_j == pytest.approx(5.0 + supplied - stored, abs=1e-9)
     for before, after in pairwise(states):
         assert after.plant_ns == before.plant_ns + MS
 
@@ -281,7 +281,7 @@ def test_an_older_state_changes_nothing() -> None:
     predictor.confirm(first)
 
     assert predictor._confirmed == truth.state()
-    assert predictor.at(MS).sample.x == truth.sample.x
+    assert predictor.predict(MS).sample.x == truth.sample.x
 
 
 def test_what_lies_behind_the_plant_is_forgotten() -> None:
@@ -294,7 +294,7 @@ def test_what_lies_behind_the_plant_is_forgotten() -> None:
         sent_ahead(predictor, inputs, k + 10, k + 10)
 
     assert len(predictor._sent) <= 11
-    assert len(predictor._path) == 11
+    assert len(predictor._trajectory) == 11
 
 
 def test_a_restart_forgets_everything() -> None:
@@ -304,8 +304,8 @@ def test_a_restart_forgets_everything() -> None:
 
     predictor.restart()
     assert predictor.horizon_ns == 0
-    predictor.begin(0)
+    predictor.begin_sequence(0)
     predictor.confirm(truth.state())
 
-    assert predictor.at(0).sample.x == truth.sample.x
+    assert predictor.predict(0).sample.x == truth.sample.x
     assert predictor._sent == {}

@@ -57,7 +57,7 @@ def test_state_is_the_newest_whatever_the_time() -> None:
     old, new = plant_state(0), plant_state(2, energy_in_j=3.0, stored_j=11.0)
     unpredicted.confirm(old)
     at_first = unpredicted.at(50 * MS)
-    unpredicted.sent((4.0, 2.0))
+    unpredicted.record_sent((4.0, 2.0))
     unpredicted.confirm(new)
     unpredicted.confirm(old)
 

@@ -328,7 +328,7 @@ def test_no_messages_make_it_apply_anything_unbounded_or_say_what_does_not_fit_a
             assert len(state.u) == 2
             assert np.isfinite(state.x).all()
             assert encode(head(), state)
-        assert len(node._inputs._waiting) <= 7 * len(steps) * 4
+        assert len(node._inputs._pending) <= 7 * len(steps) * 4
 
 
 @settings(max_examples=40)

@@ -1,7 +1,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 from passafe_protocol.messages import PlantInput
-from passafe_services.plant.playout_buffer import MOST_WAITING, PlayoutBuffer
+from passafe_services.plant.playout_buffer import MOST_PENDING, PlayoutBuffer
 
 
 def plant_input(tick: int, due_ns: int) -> PlantInput:
@@ -12,9 +12,9 @@ def test_an_input_waits_for_its_time_and_comes_out_once() -> None:
     buffer = PlayoutBuffer(1)
     buffer.put(plant_input(1, 2))
 
-    assert [buffer.take(time) for time in (0, 1)] == [None, None]
-    assert buffer.take(2) == plant_input(1, 2)
-    assert buffer.take(3) is None
+    assert [buffer.pop_due(time) for time in (0, 1)] == [None, None]
+    assert buffer.pop_due(2) == plant_input(1, 2)
+    assert buffer.pop_due(3) is None
 
 
 def test_of_two_for_the_same_time_the_newer_tick_counts_in_either_order() -> None:
@@ -22,7 +22,7 @@ def test_of_two_for_the_same_time_the_newer_tick_counts_in_either_order() -> Non
         buffer = PlayoutBuffer(1)
         for tick in ticks:
             buffer.put(plant_input(tick, 5))
-        assert buffer.take(5) == plant_input(2, 5)
+        assert buffer.pop_due(5) == plant_input(2, 5)
 
 
 def test_late_inputs_give_way_to_the_newest_of_them_and_are_forgotten() -> None:
@@ -30,11 +30,11 @@ def test_late_inputs_give_way_to_the_newest_of_them_and_are_forgotten() -> None:
     for tick, due_ns in ((1, 1), (3, 3), (2, 2), (9, 6)):
         buffer.put(plant_input(tick, due_ns))
 
-    assert buffer.take(4) == plant_input(3, 3)
+    assert buffer.pop_due(4) == plant_input(3, 3)
     buffer.put(plant_input(5, 1))
     buffer.put(plant_input(4, 4))
-    assert buffer.take(5) == plant_input(5, 1)
-    assert buffer.take(6) == plant_input(9, 6)
+    assert buffer.pop_due(5) == plant_input(5, 1)
+    assert buffer.pop_due(6) == plant_input(9, 6)
     assert buffer.received_tick == 9
 
 
@@ -42,15 +42,15 @@ def test_an_effective_time_within_a_period_counts_as_the_beginning_of_the_next()
     buffer = PlayoutBuffer(10)
     buffer.put(plant_input(1, 11))
 
-    assert [buffer.take(time) for time in (0, 10, 20)] == [None, None, plant_input(1, 11)]
+    assert [buffer.pop_due(time) for time in (0, 10, 20)] == [None, None, plant_input(1, 11)]
 
 
 def test_a_full_buffer_refuses_more() -> None:
     buffer = PlayoutBuffer(1)
 
-    kept = [buffer.put(plant_input(k, 10 + k)) for k in range(MOST_WAITING + 5)]
+    kept = [buffer.put(plant_input(k, 10 + k)) for k in range(MOST_PENDING + 5)]
 
-    assert kept == [True] * MOST_WAITING + [False] * 5
+    assert kept == [True] * MOST_PENDING + [False] * 5
 
 
 @given(st.lists(st.tuples(st.integers(1, 50), st.integers(0, 50)), max_size=40))
@@ -59,7 +59,7 @@ def test_what_comes_out_is_never_early_and_nothing_stays_behind(inputs: list[tup
     for tick, due_ns in inputs:
         buffer.put(plant_input(tick, due_ns))
 
-    taken = [(time, buffer.take(time)) for time in range(51)]
+    taken = [(time, buffer.pop_due(time)) for time in range(51)]
 
     assert all(found.effective_plant_ns <= time for time, found in taken if found is not None)
-    assert buffer.take(51) is None
+    assert buffer.pop_due(51) is None

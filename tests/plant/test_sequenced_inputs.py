@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from passafe_protocol.messages import UNSEQUENCED, Header, PlantInput
-from passafe_services.plant.sequenced_inputs import MOST_AHEAD, REFUSED, REPEATED, SequencedInput, SequencedInputs
+from passafe_services.plant.sequenced_inputs import MOST_AHEAD, NOTHING_NEW, REFUSED, SequencedInput, SequencedInputs
 
 MS = 1_000_000
 
@@ -39,12 +39,12 @@ def put(
         previous_u = tuple(value(due - i, first, basis) for i in range(1, min(repeats, due - first) + 1))
     known_break_ns = UNSEQUENCED if basis == UNSEQUENCED else basis * MS
     body = PlantInput(due + 1, (value(due, first, basis),), due * MS, 5 * MS, first * MS, known_break_ns, previous_u)
-    return held.put(Header("filter", epoch, 0, 0, 0, 0, 0), body)
+    return held.receive(Header("filter", epoch, 0, 0, 0, 0, 0), body)
 
 
 def take(held: SequencedInputs, *periods: int) -> list[float | None]:
     """Return the inputs that take effect at some plant times."""
-    taken = [held.take(period * MS) for period in periods]
+    taken = [held.pop_due(period * MS) for period in periods]
     return [None if each is None else each.u[0] for each in taken]
 
 
@@ -54,14 +54,14 @@ def test_a_series_takes_effect_period_by_period() -> None:
 
     assert admissions == [0] * 4
     assert take(held, *range(4)) == [value(due) for due in range(4)]
-    assert (held.armed, held.sequence_break_ns) == (True, UNSEQUENCED)
+    assert (held.is_running, held.sequence_break_ns) == (True, UNSEQUENCED)
 
 
 def test_what_takes_effect_says_of_which_tick_it_is_and_how_long_it_may_be_held() -> None:
     held = armed_inputs()
     put(held, 2, repeats=2)
 
-    assert [held.take(k * MS) for k in range(3)] == [SequencedInput((value(k),), k + 1, 5 * MS) for k in range(3)]
+    assert [held.pop_due(k * MS) for k in range(3)] == [SequencedInput((value(k),), k + 1, 5 * MS) for k in range(3)]
 
 
 def test_a_missing_input_disarms_and_voids_everything_that_waits() -> None:
@@ -70,8 +70,8 @@ def test_a_missing_input_disarms_and_voids_everything_that_waits() -> None:
         put(held, due)
 
     assert take(held, *range(5)) == [value(0), value(1), None, None, None]
-    assert (held.armed, held.sequence_break_ns, held.first_ns) == (False, 2 * MS, UNSEQUENCED)
-    assert held._waiting == {}
+    assert (held.is_running, held.sequence_break_ns, held.first_ns) == (False, 2 * MS, UNSEQUENCED)
+    assert held._pending == {}
     assert put(held, 5) == REFUSED
 
 
@@ -155,10 +155,10 @@ def test_the_order_of_arrival_does_not_matter(order: list[int], repeats: int) ->
 def test_what_is_known_or_has_passed_is_repetition() -> None:
     held = armed_inputs()
     put(held, 0)
-    assert put(held, 0) == REPEATED
+    assert put(held, 0) == NOTHING_NEW
     take(held, 0)
 
-    assert put(held, 0) == REPEATED
+    assert put(held, 0) == NOTHING_NEW
     assert put(held, 1) == 0
 
 
@@ -236,7 +236,7 @@ def test_times_off_the_grid_or_before_the_first_are_refused(due_ns: int, first_n
     take(held, 0, 1)
     body = PlantInput(1, (1.0,), due_ns, 0, first_ns, MS)
 
-    assert held.put(Header("filter", 1, 0, 0, 0, 0, 0), body) == REFUSED
+    assert held.receive(Header("filter", 1, 0, 0, 0, 0, 0), body) == REFUSED
     assert held.first_ns == UNSEQUENCED
 
 
@@ -254,8 +254,8 @@ def missed(held: SequencedInputs, due: int, *, repeats: int, first: int = 0, bas
     known_break_ns = UNSEQUENCED if basis == UNSEQUENCED else basis * MS
     body = PlantInput(due + 1, (0.0,), due * MS, 0, first * MS, known_break_ns, previous_u)
     header = Header("filter", 1, 0, 0, 0, 0, 0)
-    assert held.put(header, body) == REFUSED
-    return held.missed(header, body)
+    assert held.receive(header, body) == REFUSED
+    return held.periods_late(header, body)
 
 
 def test_the_first_message_that_brings_what_was_missing_tells_how_late_it_is() -> None:
@@ -306,4 +306,4 @@ def test_nothing_takes_effect_out_of_its_arming(data: st.DataObject) -> None:
             before = arming
         else:
             before = None
-        assert len(held._waiting) <= 60
+        assert len(held._pending) <= 60

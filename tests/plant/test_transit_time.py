@@ -11,7 +11,7 @@ def test_it_is_plant_time_of_arrival_minus_senders_clock() -> None:
     transit = TransitTime()
     assert (transit.epoch, transit.largest_ns) == (0, 0)
 
-    transit.note(7, 100 * MS, 5_000 * MS)
+    transit.record(7, 100 * MS, 5_000 * MS)
 
     assert (transit.epoch, transit.largest_ns) == (7, -4_900 * MS)
 
@@ -20,7 +20,7 @@ def test_the_largest_counts_and_is_forgotten_after_one_span_at_the_earliest_and_
     transit, found = TransitTime(), {}
     for arrival_ms in range(0, 4_000, 10):
         late_ms = 50 if arrival_ms == 990 else 3
-        transit.note(1, arrival_ms * MS, (arrival_ms - late_ms) * MS)
+        transit.record(1, arrival_ms * MS, (arrival_ms - late_ms) * MS)
         found[arrival_ms] = transit.largest_ns // MS
 
     assert (found[980], found[990], found[1_990]) == (3, 50, 50)
@@ -32,7 +32,7 @@ def test_a_largest_one_early_in_a_span_is_kept_until_the_end_of_the_next() -> No
     transit, found = TransitTime(), {}
     for arrival_ms in range(0, 4_000, 10):
         late_ms = 50 if arrival_ms == 1_000 else 3
-        transit.note(1, arrival_ms * MS, (arrival_ms - late_ms) * MS)
+        transit.record(1, arrival_ms * MS, (arrival_ms - late_ms) * MS)
         found[arrival_ms] = transit.largest_ns // MS
 
     assert [found[ms] for ms in (990, 1_000, 2_990, 3_000)] == [3, 50, 50, 3]
@@ -40,21 +40,21 @@ def test_a_largest_one_early_in_a_span_is_kept_until_the_end_of_the_next() -> No
 
 def test_another_session_has_a_clock_of_its_own_and_an_old_one_counts_for_nothing() -> None:
     transit = TransitTime()
-    transit.note(2, 100 * MS, 90 * MS)
+    transit.record(2, 100 * MS, 90 * MS)
 
-    transit.note(1, 110 * MS, 0)
+    transit.record(1, 110 * MS, 0)
     assert (transit.epoch, transit.largest_ns) == (2, 10 * MS)
-    transit.note(3, 120 * MS, 119 * MS)
+    transit.record(3, 120 * MS, 119 * MS)
     assert (transit.epoch, transit.largest_ns) == (3, MS)
 
 
 def test_after_silence_the_last_span_counts_once_more() -> None:
     transit = TransitTime()
-    transit.note(1, 0, -50 * MS)
+    transit.record(1, 0, -50 * MS)
 
-    transit.note(1, 60_000 * MS, 59_997 * MS)
+    transit.record(1, 60_000 * MS, 59_997 * MS)
     assert transit.largest_ns == 50 * MS
-    transit.note(1, 61_000 * MS, 60_997 * MS)
+    transit.record(1, 61_000 * MS, 60_997 * MS)
     assert transit.largest_ns == 3 * MS
 
 
@@ -64,6 +64,6 @@ def test_it_covers_at_least_the_last_second(arrivals: list[tuple[int, int]]) -> 
     for gap_ns, transit_ns in arrivals:
         now_ns += gap_ns
         seen.append((now_ns, transit_ns))
-        transit.note(1, now_ns, now_ns - transit_ns)
+        transit.record(1, now_ns, now_ns - transit_ns)
         lately = [each for at_ns, each in seen if at_ns > now_ns - SPAN_NS]
         assert max(lately) <= transit.largest_ns <= max(each for _, each in seen)

@@ -1,1 +1,1 @@
-"""The filter process: prediction, decision, account of every tick."""
+"""The filter process: prediction, decision, input sequences and telemetry."""

@@ -1,4 +1,4 @@
-"""How far a state is from a barrier's limit, in the unit of what the barrier is written in."""
+"""Distance of a state to the limit of a barrier, in the unit of its coordinates."""
 
 from dataclasses import dataclass
 from math import isfinite
@@ -11,15 +11,15 @@ from passafe.models.robot import Robot
 from passafe.workspace import Array
 
 _FLAT: Final = 1e-9
-"""Slope of h below which it says nothing of a distance."""
+"""Slope of h below which the first-order distance is not defined."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Reading:
-    """What a gauge shows.
+class DistanceReading:
+    """Distance to the limit of a barrier.
 
     Attributes:
-        value: Distance to the limit to first order, h/‖∂h/∂x‖; h itself where ``unit`` is empty.
+        value: First-order distance h/‖∂h/∂x‖; h itself if ``unit`` is empty.
         unit: m or m/s, or empty.
     """
 
@@ -28,36 +28,36 @@ class Reading:
 
 
 class BarrierDistance:
-    """Reads h(x, t)/‖∂h/∂x‖, the distance to {h = 0} to first order in itself.
+    """Evaluates h(x, t)/‖∂h/∂x‖, the first-order distance to {h = 0}.
 
-    For a disk it is (ρ² − r²)/2ρ at distance ρ from the centre, which misses ρ − r by (ρ − r)²/2ρ.
+    For a disk it is (ρ² − r²)/2ρ at distance ρ from the centre; its error is (ρ − r)²/2ρ.
 
     Attributes:
-        is_obstacle: Whether h is a function of places, and perhaps of time, alone.
+        is_obstacle: Whether h depends on positions, and possibly time, alone.
     """
 
     def __init__(self, chain: BarrierChain, robot: Robot) -> None:
         """Derive and compile.
 
         Args:
-            chain: The barrier's, on the robot's system.
-            robot: Says which coordinates of x are places, which velocities.
+            chain: Chain of the barrier, on the robot's system.
+            robot: Defines which coordinates of x are positions and which velocities.
         """
         h, x, t = chain.barrier.h, robot.system.x, robot.system.t
         used = _coordinates(h, x)
-        places, velocities = _coordinates(robot.position, x), _coordinates(robot.velocity, x)
-        self.is_obstacle = robot.points > 0 and used <= places
+        positions, velocities = _coordinates(robot.position, x), _coordinates(robot.velocity, x)
+        self.is_obstacle = robot.points > 0 and used <= positions
         self._unit = "m" if self.is_obstacle else "m/s" if robot.points > 0 and used <= velocities else ""
-        self._function = ca.Function("gauge", [x, t], [h, ca.norm_2(ca.densify(ca.gradient(h, x)))])
+        self._function = ca.Function("distance", [x, t], [h, ca.norm_2(ca.densify(ca.gradient(h, x)))])
 
-    def read(self, x: Array, t_s: float) -> Reading:
+    def read(self, x: Array, t_s: float) -> DistanceReading:
         """Return the reading at a state and a plant time."""
         h, slope = (float(value) for value in self._function(x, t_s))
         if self._unit and slope > _FLAT and isfinite(h / slope):
-            return Reading(value=h / slope, unit=self._unit)
-        return Reading(value=h, unit="")
+            return DistanceReading(value=h / slope, unit=self._unit)
+        return DistanceReading(value=h, unit="")
 
 
 def _coordinates(expression: ca.SX, x: ca.SX) -> set[int]:
-    """Return the places in x of what an expression depends on."""
+    """Return the indices in x of the coordinates on which an expression depends."""
     return {i for i in range(x.numel()) if ca.depends_on(expression, x[i])}

@@ -1,4 +1,4 @@
-"""From a scenario to its filter node."""
+"""Builds the filter node of a scenario."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -14,7 +14,7 @@ from passafe_services.filter.input_sequencer import InputSequencer
 from passafe_services.filter.node import FilterNode
 from passafe_services.filter.operator_request import EstimatedRequest, PassThroughRequest
 from passafe_services.filter.override_text import OverrideText
-from passafe_services.filter.playout_schedule import EffectSchedule
+from passafe_services.filter.playout_schedule import PlayoutSchedule
 from passafe_services.filter.predictor import Predictor
 from passafe_services.filter.unpredicted_node import UnpredictedFilterNode
 from passafe_services.filter.unpredicted_state import UnpredictedState
@@ -26,12 +26,12 @@ from passafe_services.scenarios.schema import Scenario, WhiteAccelerationEstimat
 
 @dataclass(frozen=True, kw_only=True)
 class CompiledFilter:
-    """The part of a scenario's filter that takes time to make and keeps no state.
+    """Part of a scenario's filter that is expensive to build and has no state.
 
     Attributes:
         core: The filter.
-        explainer: Computes what a decision overrides and why.
-        override_text: Puts that into words.
+        explainer: Computes the override of a decision and its causes.
+        override_text: Describes an override in a sentence.
     """
 
     core: SafetyPassivityFilter
@@ -43,7 +43,7 @@ class CompiledFilter:
         """Compile the filter of a scenario.
 
         Raises:
-            DesignError: Some part of the design cannot be used.
+            DesignError: A part of the design is not valid.
         """
         core = SafetyPassivityFilter(design_of(scenario, robot))
         return cls(
@@ -60,21 +60,21 @@ def filter_node(
     model: PlantModel | None = None,
     compiled: CompiledFilter | None = None,
 ) -> FilterNode | UnpredictedFilterNode:
-    """Return the filter of a scenario, with or without prediction.
+    """Return the filter node of a scenario, with or without prediction.
 
     Args:
-        scenario: What to build.
+        scenario: The scenario.
         driver: ``live`` or ``lockstep``, for the log.
-        epoch: Its session, as the driver stamps it on what it sends.
-        model: The compiled model of its plant, if there is one already.
-        compiled: The compiled filter, if there is one already.
+        epoch: Session of the filter, the epoch of its messages.
+        model: Compiled model of its plant, if there is one already.
+        compiled: Compiled filter, if there is one already.
     """
     model = PlantModel.of(scenario) if model is None else model
     compiled = CompiledFilter.of(scenario, model.robot) if compiled is None else compiled
     decisions = DecisionLoop(
         compiled.core,
         period_ns=model.period_ns,
-        schedule=EffectSchedule(period_ns=model.period_ns, playout_ns=model.playout_ns, epoch=epoch),
+        schedule=PlayoutSchedule(period_ns=model.period_ns, playout_ns=model.playout_ns, epoch=epoch),
         request=request_of(scenario, model.robot.system.m),
         state_stale_ns=round(scenario.filter.stale_s * 1e9),
         starts_nearest=scenario.filter.start == "nearest",
@@ -94,10 +94,10 @@ def filter_node(
 
 
 def request_of(scenario: Scenario, inputs: int) -> PassThroughRequest:
-    """Return how the scenario's filter reads the operator's commands.
+    """Return the request model of a scenario: pass-through or estimated.
 
     Raises:
-        DesignError: An agility out of proportion to the resolution.
+        DesignError: The agility is out of proportion to the resolution.
     """
     stale_ns, fade_ns = round(scenario.operator.stale_s * 1e9), round(scenario.operator.fade_s * 1e9)
     config = scenario.operator.estimator

@@ -1,4 +1,4 @@
-"""The step of a filter node, with and without prediction: read, decide for every period that is due, report."""
+"""Step of a filter node, with or without prediction: receive, decide for every due period, report."""
 
 from collections.abc import Sequence
 from typing import Final, Protocol
@@ -20,7 +20,7 @@ from passafe_services.filter.event_emitter import OverrideEventEmitter, StatusEv
 from passafe_services.filter.newest_state import NewestState
 from passafe_services.filter.operator_request import PassThroughRequest, Request
 from passafe_services.filter.override_text import OverrideText
-from passafe_services.filter.playout_schedule import EffectSchedule
+from passafe_services.filter.playout_schedule import PlayoutSchedule
 from passafe_services.filter.predictor import Predicted
 from passafe_services.filter.telemetry import STATUS, Telemetry, TickRecord
 from passafe_services.node import Outgoing
@@ -29,56 +29,56 @@ _STALE: Final = FilterStatus.STALE
 _WAITING: Final = PlantPhase.WAITING
 
 MOST_AT_ONCE: Final = 64
-"""Inputs that one step makes at most, where the schedule moved forward."""
+"""Largest number of inputs in one step, if the schedule moved forward."""
 
-MOST_UNACCOUNTED: Final = 256
-"""Messages that the first tick accounts for at most: telling of 3000 takes 8 ms, and the plant's inputs wait for it."""
+MOST_UNREPORTED: Final = 256
+"""Largest number of messages listed in the first tick: 3000 take 8 ms, which delays the input."""
 
 
 class InputPath(Protocol):
-    """The part of a filter node from a plant state to the message of an input: with prediction, or without."""
+    """Part of a filter node from a plant state to the message of an input, with or without prediction."""
 
     @property
     def horizon_ns(self) -> int:
-        """How far the state of the last prediction lies ahead of the newest plant state, ns."""
+        """Plant time of the last prediction minus that of the newest plant state, ns."""
         ...
 
     def restart(self) -> None:
-        """Forget everything: the plant is another one."""
+        """Discard all state: the plant was restarted."""
         ...
 
     def confirm(self, state: PlantState) -> None:
-        """Read the newest plant state."""
+        """Receive the newest plant state."""
         ...
 
     def next_input(self, state: PlantState, target_ns: int) -> tuple[int, bool]:
-        """Return the plant time of the next input to be made, and whether a new sequence begins with it.
+        """Return the plant time of the next input, and whether a new sequence begins with it.
 
         Args:
             state: The newest plant state.
-            target_ns: Plant time of the input that is to be made now, by the schedule. A next time beyond it means
-                that nothing is to be made.
+            target_ns: Plant time of the input that the schedule asks for. If the next input lies beyond it, none is
+                due in this step.
         """
         ...
 
     def predict(self, effective_ns: int) -> Predicted:
-        """Return the plant at the time at which an input will take effect."""
+        """Return the plant at the effective time of an input."""
         ...
 
     def message(self, tick: int, u: tuple[float, ...], effective_ns: int) -> PlantInput:
-        """Return the message of the input that was decided for the last prediction."""
+        """Return the message of the input decided for the last prediction."""
         ...
 
 
 class DecisionLoop:
-    """Makes the steps of a filter node: reads its inbox, decides and certifies, and reports what it did."""
+    """Executes the steps of a filter node: reads its inbox, decides and certifies, and reports."""
 
     def __init__(
         self,
         core: SafetyPassivityFilter,
         *,
         period_ns: int,
-        schedule: EffectSchedule,
+        schedule: PlayoutSchedule,
         request: PassThroughRequest,
         state_stale_ns: int,
         starts_nearest: bool,
@@ -91,13 +91,13 @@ class DecisionLoop:
         Args:
             core: The filter.
             period_ns: Period of a step, ns.
-            schedule: Gives every step the plant time of its input.
-            request: What the operator's commands ask for.
-            state_stale_ns: Age of the newest state from which nothing is sent, ns.
-            starts_nearest: Whether the first input of all is the nearest to û, rather than one step from u = 0.
-            explainer: Computes what the filter overrides and why.
-            override_text: Puts that into words.
-            info: Published by the first step.
+            schedule: Assigns a plant time to every step.
+            request: Request of the operator, from its commands.
+            state_stale_ns: Age of the newest state above which nothing is sent, ns.
+            starts_nearest: Whether the very first input is the nearest to û, rather than one step from u = 0.
+            explainer: Computes overrides and their causes.
+            override_text: Describes an override in a sentence.
+            info: Published in the first step.
         """
         system = core.design.system
         self._core = core
@@ -113,30 +113,30 @@ class DecisionLoop:
         self._tick = 0
         self._newest = NewestState(system.n, system.m)
         self._last: TickRecord | None = None
-        self._unaccounted: list[Received] = []
+        self._unreported: list[Received] = []
 
     def step(self, now_ns: int, inbox: Sequence[Received], path: InputPath) -> Sequence[Outgoing]:
-        """Return the inputs for the plant and the account of each; nothing before the first plant state.
+        """Return the inputs for the plant and the record of each; nothing before the first plant state.
 
-        There is one input a step, none where nothing may be sent or the schedule moves back, and several where it
-        moved forward or steps were left out.
+        There is one input per step, none while the state is stale or the schedule moves back, and several after it
+        moved forward or steps were skipped.
 
         Args:
-            now_ns: When this step was due, monotonic, ns.
+            now_ns: Time at which this step was due, monotonic, ns.
             inbox: Commands and states, in order of arrival.
-            path: The node's own way from plant states to inputs.
+            path: Prediction and sequencing of the node.
         """
         self._read(inbox, path)
-        outgoing = self._introduce()
+        outgoing = self._scenario_info()
         state, state_age_ns = self._newest.state, self._newest.age_ns(now_ns)
         is_blind = state is None or state_age_ns > self._state_stale_ns
         effective = () if state is None or is_blind else self._due(now_ns, state, path)
         if self._last is None:
-            self._unaccounted += inbox
+            self._unreported += inbox
             if not effective:
                 self._wait(path)
                 return outgoing if state is None else [*outgoing, *self._status_event(now_ns, _STALE)]
-            inbox, self._unaccounted = self._unaccounted, []
+            inbox, self._unreported = self._unreported, []
         request = self._request.at(now_ns)
         for effective_ns in effective:
             self._last = self._decide(effective_ns, request, inbox, state_age_ns, path, outgoing)
@@ -148,8 +148,8 @@ class DecisionLoop:
             return outgoing
         status = _STALE if is_blind else last.status
         outgoing += self._status_event(now_ns, status)
-        if not effective:  # what was decided last stands
-            self._last = last = last.again(status, inbox, state_age_ns, request[2])
+        if not effective:  # the last decision remains in force
+            self._last = last = last.for_step(status, inbox, state_age_ns, request[2])
             outgoing.append((TICK, last))
         return outgoing
 
@@ -161,32 +161,32 @@ class DecisionLoop:
                 if not newest.fits(body):
                     continue  # not the plant of the filter's model
                 if received.header.epoch > newest.epoch:
-                    self._meet_plant(received.header.epoch, path)
+                    self._start_plant_session(received.header.epoch, path)
                 if newest.receive(received, body):
                     path.confirm(body)
             elif type(body) is OperatorCommand:
-                self._request.hear(received, body)
+                self._request.receive(received, body)
 
-    def _meet_plant(self, epoch: int, path: InputPath) -> None:
-        """Begin anew with a plant that was started after the one before."""
+    def _start_plant_session(self, epoch: int, path: InputPath) -> None:
+        """Restart for a newer session of the plant."""
         self._newest.restart(epoch)
         self._starts = self._starts_nearest
         self._schedule.restart()
         path.restart()
 
     def _wait(self, path: InputPath) -> None:
-        """Buffer inputs until the first tick accounts for them, so that replay is exact.
+        """Keep received messages until the first tick lists them, so that replay is exact.
 
-        A filter that waits for long, for a plant or for another filter's end, begins anew now and then.
+        A filter that waits for long, for a plant or for the end of another filter, restarts now and then.
         """
         self._schedule.restart()
-        if len(self._unaccounted) > MOST_UNACCOUNTED:
-            self._unaccounted = []
+        if len(self._unreported) > MOST_UNREPORTED:
+            self._unreported = []
             self._request.restart()
-            self._meet_plant(0, path)
+            self._start_plant_session(0, path)
 
     def _due(self, now_ns: int, state: PlantState, path: InputPath) -> Sequence[int]:
-        """Return the plant times for which this step makes inputs."""
+        """Return the plant times of this step's inputs."""
         target_ns = self._schedule.effective_ns(now_ns, state)
         first_ns, begins = path.next_input(state, target_ns)
         if begins:
@@ -208,7 +208,7 @@ class DecisionLoop:
         u_h, u_h_rate, command_age_ns, operator_is_stale = request
         predicted = path.predict(effective_ns)
         tank_j = predicted.tank_j
-        starts = self._starts and predicted.phase is _WAITING  # a plant that moves has an input in force
+        starts = self._starts and predicted.phase is _WAITING  # a moving plant has an input in force
         decision = self._core.decide(
             predicted.sample.x, predicted.u, u_h, u_h_rate, tank_j, effective_ns * 1e-9, start=starts
         )
@@ -230,7 +230,7 @@ class DecisionLoop:
         )
 
     def _report_override(self, now_ns: int, record: TickRecord, outgoing: list[Outgoing]) -> None:
-        if now_ns >= self._override_events.look_ns:
+        if now_ns >= self._override_events.check_due_ns:
             event = self._override_events.event(now_ns, record.decision)
             if event is not None:
                 outgoing.append((EVENT, event))
@@ -241,6 +241,6 @@ class DecisionLoop:
         event = self._status_events.event(now_ns, status)
         return [] if event is None else [(EVENT, event)]
 
-    def _introduce(self) -> list[Outgoing]:
+    def _scenario_info(self) -> list[Outgoing]:
         info, self._info = self._info, None
         return [] if info is None else [(SCENARIO, info)]

@@ -1,4 +1,4 @@
-"""Says in words when the filter's status changes in kind, and what it overrides and why, each at most once a second."""
+"""Emits events for changes of the filter's status and for notable overrides, each at most once a second."""
 
 from typing import Final
 
@@ -9,95 +9,97 @@ from passafe.decision import Decision, Status
 from passafe.override import Explainer
 from passafe_services.filter.override_text import OverrideText
 
-QUIET_NS: Final = 1_000_000_000
+EVENT_PERIOD_NS: Final = 1_000_000_000
 
-LOOK_AGAIN_NS: Final = 100_000_000
-"""How long an override that is not notable is not looked at again; explaining costs some 50 µs."""
+CHECK_PERIOD_NS: Final = 100_000_000
+"""Time until the next check after an override that was not notable; explaining one costs some 50 µs."""
 
-FORGET_NS: Final = 2 * QUIET_NS
-"""How long nothing notable must happen for the same reasons to be told again."""
+REPEAT_AFTER_NS: Final = 2 * EVENT_PERIOD_NS
+"""Time without a notable override after which the same causes are reported again."""
 
 NOTABLE: Final = 0.1
-"""‖held back‖ relative to ‖û‖ from which an override is told."""
+"""‖held back‖ relative to ‖û‖ above which an override is reported."""
 
 LEAST_NOTABLE: Final = 1e-3
-"""The same relative to the largest input."""
+"""The same limit relative to the largest input."""
 
-_WORDS: Final = {
-    FilterStatus.STALE: ("warning", "the operator or the plant has not been heard of for too long"),
+_EVENTS: Final = {
+    FilterStatus.STALE: ("warning", "the operator command or the plant state is stale"),
     FilterStatus.UNCERTIFIED: (
         "error",
-        "no answer of the solver passed the certificate: fail-safe law in force",
+        "no solution passed the certificate: fail-safe law in force",
     ),
     FilterStatus.INFEASIBLE: (
         "error",
-        "the hard rows cannot all be kept within the limits: they are missed by as little as possible",
+        "the hard rows are infeasible within the input limits: relaxed as little as possible",
     ),
 }
-_WELL: Final = ("info", "the filter's answers are certified and fresh again")
+_NORMAL: Final = ("info", "the filter's decisions are certified and its inputs fresh again")
 
 
 class StatusEventEmitter:
-    """Remembers the kind of the last announced status.
+    """Emits an event when the kind of the status changes.
 
     Attributes:
         settled: The last status that needed no event, and needs none again.
     """
 
     def __init__(self) -> None:
-        self._announced = _WELL
-        self.settled: FilterStatus | None = None  # the last status that needed no event
+        self._reported = _NORMAL
+        self.settled: FilterStatus | None = None
         self._quiet_until_ns = 0
 
     def event(self, now_ns: int, status: FilterStatus) -> Event | None:
-        """Return an event if the status differs in kind from the last announced one and it is not too soon."""
+        """Return an event if the kind of the status has changed since the last one, within the rate limit."""
         if status is self.settled:
             return None
-        words = _WORDS.get(status, _WELL)
-        if words == self._announced:
+        event = _EVENTS.get(status, _NORMAL)
+        if event == self._reported:
             self.settled = status
             return None
         if now_ns < self._quiet_until_ns:
             return None
-        self._announced = words
+        self._reported = event
         self.settled = status
-        self._quiet_until_ns = now_ns + QUIET_NS
-        return Event(*words)
+        self._quiet_until_ns = now_ns + EVENT_PERIOD_NS
+        return Event(*event)
 
 
 class OverrideEventEmitter:
-    """Remembers which reasons it announced last, and when it may look again.
+    """Emits an event when an override becomes notable or its causes change.
 
     Attributes:
-        look_ns: Before that ``event`` has nothing to say, monotonic, ns.
+        check_due_ns: Time before which ``event`` returns ``None``, monotonic, ns.
     """
 
-    def __init__(self, explainer: Explainer, wording: OverrideText, largest_input: float) -> None:
-        """Start with nothing announced.
+    def __init__(self, explainer: Explainer, override_text: OverrideText, largest_input: float) -> None:
+        """Start with nothing reported.
 
         Args:
-            explainer: Of the filter.
-            wording: Of the filter.
+            explainer: Explainer of the filter.
+            override_text: Override text of the filter.
             largest_input: Largest magnitude of an axis of u, units of u.
         """
-        self._explainer, self._wording = explainer, wording
+        self._explainer, self._override_text = explainer, override_text
         self._least = LEAST_NOTABLE * largest_input
-        self.look_ns = 0
+        self.check_due_ns = 0
         self._notable_ns = 0
-        self._announced: tuple[Status, tuple[str, ...]] | None = None
+        self._reported: tuple[Status, tuple[str, ...]] | None = None
 
     def event(self, now_ns: int, decision: Decision) -> Event | None:
-        """Return an event if an override has become notable, or is for other reasons, and it is not too soon."""
+        """Return an event if an override has become notable or has other causes, within the rate limit."""
         status = decision.status
-        if now_ns < self.look_ns or status is Status.UNCERTIFIED:  # the fail-safe law has no reasons but its own
+        if now_ns < self.check_due_ns or status is Status.UNCERTIFIED:  # under the fail-safe law rows are no causes
             return None
         override = self._explainer.override(decision)
-        gave_up = status in {Status.RELAXED, Status.INFEASIBLE}
-        asked = float(np.linalg.norm(decision.u_nominal))
-        if not gave_up and not override.size > max(NOTABLE * asked, self._least):
-            self.look_ns = now_ns + LOOK_AGAIN_NS
+        relaxed = status in {Status.RELAXED, Status.INFEASIBLE}
+        requested = float(np.linalg.norm(decision.u_nominal))
+        if not relaxed and not override.size > max(NOTABLE * requested, self._least):
+            self.check_due_ns = now_ns + CHECK_PERIOD_NS
             return None
-        reasons = (status if gave_up else Status.MODIFIED), self._wording.reasons(override)
-        is_known = reasons == self._announced and now_ns - self._notable_ns <= FORGET_NS
-        self.look_ns, self._notable_ns, self._announced = now_ns + QUIET_NS, now_ns, reasons
-        return None if is_known else Event("warning" if gave_up else "info", self._wording.sentence(decision, override))
+        causes = (status if relaxed else Status.MODIFIED), self._override_text.causes(override)
+        is_known = causes == self._reported and now_ns - self._notable_ns <= REPEAT_AFTER_NS
+        self.check_due_ns, self._notable_ns, self._reported = now_ns + EVENT_PERIOD_NS, now_ns, causes
+        if is_known:
+            return None
+        return Event("warning" if relaxed else "info", self._override_text.sentence(decision, override))

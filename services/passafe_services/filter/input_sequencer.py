@@ -1,75 +1,75 @@
-"""The filter's side of an arming: an unbroken series of inputs, each made for what the ones before it lead to."""
+"""Input sequences: one input for every period, each decided for the state to which the previous ones lead."""
 
 from typing import Final
 
 from passafe_protocol.messages import UNSEQUENCED, PlantInput, PlantPhase, PlantState, Vector
 
 WAITING_NS: Final = 3_000_000_000
-"""How long a plant may seem to wait for the first input before a new arming begins: that input may be lost."""
+"""Time after which a new sequence begins if the plant still waits for the first input, which may be lost."""
 
 WAITING: Final = PlantPhase.WAITING
 RUNNING: Final = PlantPhase.RUNNING
 
 
 class InputSequencer:
-    """Keeps the series unbroken: a period is never left out, and none is decided twice.
+    """Keeps the input sequence unbroken: no period is skipped, and none is decided twice.
 
-    A series ends when the plant says that it was disarmed, or was not armed in time; the next one rests on that very
-    state. Until the plant has run out of inputs that this filter did not make, none begins.
+    A sequence ends when the plant reports a break or did not start it in time; the next one starts from that state.
+    While the plant still applies inputs of another filter, no sequence begins.
     """
 
     def __init__(self, *, period_ns: int, hold_ns: int, repeats: int) -> None:
-        """Start without a series.
+        """Start without a sequence.
 
         Args:
             period_ns: Period of the plant, ns.
-            hold_ns: How long an input may be in force, ns.
-            repeats: How many earlier inputs each message repeats.
+            hold_ns: Longest time for which an input may be in force, ns.
+            repeats: Number of previous inputs that each message repeats.
         """
         self._period_ns = period_ns
         self._hold_ns = hold_ns
         self._repeats = repeats
-        self._from_ns: int | None = None
-        self._basis_ns = UNSEQUENCED
+        self._start_ns: int | None = None
+        self._break_ns = UNSEQUENCED
         self._next_ns = 0
         self._previous_u: Vector = ()
 
     def restart(self) -> None:
-        """Forget the series: the plant is another one."""
-        self._from_ns = None
+        """End the sequence: the plant was restarted."""
+        self._start_ns = None
 
-    def begins_with(self, state: PlantState, target_ns: int) -> tuple[int, bool]:
-        """Return the plant time of the next input to be made, and whether a new sequence begins with it.
+    def next_input(self, state: PlantState, target_ns: int) -> tuple[int, bool]:
+        """Return the plant time of the next input, and whether a new sequence begins with it.
 
         Args:
             state: The newest plant state.
-            target_ns: Plant time of the input that is to be made now, by the schedule. A next time beyond it means
-                that nothing is to be made.
+            target_ns: Plant time of the input that the schedule asks for. If the next input lies beyond it, none is
+                due in this step.
         """
-        if self._holds(state):
+        if self._is_unbroken(state):
             return self._next_ns, False
-        self._from_ns = None
+        self._start_ns = None
         if state.phase is RUNNING:
             return target_ns + self._period_ns, False
-        self._from_ns = self._next_ns = target_ns
-        self._basis_ns = state.sequence_break_ns
+        self._start_ns = self._next_ns = target_ns
+        self._break_ns = state.sequence_break_ns
         self._previous_u = ()
         return target_ns, True
 
     def message(self, tick: int, u: Vector, effective_ns: int) -> PlantInput:
         """Return the message of the next input."""
-        from_ns = effective_ns if self._from_ns is None else self._from_ns
-        made = PlantInput(tick, u, effective_ns, self._hold_ns, from_ns, self._basis_ns, self._previous_u)
+        start_ns = effective_ns if self._start_ns is None else self._start_ns
+        message = PlantInput(tick, u, effective_ns, self._hold_ns, start_ns, self._break_ns, self._previous_u)
         self._previous_u = (u + self._previous_u)[: self._repeats * len(u)]
         self._next_ns = effective_ns + self._period_ns
-        return made
+        return message
 
-    def _holds(self, state: PlantState) -> bool:
-        """Tell whether the series is still unbroken, as far as the newest state tells."""
-        if self._from_ns is None or state.sequence_break_ns != self._basis_ns:
+    def _is_unbroken(self, state: PlantState) -> bool:
+        """Check whether the sequence is unbroken according to the newest state."""
+        if self._start_ns is None or state.sequence_break_ns != self._break_ns:
             return False
         if state.phase is RUNNING:
             return True
         if state.phase is WAITING:
-            return self._next_ns - self._from_ns < WAITING_NS
-        return state.plant_ns < self._from_ns
+            return self._next_ns - self._start_ns < WAITING_NS
+        return state.plant_ns < self._start_ns

@@ -1,10 +1,10 @@
-"""The newest state that the filter received from the plant."""
+"""Newest plant state that the filter received."""
 
 from passafe_protocol.messages import PlantState, Received
 
 
 class NewestState:
-    """Keeps the newest state of the newest plant session; overtaken and repeated ones change nothing.
+    """Keeps the newest state of the newest plant session; older and duplicate ones are ignored.
 
     Attributes:
         state: The newest state, or ``None`` before the first.
@@ -22,10 +22,10 @@ class NewestState:
         self.restart(0)
 
     def restart(self, epoch: int) -> None:
-        """Forget the newest state: the plant is another one.
+        """Discard the newest state: the plant was restarted.
 
         Args:
-            epoch: Its session.
+            epoch: The new session.
         """
         self.state: PlantState | None = None
         self.epoch = epoch
@@ -33,17 +33,17 @@ class NewestState:
         self._sequence = -1
 
     def fits(self, state: PlantState) -> bool:
-        """Return whether a state has the shape of the filter's model."""
+        """Check whether a state has the shape of the filter's model."""
         return len(state.x) == self._n and len(state.y) == len(state.u) == self._m
 
     def receive(self, received: Received, state: PlantState) -> bool:
-        """Keep a state if it is the newest of the present session; return whether it is.
+        """Keep a state if it is the newest of the current session; return whether it is.
 
         Args:
             received: The message.
             state: Its body.
         """
-        sequence = received.header.sequence  # one that comes twice is no sign of life
+        sequence = received.header.sequence  # a duplicate does not refresh the age
         if received.header.epoch != self.epoch or sequence <= self._sequence:
             return False
         if self.state is not None and state.plant_ns < self.state.plant_ns:
@@ -52,7 +52,7 @@ class NewestState:
         return True
 
     def age_ns(self, now_ns: int) -> int:
-        """Return how long ago the newest state came, ns.
+        """Return the age of the newest state since its arrival, ns.
 
         Args:
             now_ns: Monotonic time, ns.

@@ -1,4 +1,4 @@
-"""The filter process as a node: predicts, decides, certifies, and sends input sequences."""
+"""Filter node: predicts, decides, certifies and sends input sequences."""
 
 from collections.abc import Sequence
 
@@ -12,11 +12,10 @@ from passafe_services.node import Outgoing
 
 
 class FilterNode:
-    """Decides one input a step, for the state that the plant will have when it takes effect.
+    """Decides one input per step, for the state that the plant will have when it takes effect.
 
-    A command that is stale or released (dead-man) fades to u_h = 0; the rows are kept all the same. When the plant's
-    state is stale nothing is sent at all: a prediction without states is no ground to act on, and the plant's own
-    fail-safe takes over.
+    A stale or released command (dead-man) fades to u_h = 0 under the same rows. While the plant state is stale nothing
+    is sent: the prediction has no basis, and the plant's own fail-safe takes over.
 
     Attributes:
         name: ``filter``.
@@ -30,7 +29,7 @@ class FilterNode:
         """Start with nothing received.
 
         Args:
-            decisions: Makes the steps.
+            decisions: Executes the steps.
             predictor: Predicts the state at which an input will take effect.
             sequencer: Keeps the input sequence unbroken.
         """
@@ -39,21 +38,21 @@ class FilterNode:
         self._sequencer = sequencer
 
     def step(self, now_ns: int, inbox: Sequence[Received]) -> Sequence[Outgoing]:
-        """Return the inputs for the plant and the account of each, see ``DecisionLoop``.
+        """Return the inputs for the plant and the record of each, see ``DecisionLoop``.
 
         Args:
-            now_ns: When this step was due, monotonic, ns.
+            now_ns: Time at which this step was due, monotonic, ns.
             inbox: Commands and states, in order of arrival.
         """
         return self._decisions.step(now_ns, inbox, self)
 
     @property
     def horizon_ns(self) -> int:
-        """How far the prediction reaches beyond the newest plant state, ns."""
+        """Prediction horizon: plant time of the last prediction minus that of the newest plant state, ns."""
         return self._predictor.horizon_ns
 
     def restart(self) -> None:
-        """Forget the prediction and the sequence: the plant is another one."""
+        """Discard the prediction and the sequence: the plant was restarted."""
         self._predictor.restart()
         self._sequencer.restart()
 
@@ -66,18 +65,18 @@ class FilterNode:
 
         Args:
             state: The newest plant state.
-            target_ns: Plant time of the input that is to be made now, by the schedule.
+            target_ns: Plant time of the input that the schedule asks for.
         """
-        first_ns, begins = self._sequencer.begins_with(state, target_ns)
+        first_ns, begins = self._sequencer.next_input(state, target_ns)
         if begins:
-            self._predictor.begin(first_ns)
+            self._predictor.begin_sequence(first_ns)
         return first_ns, begins
 
     def predict(self, effective_ns: int) -> Predicted:
-        """Return the plant at the time at which an input will take effect."""
-        return self._predictor.at(effective_ns)
+        """Return the plant at the effective time of an input."""
+        return self._predictor.predict(effective_ns)
 
     def message(self, tick: int, u: Vector, effective_ns: int) -> PlantInput:
-        """Return the message of the input that was decided for the last prediction."""
-        self._predictor.sent(effective_ns, u)
+        """Return the message of the input decided for the last prediction."""
+        self._predictor.record_sent(effective_ns, u)
         return self._sequencer.message(tick, u, effective_ns)

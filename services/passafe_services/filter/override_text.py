@@ -1,4 +1,4 @@
-"""What the filter changed, and why, in a sentence."""
+"""Describes in a sentence what the filter overrode and why."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -13,37 +13,37 @@ from passafe.rows import PASSIVITY_ROW
 from passafe_services.filter.barrier_distance import BarrierDistance
 
 LEAST_SHARE: Final = 0.1
-"""Share of the change from which a row is named beside the first."""
+"""Share of the change above which a row is named beside the first."""
 
 MOST_NAMED: Final = 3
 
-LEAST_TOLD: Final = 1e-3
-"""Change of the command below which none is told, units of u."""
+LEAST_REPORTED: Final = 1e-3
+"""Change of the command below which none is reported, units of u."""
 
 BALANCED: Final = 1e-3
-"""Pull of the rows that were given up, relative to their weights, below which they alone contradict one another."""
+"""Norm of the weighted sum of the relaxed rows, relative to the weights, below which they conflict among themselves."""
 
 INPUT_LIMIT: Final = "input limit"
 
 
 class OverrideText:
-    """Puts the overrides of one filter into words."""
+    """Describes the overrides of one filter."""
 
     def __init__(self, core: SafetyPassivityFilter, robot: Robot, unit: str) -> None:
-        """Take what the words need.
+        """Prepare the names of rows and the distances to barriers.
 
         Args:
             core: The filter.
             robot: The plant of its design.
-            unit: Of u.
+            unit: Unit of u.
         """
         self._unit = unit
         self._row_names, self._duties = core.row_names, core.duties
-        self._gauges = {chain.barrier.name: BarrierDistance(chain, robot) for chain in core.chains}
+        self._distances = {chain.barrier.name: BarrierDistance(chain, robot) for chain in core.chains}
         self._places = {name: i for i, name in enumerate(core.row_names[: core.duties])}
 
-    def reasons(self, override: Override) -> tuple[str, ...]:
-        """Return the rows to name, limits of the input under one name, the most important first."""
+    def causes(self, override: Override) -> tuple[str, ...]:
+        """Return the names of the causes, the most important first; input limits share one name."""
         named: list[str] = []
         for cause in override.causes[:MOST_NAMED]:
             name = cause.row if cause.row in self._places else INPUT_LIMIT
@@ -52,56 +52,56 @@ class OverrideText:
         return tuple(named)
 
     def sentence(self, decision: Decision, override: Override) -> str:
-        """Return what was held back by which rows, what of the command would have passed, and what was given up."""
+        """Return a sentence: what was held back by which rows, what would have passed, and what was relaxed."""
         parts = []
-        causes = [self._cause(name, decision) for name in self.reasons(override)]
-        if causes and override.size >= LEAST_TOLD:
+        causes = [self._cause(name, decision) for name in self.causes(override)]
+        if causes and override.size >= LEAST_REPORTED:
             parts.append(f"held back {override.size:.2g} {self._unit}: {' and '.join(causes)}")
             parts.append(_allowed(override))
         if decision.status is Status.INFEASIBLE:
-            parts.append(self._given_up(decision))
+            parts.append(self._relaxation(decision))
         if decision.status is Status.RELAXED:
-            parts.append(f"gave up {decision.slack:.2g} W of passivity")
+            parts.append(f"relaxed passivity by {decision.slack:.2g} W")
         return "; ".join(parts)
 
     def _cause(self, name: str, decision: Decision) -> str:
         if name == INPUT_LIMIT:
             return INPUT_LIMIT
-        if name == PASSIVITY_ROW and name not in self._gauges:
+        if name == PASSIVITY_ROW and name not in self._distances:
             return "energy"
-        reading = self._gauges[name].read(decision.part("x"), float(decision.part("t")[0]))
+        reading = self._distances[name].read(decision.part("x"), float(decision.part("t")[0]))
         if not reading.unit:
-            return f"{self._called(name)}, h = {reading.value:.2g}"
+            return f"{self._label(name)}, h = {reading.value:.2g}"
         where = "from" if reading.value >= 0.0 else "beyond"
-        return f"{self._called(name)}, {abs(reading.value):.2g} {reading.unit} {where} its limit"
+        return f"{self._label(name)}, {abs(reading.value):.2g} {reading.unit} {where} its limit"
 
-    def _called(self, name: str) -> str:
-        """Return a hard row's name with its kind; under the continuous law passivity is one."""
-        gauge = self._gauges.get(name)
-        if gauge is None:
+    def _label(self, name: str) -> str:
+        """Return the name of a hard row with its kind; under the continuous law passivity is one."""
+        distance = self._distances.get(name)
+        if distance is None:
             return "energy"
-        return f"{'obstacle' if gauge.is_obstacle else 'barrier'} `{name}`"
+        return f"{'obstacle' if distance.is_obstacle else 'barrier'} `{name}`"
 
-    def _given_up(self, decision: Decision) -> str:
+    def _relaxation(self, decision: Decision) -> str:
         relax = decision.part("relax")
         order = [int(i) for i in np.argsort(-relax, kind="stable") if relax[i] > 0.0]
-        amounts = [f"{relax[i]:.2g} {self._unit} of {self._called(self._row_names[i])}" for i in order]
+        amounts = [f"{relax[i]:.2g} {self._unit} of {self._label(self._row_names[i])}" for i in order]
         G = decision.part("G").reshape((self._duties, -1), order="F")[: relax.size]
         alone = float(np.linalg.norm(relax @ G)) <= BALANCED * float(relax.sum())
-        return f"gave up {_listed(amounts)}: {_contradiction(len(order), alone=alone)}"
+        return f"relaxed {_listed(amounts)}: {_conflict(len(order), alone=alone)}"
 
 
 def _allowed(override: Override) -> str:
     if override.unavoidable:
         return "no part of the command would have passed unchanged"
-    # Rounded down: what is said to pass does.
+    # Rounded down, so that the reported fraction passes.
     return f"{int(100 * override.allowed_fraction)} % of the command would have passed unchanged"
 
 
-def _contradiction(count: int, *, alone: bool) -> str:
+def _conflict(count: int, *, alone: bool) -> str:
     if count == 1:
-        return "it asks for more than the input limits allow"
-    return "they contradict one another" + ("" if alone else " within the input limits")
+        return "it requires more than the input limits allow"
+    return "they conflict" + ("" if alone else " within the input limits")
 
 
 def _listed(words: Sequence[str]) -> str:

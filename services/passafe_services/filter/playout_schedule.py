@@ -1,4 +1,4 @@
-"""Which plant time a filter step works for."""
+"""Play-out schedule: the plant time at which the input of each filter step takes effect."""
 
 from typing import Final
 
@@ -7,19 +7,19 @@ from passafe_protocol.messages import PlantPhase, PlantState
 _WAITING: Final = PlantPhase.WAITING
 
 SLEW_STEPS: Final = 16
-"""The schedule moves back by one period in so many steps, where the network got quicker."""
+"""Steps in which the schedule moves back by one period after the network got faster."""
 
 
-class EffectSchedule:
-    """Gives every step the plant time at which its input is to take effect.
+class PlayoutSchedule:
+    """Assigns to every step the plant time at which its input takes effect.
 
-    The plant tells how long inputs took to come, the largest of the last second or two: plant time of arrival minus
-    this filter's clock. Inputs are made for so much later, and the play-out time on top, which absorbs what is worse
-    than that. Lost inputs that a later message repeats count as having come with that one, so loss is covered too. The
-    schedule moves forward at once and back by and by.
+    The plant reports the transit time of inputs, the maximum of the last 1 to 2 s: plant time of arrival minus this
+    filter's clock. The effective time is that much later plus the play-out time, which absorbs longer transits. Lost
+    inputs that a later message repeats count as arrived with it, so loss is covered too. The schedule moves forward at
+    once and back slowly.
 
     Attributes:
-        moved: How often the schedule was moved forward since the start.
+        moved: Number of moves forward since the start.
     """
 
     def __init__(self, *, period_ns: int, playout_ns: int, epoch: int) -> None:
@@ -27,8 +27,8 @@ class EffectSchedule:
 
         Args:
             period_ns: Period of plant and filter, ns.
-            playout_ns: What is kept in hand beyond the longest transit seen, ns, whole periods.
-            epoch: This filter's session: transit times of another one say nothing.
+            playout_ns: Margin beyond the longest transit time, ns, whole periods.
+            epoch: Session of this filter; transit times of other sessions are ignored.
         """
         self._period_ns = period_ns
         self._playout_ns = playout_ns
@@ -39,15 +39,15 @@ class EffectSchedule:
         self.moved = 0
 
     def restart(self) -> None:
-        """Forget the schedule: the plant is another one."""
+        """Discard the schedule: the plant was restarted."""
         self._has_offset = False
         self._slack_steps = 0
 
     def effective_ns(self, now_ns: int, state: PlantState) -> int:
-        """Return the plant time for which the step at ``now_ns`` makes an input.
+        """Return the effective plant time of the input of the step at ``now_ns``.
 
         Args:
-            now_ns: When the step is due, monotonic, ns; steps lie on a grid of the period.
+            now_ns: Time at which the step is due, monotonic, ns; steps lie on a grid of the period.
             state: The newest plant state.
         """
         if not self._has_offset:
@@ -60,7 +60,7 @@ class EffectSchedule:
         return now_ns + self._offset_ns
 
     def _follow(self, now_ns: int, state: PlantState) -> None:
-        """Move the schedule to where the transit time puts it, and never to a time that the plant has passed."""
+        """Move the schedule to the reported transit time, never to a plant time that has passed."""
         period_ns, is_own = self._period_ns, state.input_epoch == self._epoch
         wanted_ns = state.plant_ns + period_ns - now_ns
         if is_own:

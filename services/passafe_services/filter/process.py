@@ -1,4 +1,4 @@
-"""The filter as a process."""
+"""Filter process."""
 
 import time
 
@@ -8,6 +8,6 @@ from passafe_services.loop.process_options import ProcessOptions
 
 
 def start(options: ProcessOptions) -> None:
-    """Filter until told to stop."""
+    """Run the filter until stopped."""
     epoch = time.time_ns()
     run_node(filter_node(options.scenario, "live", epoch), options, epoch=epoch)

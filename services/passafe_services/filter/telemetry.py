@@ -1,4 +1,4 @@
-"""FilterTick: what the filter did in one tick, as a message."""
+"""FilterTick: the complete record of a tick as a message."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -23,23 +23,23 @@ from passafe.infeasibility import DistanceToInfeasibility
 from passafe.override import Explainer
 
 STATUS: Final = (FilterStatus.UNCERTIFIED, *(FilterStatus[status.name] for status in Status))
-"""Status on the wire, by the number of the core's; a table, because hashing a member costs 0.4 µs."""
+"""Status on the wire by the value of the core's status; a table, because hashing a member costs 0.4 µs."""
 
 
 class TickRecord(Struct, frozen=True, eq=False):
-    """What a tick message is made from, when somebody calls for it.
+    """Data of a tick message, which is computed only on demand.
 
     Attributes:
-        telemetry: Makes the message.
+        telemetry: Computes the message.
         tick: Number of the tick.
-        status: Outcome, staleness included.
-        decision: The filter's decision.
-        effective_plant_ns: Plant time of the decision.
-        tank_j: Energy in the tank at that time, predicted, J.
+        status: Status, staleness included.
+        decision: The decision.
+        effective_plant_ns: Plant time at which the decision takes effect, ns.
+        tank_j: Predicted energy in the tank at that time, J.
         inbox: Messages that the step consumed.
-        state_age_ns: Age of the newest state; −1 if none came yet.
-        command_age_ns: Age of the newest command; −1 if none came yet.
-        horizon_ns: How far the decision's state lies ahead of the newest plant state.
+        state_age_ns: Age of the newest state, ns; −1 before the first one.
+        command_age_ns: Age of the newest command, ns; −1 before the first one.
+        horizon_ns: Prediction horizon, ns.
     """
 
     telemetry: "Telemetry"
@@ -53,10 +53,10 @@ class TickRecord(Struct, frozen=True, eq=False):
     command_age_ns: int
     horizon_ns: int
 
-    def again(
+    def for_step(
         self, status: FilterStatus, inbox: Sequence[Received], state_age_ns: int, command_age_ns: int
     ) -> "TickRecord":
-        """Return the account of a step that decided nothing new."""
+        """Return the record of a step without a new decision."""
         return TickRecord(
             self.telemetry,
             self.tick,
@@ -76,7 +76,7 @@ class TickRecord(Struct, frozen=True, eq=False):
 
 
 class Telemetry:
-    """Turns tick records into messages."""
+    """Converts tick records into messages."""
 
     def __init__(self, core: SafetyPassivityFilter, explainer: Explainer) -> None:
         self._design: FilterDesign = core.design
@@ -129,7 +129,7 @@ class Telemetry:
                 for i, (name, margin, dual, less) in enumerate(
                     zip(self._row_names, vector("margins"), vector("lam"), relaxed, strict=True)
                 )
-                if i < self._duties or name in shares  # of the limits, those that bind
+                if i < self._duties or name in shares  # limits only if they are active
             ),
             certificate=Certificate(
                 decision.solver,

@@ -1,4 +1,4 @@
-"""The filter process as a node without prediction: decides for the newest plant state, as old as it is."""
+"""Filter node without prediction: decides for the newest plant state, whatever its age."""
 
 from collections.abc import Sequence
 
@@ -12,7 +12,7 @@ from passafe_services.node import Outgoing
 
 
 class UnpredictedFilterNode:
-    """Decides one input a step and sends it unsequenced: ``filter.prediction = false``, to show what delay does.
+    """Decides one input per step and sends it unsequenced (``filter.prediction = false``), to show the effect of delay.
 
     Attributes:
         name: ``filter``.
@@ -27,10 +27,10 @@ class UnpredictedFilterNode:
         """Start with nothing received.
 
         Args:
-            decisions: Makes the steps.
-            state: Keeps the state and the tank that a decision is made for.
+            decisions: Executes the steps.
+            state: State and tank energy for the decisions.
             period_ns: Period of the plant, ns.
-            hold_ns: How long an input may be in force, ns.
+            hold_ns: Longest time for which an input may be in force, ns.
         """
         self._decisions = decisions
         self._state = state
@@ -39,16 +39,16 @@ class UnpredictedFilterNode:
         self._next_ns: int | None = None
 
     def step(self, now_ns: int, inbox: Sequence[Received]) -> Sequence[Outgoing]:
-        """Return the inputs for the plant and the account of each, see ``DecisionLoop``.
+        """Return the inputs for the plant and the record of each, see ``DecisionLoop``.
 
         Args:
-            now_ns: When this step was due, monotonic, ns.
+            now_ns: Time at which this step was due, monotonic, ns.
             inbox: Commands and states, in order of arrival.
         """
         return self._decisions.step(now_ns, inbox, self)
 
     def restart(self) -> None:
-        """Forget the state and what was sent: the plant is another one."""
+        """Discard all state: the plant was restarted."""
         self._state.restart()
         self._next_ns = None
 
@@ -57,11 +57,11 @@ class UnpredictedFilterNode:
         self._state.confirm(state)
 
     def next_input(self, state: PlantState, target_ns: int) -> tuple[int, bool]:
-        """Return the plant time of the next input, never one that was decided; no sequence begins.
+        """Return the plant time of the next input, never one already decided; no sequence begins.
 
         Args:
             state: The newest plant state.
-            target_ns: Plant time of the input that is to be made now, by the schedule.
+            target_ns: Plant time of the input that the schedule asks for.
         """
         del state
         if self._next_ns is None or target_ns >= self._next_ns:
@@ -73,7 +73,7 @@ class UnpredictedFilterNode:
         return self._state.at(effective_ns)
 
     def message(self, tick: int, u: Vector, effective_ns: int) -> PlantInput:
-        """Return the message of the input that was decided."""
-        self._state.sent(u)
+        """Return the message of the input decided last."""
+        self._state.record_sent(u)
         self._next_ns = effective_ns + self._period_ns
         return PlantInput(tick, u, effective_ns, self._hold_ns)

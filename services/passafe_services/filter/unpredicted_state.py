@@ -1,35 +1,35 @@
-"""The newest plant state, as old as it is: what a filter without prediction decides for."""
+"""State for the decisions of a filter without prediction: the newest plant state, whatever its age."""
 
 from passafe_protocol.messages import UNSEQUENCED, PlantState, Vector
 
 from passafe.sampled_plant import Sample
 from passafe.tank import Tank
-from passafe_services.filter.predictor import Predicted, opening_tank_j
+from passafe_services.filter.predictor import Predicted, initial_tank_j
 
 
 class UnpredictedState:
-    """Keeps the newest plant state, the energy in the tank then, and the input that was sent last."""
+    """Keeps the newest plant state, its tank energy and the input sent last."""
 
     def __init__(self, tank: Tank) -> None:
         """Start with nothing received.
 
         Args:
-            tank: Energy ledger.
+            tank: Energy tank.
         """
         self._tank = tank
         self.restart()
 
     def restart(self) -> None:
-        """Forget everything: the plant is another one."""
+        """Discard all state: the plant was restarted."""
         self._confirmed: PlantState | None = None
         self._tank_j = 0.0
         self._u: Vector | None = None
 
     def confirm(self, state: PlantState) -> None:
-        """Keep a plant state; one older than the newest changes nothing."""
+        """Keep a plant state; a state older than the newest is ignored."""
         before = self._confirmed
         if before is None:
-            self._tank_j = opening_tank_j(self._tank, state)
+            self._tank_j = initial_tank_j(self._tank, state)
         else:
             if state.plant_ns < before.plant_ns:
                 return
@@ -39,7 +39,7 @@ class UnpredictedState:
         self._confirmed = state
 
     def at(self, plant_ns: int) -> Predicted:
-        """Return the newest state, whatever the time, and the input that was sent last.
+        """Return the newest state, whatever the time, with the input sent last.
 
         Raises:
             RuntimeError: No state was received.
@@ -51,6 +51,6 @@ class UnpredictedState:
         u = state.u if self._u is None else self._u
         return Predicted(plant_ns, sample, self._tank_j, u, state.phase, state.input_since_ns, UNSEQUENCED)
 
-    def sent(self, u: Vector) -> None:
-        """Note the input that was sent last."""
+    def record_sent(self, u: Vector) -> None:
+        """Record the input sent last."""
         self._u = u

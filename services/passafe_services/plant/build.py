@@ -1,4 +1,4 @@
-"""From a scenario to its plant node."""
+"""Builds the plant node of a scenario."""
 
 from passafe_services.plant.node import PlantNode
 from passafe_services.plant.unpredicted_node import UnpredictedPlantNode
@@ -10,7 +10,7 @@ def plant_node(scenario: Scenario, model: PlantModel | None = None) -> PlantNode
     """Return the plant of a scenario, for a filter with or without prediction.
 
     Args:
-        scenario: What to build.
+        scenario: The scenario.
         model: Its compiled model, if there is one already.
     """
     model = PlantModel.of(scenario) if model is None else model

@@ -1,4 +1,4 @@
-"""The plant's account of the inputs that arrived, as its state reports it."""
+"""Counts and times of the inputs received, as reported in the plant state."""
 
 from passafe_protocol.messages import UNSEQUENCED, Header, PlantInput
 
@@ -6,14 +6,14 @@ from passafe_services.plant.transit_time import TransitTime
 
 
 class InputAccount:
-    """Counts and times of the inputs that arrived.
+    """Counts and times of the inputs received.
 
     Attributes:
-        transit: How long inputs took to come, and of which filter's session they were.
+        transit: Transit time of inputs and the session of their filter.
         received_tick: Tick of the newest input received.
-        lead_ns: How long before its effect the newest input arrived, ns.
-        late: Inputs that arrived after their effective time.
-        refused: Inputs that were refused.
+        lead_ns: Effective time of the newest input minus the plant time of its arrival, ns.
+        late: Number of inputs that arrived after their effective time.
+        refused: Number of inputs refused.
         sequence_break_ns: Plant time of the last sequence break; −1 before the first.
     """
 
@@ -26,16 +26,16 @@ class InputAccount:
         self.refused = 0
         self.sequence_break_ns = UNSEQUENCED
 
-    def note_arrival(self, header: Header, plant_input: PlantInput, arrival_ns: int, made_ns: int) -> None:
-        """Note the arrival of an input.
+    def record_arrival(self, header: Header, plant_input: PlantInput, arrival_ns: int, made_ns: int) -> None:
+        """Record the arrival of an input.
 
         Args:
             header: Its header.
             plant_input: The input.
             arrival_ns: Plant time of the arrival, ns.
-            made_ns: When the oldest input that it brought was due to be made, by the filter's clock, ns.
+            made_ns: Time at which the step of the oldest new input in the message was due, filter's clock, ns.
         """
-        self.transit.note(header.epoch, arrival_ns, made_ns)
+        self.transit.record(header.epoch, arrival_ns, made_ns)
         if plant_input.tick >= self.received_tick:
             self.received_tick = plant_input.tick
             self.lead_ns = plant_input.effective_plant_ns - arrival_ns

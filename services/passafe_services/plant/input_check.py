@@ -1,4 +1,4 @@
-"""Validity of an input for this plant: shape, limits, and numbers that a filter can have sent."""
+"""Validation of inputs at the plant: shape, limits and plausible times."""
 
 from math import hypot, inf
 from typing import Final
@@ -8,28 +8,28 @@ from passafe_protocol.messages import Header, PlantInput, Vector
 from passafe.limits import Limits
 
 ROUNDING: Final = 1e-12
-"""By how much an input shortened to its norm's limit may still be longer, relative."""
+"""Relative tolerance for an input that was scaled to the limit of its norm."""
 
 FAR_NS: Final = 2**61
-"""73 years: no clock shows more."""
+"""73 years: beyond every clock."""
 
 
 class InputCheck:
-    """Decides whether the plant may apply an input; how fast u changes is not looked at."""
+    """Checks whether the plant may apply an input; the rate of change of u is not checked."""
 
     def __init__(self, limits: Limits) -> None:
         """Keep the limits.
 
         Args:
-            limits: Inputs beyond their magnitudes or their norm are refused; m entries.
+            limits: Limits of magnitude and norm; m axes.
         """
         self._m, self._bounds, self._least_bound = len(limits.magnitude), limits.magnitude, min(limits.magnitude)
         self._norm = inf if limits.norm is None else limits.norm * (1 + ROUNDING)
 
     def is_valid(self, header: Header, plant_input: PlantInput) -> bool:
-        """Return whether a message's input is applicable and the numbers beside it could be a filter's.
+        """Check whether the input of a message is applicable and its other numbers are plausible.
 
-        The plant reports some of these numbers, and they have to fit a message.
+        The plant reports some of these numbers, so they must be valid in its own message.
         """
         if not self.is_applicable(plant_input.u):
             return False
@@ -38,7 +38,7 @@ class InputCheck:
         return is_timely and not rest and repeated <= plant_input.tick
 
     def is_applicable(self, u: Vector) -> bool:
-        """Return whether an input has the plant's shape and lies within the limits; a NaN does not."""
+        """Check whether an input has the plant's shape and lies within the limits; a NaN does not."""
         if len(u) != self._m:
             return False
         least = self._least_bound

@@ -1,4 +1,4 @@
-"""The plant process as a node: the simulated robot under the filter's input sequences."""
+"""Plant node: the simulated robot under the filter's input sequences."""
 
 from collections.abc import Sequence
 
@@ -16,14 +16,14 @@ from passafe_services.plant_contract.fail_safe import FailSafe
 
 
 class PlantNode:
-    """Integrates the robot, one period a step, under the input sequences of a filter that predicts.
+    """Integrates the robot, one period per step, under the input sequences of a predicting filter.
 
-    The first input takes effect ``playout`` later than it arrived, which sets plant time; every other takes effect
-    at the plant time it names, or not at all (``passafe_services.plant.sequenced_inputs``). When one is missing, the
-    fail-safe rule applies until a sequence begins that was made for this break. Unsequenced inputs are refused: a
-    filter without prediction has a plant node of its own (``passafe_services.plant.unpredicted_node``).
+    The first input takes effect one play-out time after its arrival, which defines plant time; every other one takes
+    effect at its own plant time, or not at all (``passafe_services.plant.sequenced_inputs``). When one is missing, the
+    fail-safe rule applies until a sequence begins that was predicted from this break. Unsequenced inputs are refused: a
+    filter without prediction has its own plant node (``passafe_services.plant.unpredicted_node``).
 
-    A driver that skipped steps gets one state for every period that passed: time does not stop for a robot.
+    After skipped steps there is one state for every period that passed: the robot does not wait.
 
     Attributes:
         name: ``plant``.
@@ -46,12 +46,12 @@ class PlantNode:
         """Put the robot at rest at x0.
 
         Args:
-            plant: The model, stepped with the period.
-            fail_safe: What is in force where no input follows.
+            plant: Model of the robot, stepped with the period.
+            fail_safe: Rule for missing inputs.
             x0: Initial state, n numbers.
             period_ns: Period of a step, ns.
-            playout_ns: How long before its effect the first input should have arrived, ns.
-            limits: Inputs beyond their magnitudes or their norm are refused; how fast u changes is not looked at.
+            playout_ns: Time between arrival and effect of the first input, ns.
+            limits: Limits of magnitude and norm; inputs beyond them are refused. Rates are not checked.
         """
         self._period_ns = period_ns
         self._check = InputCheck(limits)
@@ -65,7 +65,7 @@ class PlantNode:
         return self._robot.plant_ns
 
     def step(self, now_ns: int, inbox: Sequence[Received]) -> Sequence[Outgoing]:
-        """Return the state now, and those of every period that passed since the step before.
+        """Return the states of every period since the previous step, or the current one.
 
         Args:
             now_ns: Monotonic time of this step, ns.
@@ -85,27 +85,27 @@ class PlantNode:
         ):
             account.refused += 1
             return
-        if header.epoch > account.transit.epoch:  # another filter: its ticks begin anew
+        if header.epoch > account.transit.epoch:  # another filter, whose ticks start at 1
             account.received_tick = robot.applied_tick = 0
-        admission = self._inputs.put(header, plant_input)
-        if admission is REFUSED:
+        oldest = self._inputs.receive(header, plant_input)
+        if oldest is REFUSED:
             account.refused += 1
         if robot.phase is PlantPhase.WAITING:
-            if admission is REFUSED:
+            if oldest is REFUSED:
                 return
             robot.begin_at(self._inputs.first_ns, received_ns)
         elif plant_input.effective_plant_ns <= robot.plant_ns:
             account.late += 1
-        back = self._inputs.missed(header, plant_input) if admission is REFUSED else max(admission, 0)
-        made_ns = header.scheduled_ns - back * self._period_ns
-        account.note_arrival(header, plant_input, robot.plant_time_of(received_ns), made_ns)
+        periods = self._inputs.periods_late(header, plant_input) if oldest is REFUSED else max(oldest, 0)
+        made_ns = header.scheduled_ns - periods * self._period_ns
+        account.record_arrival(header, plant_input, robot.plant_time_of(received_ns), made_ns)
 
     def _choose_input(self) -> None:
-        """Put the input that is due in force, or go without one: then the sequence is broken, if there was one."""
+        """Apply the input that is due; without one, apply the fail-safe rule and report the break of the sequence."""
         robot = self._robot
-        due = self._inputs.take(robot.plant_ns)
+        due = self._inputs.pop_due(robot.plant_ns)
         if due is not None:
             robot.apply(due.u, due.tick, due.hold_ns, robot.plant_ns)
             return
         self._account.sequence_break_ns = self._inputs.sequence_break_ns
-        robot.go_without_input()
+        robot.apply_fail_safe()

@@ -1,4 +1,4 @@
-"""The simulated robot: its model in plant time, under the input in force."""
+"""Simulated robot: its model in plant time under the input in force."""
 
 from collections.abc import Callable, Sequence
 from typing import Final
@@ -18,14 +18,14 @@ FAIL_SAFE: Final = PlantPhase.FAIL_SAFE
 
 
 class SimulatedRobot:
-    """Integrates the model one period at a time; its plant node chooses the input of each period.
+    """Integrates the model one period at a time; the plant node chooses the input of each period.
 
-    The robot rests at x0 (``WAITING``) until plant time begins, with the first input. Where no input follows, the
-    last is held (``HOLDING``), then the model's own law takes over (``FAIL_SAFE``).
+    The robot rests at x0 (``WAITING``) until plant time begins with the first input. When inputs stop, the last one is
+    held (``HOLDING``), then the model's fail-safe law takes over (``FAIL_SAFE``).
 
     Attributes:
         plant_ns: Plant time, ns.
-        phase: What decides the input in force.
+        phase: Origin of the input in force.
         applied_tick: Tick of the input in force.
     """
 
@@ -42,12 +42,12 @@ class SimulatedRobot:
         """Put the robot at rest at x0.
 
         Args:
-            plant: The model, stepped with the period.
-            fail_safe: What is in force where no input follows.
-            account: What the state reports of the inputs that arrived.
+            plant: Model of the robot, stepped with the period.
+            fail_safe: Rule for missing inputs.
+            account: Counts and times of the inputs received, for the state messages.
             x0: Initial state, n numbers.
             period_ns: Period of a step, ns.
-            playout_ns: How long before its effect the first input should have arrived, ns.
+            playout_ns: Time between arrival and effect of the first input, ns.
         """
         self._plant = plant
         self._fail_safe = fail_safe
@@ -67,19 +67,19 @@ class SimulatedRobot:
 
     @property
     def has_origin(self) -> bool:
-        """Whether it is settled when plant time begins."""
+        """True once the beginning of plant time is set."""
         return self._has_origin
 
     def begin_at(self, first_ns: int, received_ns: int) -> None:
-        """Let plant time begin with an input, one play-out time after it came, unless that is settled already.
+        """Begin plant time with an input, one play-out time after its arrival, unless it is set already.
 
         Args:
-            first_ns: Plant time of the input.
-            received_ns: When it came, monotonic, ns.
+            first_ns: Plant time of the input, ns.
+            received_ns: Time of its arrival, monotonic, ns.
         """
         if not self._has_origin or first_ns != self.plant_ns:
             self.plant_ns, self._has_origin = first_ns, True
-            # Steps come on a grid: the first one after the buffer has filled is plant time `first_ns`.
+            # Steps lie on a grid: the first one after the play-out time is plant time `first_ns`.
             self._origin_ns = received_ns + self._playout_ns - first_ns
 
     def plant_time_of(self, monotonic_ns: int) -> int:
@@ -87,18 +87,18 @@ class SimulatedRobot:
         return monotonic_ns - self._origin_ns
 
     def run_to(self, now_ns: int, choose_input: Callable[[], None]) -> Sequence[Outgoing]:
-        """Return the state now, and those of every period that passed since the call before.
+        """Return the states of every period since the previous call, or the current one.
 
         Args:
             now_ns: Monotonic time, ns.
-            choose_input: Puts the input in force for the period that begins, with ``apply`` or ``go_without_input``.
+            choose_input: Sets the input of the period that begins, with ``apply`` or ``apply_fail_safe``.
         """
         if not self._has_origin or now_ns < self._origin_ns + self.plant_ns:
             return ((STATE, self._state()),)
         outgoing: list[Outgoing] = []
         if self.phase is WAITING:
             self._begin_period(choose_input, outgoing)
-            if self.phase is WAITING:  # the first input was none after all
+            if self.phase is WAITING:  # the first input did not take effect
                 self._has_origin = False
                 return outgoing
         while self._origin_ns + self.plant_ns + self._period_ns <= now_ns:
@@ -109,26 +109,26 @@ class SimulatedRobot:
         return outgoing or ((STATE, self._state()),)
 
     def apply(self, u: Vector, tick: int, hold_ns: int, since_ns: int) -> None:
-        """Put an input in force.
+        """Apply an input.
 
         Args:
             u: The input, m numbers.
-            tick: Filter tick that made it.
-            hold_ns: How long it may be in force, ns.
+            tick: Filter tick of its decision.
+            hold_ns: Longest time for which it may be in force, ns.
             since_ns: Plant time from which it counts as in force, ns.
         """
         self._u, self.applied_tick, self._hold_ns = u, tick, hold_ns
         self._since_ns, self.phase = since_ns, RUNNING
 
-    def go_without_input(self) -> None:
-        """Hold the last input as long as it may be in force, then follow the fail-safe law; wait before the first."""
+    def apply_fail_safe(self) -> None:
+        """Hold the last input for its hold time, then apply the fail-safe law; wait before the first input."""
         if self.phase is not WAITING:
             self.phase, self._u = self._fail_safe.without_input(
                 self._u, self._since_ns, self.plant_ns, self._sample.x, self._hold_ns
             )
 
     def _begin_period(self, choose_input: Callable[[], None], outgoing: list[Outgoing]) -> None:
-        """Have the input of the period chosen; add an event if the fail-safe law came or went, and the state."""
+        """Choose the input of the period; add an event if the fail-safe law starts or ends, and the state."""
         before = self.phase
         choose_input()
         if self.phase is not before and (before is FAIL_SAFE or self.phase is FAIL_SAFE):

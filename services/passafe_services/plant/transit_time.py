@@ -1,18 +1,18 @@
-"""How long inputs take to come: what the filter's play-out time follows."""
+"""Transit time of inputs, which the filter's play-out schedule follows."""
 
 from typing import Final
 
 SPAN_NS: Final = 1_000_000_000
-"""Length of one span; the largest of the present and of the last one counts."""
+"""Length of one span; the maximum covers the current and the previous span."""
 
 
 class TransitTime:
-    """The largest of the last second or two of (plant time of an arrival − sender's clock when it was made).
+    """Maximum over the last 1 to 2 s of the plant time of an arrival minus the sender's clock at its step.
 
-    The two clocks have nothing in common, and need not: only the filter whose clock it is makes use of the difference.
+    The two clocks are unrelated: only the filter that owns the second clock uses the difference.
 
     Attributes:
-        epoch: Session of the filter whose clock it is; 0 before the first input.
+        epoch: Session of the filter; 0 before the first input.
         largest_ns: The largest difference, ns.
     """
 
@@ -22,13 +22,13 @@ class TransitTime:
         self._now_ns = self._before_ns = 0
         self._ends_ns = 0
 
-    def note(self, epoch: int, arrival_ns: int, made_ns: int) -> None:
-        """Note an arrival.
+    def record(self, epoch: int, arrival_ns: int, made_ns: int) -> None:
+        """Record an arrival.
 
         Args:
-            epoch: Session of the sender; a new one starts afresh, an old one counts for nothing.
+            epoch: Session of the sender; a new session resets the maximum, an ended one is ignored.
             arrival_ns: Plant time of the arrival, ns.
-            made_ns: When it was due to be made, by the sender's clock, ns.
+            made_ns: Time at which its step was due, sender's clock, ns.
         """
         transit_ns = arrival_ns - made_ns
         if epoch > self.epoch:

@@ -1,4 +1,4 @@
-"""The plant process as a node for a filter without prediction: inputs are applied when they are due, or late."""
+"""Plant node for a filter without prediction: applies inputs when they are due, or late."""
 
 from collections.abc import Sequence
 
@@ -16,10 +16,10 @@ from passafe_services.plant_contract.fail_safe import FailSafe
 
 
 class UnpredictedPlantNode:
-    """Integrates the robot, one period a step, under the unsequenced inputs of a filter without prediction.
+    """Integrates the robot, one period per step, under the unsequenced inputs of a filter without prediction.
 
-    ``filter.prediction = false`` shows what delay does: an input takes effect at the plant time it names, or as soon
-    as it comes after that, whatever state the plant is in then. Sequenced inputs are refused.
+    ``filter.prediction = false`` shows the effect of delay: an input takes effect at its plant time, or on arrival if
+    that is later, whatever the state of the plant. Sequenced inputs are refused.
 
     Attributes:
         name: ``plant``.
@@ -51,7 +51,7 @@ class UnpredictedPlantNode:
         return self._robot.plant_ns
 
     def step(self, now_ns: int, inbox: Sequence[Received]) -> Sequence[Outgoing]:
-        """Return the state now, and those of every period that passed since the step before.
+        """Return the states of every period since the previous step, or the current one.
 
         Args:
             now_ns: Monotonic time of this step, ns.
@@ -72,21 +72,21 @@ class UnpredictedPlantNode:
         ):
             account.refused += 1
             return
-        if header.epoch > account.transit.epoch:  # another filter: its ticks begin anew
+        if header.epoch > account.transit.epoch:  # another filter, whose ticks start at 1
             account.received_tick = robot.applied_tick = 0
         if robot.phase is PlantPhase.WAITING:
             if not robot.has_origin:
                 robot.begin_at(plant_input.effective_plant_ns, received_ns)
         elif plant_input.effective_plant_ns <= robot.plant_ns:
             account.late += 1
-        account.note_arrival(header, plant_input, robot.plant_time_of(received_ns), header.scheduled_ns)
+        account.record_arrival(header, plant_input, robot.plant_time_of(received_ns), header.scheduled_ns)
 
     def _choose_input(self) -> None:
-        """Put the newest input that is due in force, unless a newer one is already."""
+        """Apply the newest input that is due, unless a newer one is in force."""
         robot = self._robot
-        due = self._inputs.take(robot.plant_ns)
+        due = self._inputs.pop_due(robot.plant_ns)
         if due is None or due.tick <= robot.applied_tick:
-            robot.go_without_input()
+            robot.apply_fail_safe()
             return
         if robot.phase is not PlantPhase.RUNNING:
             self._account.sequence_break_ns = robot.plant_ns

@@ -1,1 +1,1 @@
-"""What plant and filter must agree on to the last bit: the model, its period, and what happens without an input."""
+"""Contract between plant and filter, equal to the last bit: model, period, and fail-safe rule for missing inputs."""

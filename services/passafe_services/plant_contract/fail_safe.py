@@ -1,4 +1,4 @@
-"""What decides the plant's input where no other follows: the last one for a while, then the model's own law."""
+"""Fail-safe rule for missing inputs: hold the last input for a limited time, then apply the model's fail-safe law."""
 
 from struct import Struct
 from typing import Final
@@ -15,18 +15,18 @@ FAIL_SAFE: Final = PlantPhase.FAIL_SAFE
 
 
 class FailSafe:
-    """The plant's rule for missing inputs. The filter predicts with the same object's class, so they cannot disagree.
+    """Rule of the plant for missing inputs; the filter predicts with the same class, so both always agree.
 
-    An input is in force for at most ``hold_ns`` in all, and for one period at least; the filter's margin ε covers
-    that time (``docs/theory.md``, section 6), and the law that follows keeps what its model says (section 10).
+    An input is in force for at most ``hold_ns`` in total, and for at least one period; the filter's margin ε covers
+    that time (``docs/theory.md``, section 6). The law that follows has the properties of its model (section 10).
     """
 
     def __init__(self, robot: Robot, limits: Limits, *, period_ns: int, hold_ns: int) -> None:
         """Compile the law.
 
         Args:
-            robot: Its ``fail_safe`` is the law.
-            limits: What the actuators can do; the law is put within its magnitudes and its norm.
+            robot: Provides the law, ``fail_safe``.
+            limits: Input limits; the law is clipped to the magnitudes and the norm.
             period_ns: Period of the plant, ns.
             hold_ns: Longest time for which any input may be in force, ns.
         """
@@ -49,14 +49,14 @@ class FailSafe:
     def without_input(
         self, u: Vector, input_since_ns: int, now_ns: int, x: Vector, hold_ns: int | None = None
     ) -> tuple[PlantPhase, Vector]:
-        """Return what is in force for the coming period if no input is due.
+        """Return phase and input of the coming period if no input is due.
 
         Args:
-            u: What was in force until now.
-            input_since_ns: Plant time from which the last input has been in force.
-            now_ns: Plant time.
+            u: Input in force until now.
+            input_since_ns: Plant time at which the last input took effect, ns.
+            now_ns: Plant time, ns.
             x: State now.
-            hold_ns: How long that input may be in force, if it says so itself.
+            hold_ns: Longest time for which that input may be in force, if its message limits it, ns.
         """
         longest_ns = self._hold_ns if hold_ns is None or hold_ns > self._hold_ns else hold_ns
         if now_ns - input_since_ns + self._period_ns <= longest_ns:

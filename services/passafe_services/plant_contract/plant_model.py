@@ -1,4 +1,4 @@
-"""The plant's model as both sides step it: dynamics, fail-safe, limits, and times in whole periods."""
+"""Model of the plant, shared by plant and filter: dynamics, fail-safe, limits, and times in whole periods."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -18,15 +18,15 @@ def period_ns(scenario: Scenario) -> int:
 
 @dataclass(frozen=True, kw_only=True)
 class PlantModel:
-    """The plant of a scenario, as its own process runs it and as the filter predicts it.
+    """Plant of a scenario, as simulated by its process and predicted by the filter.
 
     Attributes:
         robot: The robot.
         dynamics: Its model, stepped at the scenario's rate.
-        fail_safe: What is in force where no input follows.
-        limits: What its actuators can do.
+        fail_safe: Rule for missing inputs.
+        limits: Input limits.
         period_ns: Period of a step, ns.
-        playout_ns: How long before it takes effect an input should arrive, whole periods, ns.
+        playout_ns: Play-out time, whole periods, ns.
         hold_ns: Longest time for which an input may be in force, ns.
     """
 
@@ -43,7 +43,7 @@ class PlantModel:
         """Compile the model of a scenario.
 
         Raises:
-            ScenarioError: The model does not take its parameters or x0.
+            ScenarioError: The parameters or x0 do not fit the model.
         """
         robot = robot_of(scenario)
         limits = limits_of(scenario, robot)
