@@ -78,11 +78,11 @@ def test_feed_equals_one_with_every_message_fully_decoded(rig: Rig) -> None:
         rig.arrive(TOPIC_OF_BODY[type(body)], encode(head, body))
         whole.push(head, body, at_ns)
     rig.turn(300)
-    assert rig.feed.tick == whole.tick == tick(299)
-    assert rig.feed.state == whole.state == state(299)
-    assert rig.feed.worst == whole.worst
-    assert rig.feed.ticks.since(0) == whole.ticks.since(0)
-    assert rig.feed.states.since(0) == whole.states.since(0)
+    assert rig.feed.run.tick == whole.run.tick == tick(299)
+    assert rig.feed.run.state == whole.run.state == state(299)
+    assert rig.feed.run.worst == whole.run.worst
+    assert rig.feed.run.ticks.since(0) == whole.run.ticks.since(0)
+    assert rig.feed.run.states.since(0) == whole.run.states.since(0)
     assert rig.feed.health == whole.health
 
 
@@ -96,7 +96,7 @@ def test_a_dip_between_two_frames_is_seen(rig: Rig) -> None:
         body = tick(k, barriers=(BarrierReport("disk", (value, value, value)),))
         rig.arrive(TICK, encode(header("filter", k), body))
     rig.turn(30)
-    assert rig.feed.worst["psi_0_0"] == (-0.5, 0.011)
+    assert rig.feed.run.worst["psi_0_0"] == (-0.5, 0.011)
 
 
 def test_undecodable_messages_are_counted_and_reported_once(rig: Rig) -> None:
@@ -106,8 +106,8 @@ def test_undecodable_messages_are_counted_and_reported_once(rig: Rig) -> None:
     rig.arrive(STATE, b"", encode(header("plant", 0), state(0)))
     rig.turn(1)
     assert rig.feed.refused == {"tick": 2, "state": 1}
-    assert rig.feed.tick == tick(0)
-    assert rig.feed.state == state(0)
+    assert rig.feed.run.tick == tick(0)
+    assert rig.feed.run.state == state(0)
     events = [body for body in rig.outlet.published if isinstance(body, Event)]
     assert [event.severity for event in events] == ["warning", "warning"]
     assert [event.text for event in rig.feed.events] == [event.text for event in events]

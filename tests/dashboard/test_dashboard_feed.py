@@ -32,15 +32,15 @@ def chain(value: float) -> tuple[BarrierReport, ...]:
 
 def test_a_run_leaves_its_newest_state_and_its_worst_values() -> None:
     feed = run_of(5.0)
-    assert feed.tick == tick(4999)
-    assert feed.state == state(4999)
-    worst = feed.worst["psi_0_0"]
+    assert feed.run.tick == tick(4999)
+    assert feed.run.state == state(4999)
+    worst = feed.run.worst["psi_0_0"]
     assert worst.value == pytest.approx(min(h(k * 1e-3) for k in range(5000)))
     assert worst.value == pytest.approx(h(worst.at_s))
-    assert feed.worst["h_0"].value == pytest.approx(worst.value)
-    assert feed.worst["power_margin_w"].value == min(power_margin(k * 1e-3) for k in range(5000))
-    assert feed.status_counts[FilterStatus.MODIFIED] == 3141
-    assert feed.status_counts[FilterStatus.PASSED] == 5000 - 3141
+    assert feed.run.worst["h_0"].value == pytest.approx(worst.value)
+    assert feed.run.worst["power_margin_w"].value == min(power_margin(k * 1e-3) for k in range(5000))
+    assert feed.run.status_counts[FilterStatus.MODIFIED] == 3141
+    assert feed.run.status_counts[FilterStatus.PASSED] == 5000 - 3141
     assert feed.health[0].received == 5000
 
 
@@ -56,12 +56,12 @@ def test_no_dip_of_a_barrier_or_the_power_margin_is_hidden(barrier: list[float],
         feed.push(header("filter", k), body, k * MS)
     far = tick(100_000, barriers=chain(100.0), power_margin=100.0)
     feed.push(header("filter", count), far, 0)
-    rows = feed.ticks.since(0).rows
+    rows = feed.run.ticks.since(0).rows
     for column, expected in (("psi_0_0", barrier), ("psi_0_2", barrier), ("power_margin_w", margin)):
-        index = feed.ticks.columns.index(column)
+        index = feed.run.ticks.columns.index(column)
         shown = [row.values[index] for row in rows]
         assert min(value for value in shown if value is not None) == min(expected[:count])
-        assert feed.worst[column].value == min(expected[:count])
+        assert feed.run.worst[column].value == min(expected[:count])
 
 
 def test_the_worst_status_of_a_bin_is_kept() -> None:
@@ -69,8 +69,8 @@ def test_the_worst_status_of_a_bin_is_kept() -> None:
     for k in range(100):
         status = FilterStatus.INFEASIBLE if k == 40 else FilterStatus.PASSED
         feed.push(header("filter", k), tick(k, status=status), k * MS)
-    index = feed.ticks.columns.index("status")
-    assert [row.values[index] for row in feed.ticks.since(0).rows] == [1, 5]
+    index = feed.run.ticks.columns.index("status")
+    assert [row.values[index] for row in feed.run.ticks.since(0).rows] == [1, 5]
 
 
 def test_reordered_tick_counts_but_is_not_the_newest() -> None:
@@ -78,48 +78,48 @@ def test_reordered_tick_counts_but_is_not_the_newest() -> None:
     for k in (0, 1, 3, 2):
         value = -1.0 if k == 2 else 1.0
         feed.push(header("filter", k), tick(k, barriers=chain(value)), k * MS)
-    assert feed.tick is not None
-    assert feed.tick.tick == 3
-    assert feed.worst["psi_0_0"].value == -1.0
+    assert feed.run.tick is not None
+    assert feed.run.tick.tick == 3
+    assert feed.run.worst["psi_0_0"].value == -1.0
 
 
 def test_repeated_messages_count_once() -> None:
     feed = Feed(paper_scenario())
     for _ in range(3):
         feed.push(header("filter", 0), tick(0), 0)
-    assert feed.status_counts[FilterStatus.PASSED] == 1
+    assert feed.run.status_counts[FilterStatus.PASSED] == 1
     assert feed.topic_monitors["filter", "tick"].refused == 2
 
 
 def test_a_restarted_plant_begins_a_new_run() -> None:
     feed = run_of(1.0)
-    before = feed.run
+    before = feed.run.number
     feed.push(header("plant", 0, epoch=2), state(0), 1000 * MS)
-    assert feed.run == before + 1
-    assert feed.ticks.since(0).rows == ()
-    assert sum(feed.status_counts.values()) == 0
-    assert set(feed.worst) == {"h_0"}
-    assert feed.tick is None
+    assert feed.run.number == before + 1
+    assert feed.run.ticks.since(0).rows == ()
+    assert sum(feed.run.status_counts.values()) == 0
+    assert set(feed.run.worst) == {"h_0"}
+    assert feed.run.tick is None
 
 
 def test_restarted_filter_continues_the_run() -> None:
     feed = run_of(1.0)
-    run, rows, worst = feed.run, feed.ticks.since(0).rows, feed.worst
+    run, rows, worst = feed.run.number, feed.run.ticks.since(0).rows, feed.run.worst
     again = structs.replace(tick(3000), tick=1)
     feed.push(header("filter", 0, epoch=2), again, 3000 * MS)
-    assert feed.run == run
-    assert feed.tick == again  # though the one before had a greater number
-    assert feed.ticks.since(0).rows[: len(rows)] == rows
-    assert feed.status_counts[FilterStatus.PASSED] + feed.status_counts[FilterStatus.MODIFIED] == 1001
-    assert feed.worst.keys() == worst.keys()
+    assert feed.run.number == run
+    assert feed.run.tick == again  # though the one before had a greater number
+    assert feed.run.ticks.since(0).rows[: len(rows)] == rows
+    assert feed.run.status_counts[FilterStatus.PASSED] + feed.run.status_counts[FilterStatus.MODIFIED] == 1001
+    assert feed.run.worst.keys() == worst.keys()
 
 
 def test_a_message_of_an_ended_session_changes_nothing() -> None:
     feed = Feed(paper_scenario())
     feed.push(header("filter", 0, epoch=2), tick(5), 0)
     feed.push(header("filter", 1, epoch=1), tick(9, barriers=chain(-5.0)), 0)
-    assert feed.tick == tick(5)
-    assert feed.worst["psi_0_0"].value == h(0.005)
+    assert feed.run.tick == tick(5)
+    assert feed.run.worst["psi_0_0"].value == h(0.005)
 
 
 @pytest.mark.parametrize("value", [nan, inf, -inf])
@@ -128,14 +128,14 @@ def test_non_finite_values_are_counted_and_not_drawn(value: float) -> None:
     feed.push(header("filter", 0), tick(0, power_margin=value), 0)
     feed.push(header("plant", 0), state(0, x=(value, 0.0, 0.0, 0.0)), 0)
     feed.push(header("filter", 1), tick(1, barriers=()), 0)
-    assert feed.mismatched == 3
-    assert feed.worst == {}
+    assert feed.run.mismatched == 3
+    assert feed.run.worst == {}
 
 
 def test_source_that_may_not_publish_a_topic_is_refused() -> None:
     feed = Feed(paper_scenario())
     feed.push(header("operator", 0), tick(0), 0)
-    assert feed.tick is None
+    assert feed.run.tick is None
     assert feed.topic_monitors == {}
     assert feed.health[0] == TopicHealth("tick", 0, 0, 1)
 
@@ -155,7 +155,7 @@ def test_health_events_and_link_effects_are_kept() -> None:
         feed.push(header("plant", k), LinkEvent("filter-to-plant", "dropped", "input", k), k)
     assert feed.processes["plant"] == (health(7), 5)
     assert [(event.number, event.text) for event in feed.events] == [(1, "b"), (2, "c")]
-    assert feed.link_effects == {("filter-to-plant", "dropped"): 3}
+    assert feed.run.link_effects == {("filter-to-plant", "dropped"): 3}
 
 
 def test_announced_scenario_replaces_the_initial_one() -> None:
@@ -166,9 +166,9 @@ def test_announced_scenario_replaces_the_initial_one() -> None:
     assert feed.scenario == scenario
     assert feed.layout.names == ("disk",)
     assert feed.scenario_id == scenario_id(scenario)
-    run = feed.run
+    run = feed.run.number
     feed.push(header("filter", 1), ScenarioInfo(scenario.model_dump_json(), "live", "{}"), 0)
-    assert feed.run == run
+    assert feed.run.number == run
 
 
 def test_invalid_scenario_is_reported_as_an_event() -> None:
@@ -190,4 +190,4 @@ def test_history_is_bounded_in_time() -> None:
     for message in ClosedFormRun().until(5_000_000_000):
         feed.push(*message)
     assert feed.capacity == 20
-    assert len(feed.ticks.since(0).rows) == 20
+    assert len(feed.run.ticks.since(0).rows) == 20

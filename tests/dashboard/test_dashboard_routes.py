@@ -144,7 +144,7 @@ def test_client_that_reads_nothing_delays_nobody(page: ServedPage, run: FastRun)
             got += slow.recv(65_536)
     assert got.count(b'"restart":') < 100  # the others were never made
     assert_nothing_is_missing(received)
-    assert run.feed.ticks.since(0).rows[-1].number > 300
+    assert run.feed.run.ticks.since(0).rows[-1].number > 300
 
 
 def test_end_of_the_run_is_sent_and_closes_the_socket(page: ServedPage, run: FastRun) -> None:

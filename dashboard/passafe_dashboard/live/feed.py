@@ -6,12 +6,10 @@
 from collections import deque
 from collections.abc import Callable
 from hashlib import sha256
-from math import isfinite
 from typing import Any, Final, NamedTuple
 
 from passafe_protocol.messages import (
     Event,
-    FilterStatus,
     FilterTick,
     Header,
     Health,
@@ -30,7 +28,8 @@ from pydantic import ValidationError
 from passafe.errors import PassafeError
 from passafe_dashboard.barrier_values import BarrierValues
 from passafe_dashboard.columns import ColumnLayout
-from passafe_dashboard.decimation import NS_PER_S, DecimatedSeries, WorstSample
+from passafe_dashboard.decimation import NS_PER_S
+from passafe_dashboard.live.run_state import RunState
 from passafe_dashboard.live.topic_monitor import TopicMonitor
 
 TOPICS_READ: Final[tuple[Topic, ...]] = (TICK, STATE, HEALTH, EVENT, SCENARIO, LINK_EVENT, LINK_STATE)
@@ -80,19 +79,12 @@ class Feed:
         scenario_id: Digest of it.
         layout: Its columns.
         info: ScenarioInfo of the run, once received.
-        run: Counts runs from 0: a restarted plant begins another, a restarted filter does not.
-        tick: Newest FilterTick.
-        state: Newest PlantState.
-        ticks: Decimated columns of the filter.
-        states: Decimated columns of the plant.
-        status_counts: Ticks of this run by status.
+        run: State of the run; a restarted plant begins another, a restarted filter does not.
         processes: Last Health of each process.
         events: Newest events.
         topic_monitors: Monitor of each topic of each source.
         refused: Messages refused before they were counted, by topic.
-        link_effects: Messages of this run that a link affected, by link and effect.
         links: Newest states of the links.
-        mismatched: Messages whose numbers do not fit the scenario.
         end: Why the run is over, once it is.
         capacity: Rows kept for charts.
 
@@ -116,7 +108,6 @@ class Feed:
         self.layout = ColumnLayout(barriers=(), levels=())
         self._barrier_values: BarrierValues | None = None
         self.info: ScenarioInfo | None = None
-        self.run = 0
         self.end: str | None = None
         self.processes: dict[str, ProcessReport] = {}
         self.events: deque[ReceivedEvent] = deque(maxlen=events_kept)
@@ -136,7 +127,7 @@ class Feed:
             LinkEvent: self._push_link_event,
             LinkState: self.links.receive,
         }
-        self._clear()
+        self.run = self._new_run(0)
         if scenario is not None:
             self._adopt(scenario)
 
@@ -155,9 +146,9 @@ class Feed:
         """Update charts, counts and lowest values with a message that was decoded for these only."""
         if self._accept(header, body, received_ns):
             if isinstance(body, FilterTick):
-                self._add_tick_to_charts(header, body)
+                self._add_tick(header, body)
             else:
-                self._add_state_to_charts(header, body)
+                self._add_state(header, body)
 
     def _accept(self, header: Header, body: Message, received_ns: int) -> bool:
         """Count an arrival; return whether the message is valid. A reordered one is: it may hold the worst value."""
@@ -186,11 +177,6 @@ class Feed:
                 counts[name][index] += number
         return tuple(TopicHealth(name, *numbers) for name, numbers in counts.items())
 
-    @property
-    def worst(self) -> dict[str, WorstSample]:
-        """Lowest values of this run and when they occurred, by column."""
-        return self.ticks.worst | self.states.worst
-
     def finish(self, reason: str) -> None:
         """End the run for a reason; the page keeps its last state."""
         self.end = reason
@@ -205,18 +191,11 @@ class Feed:
         """Return how far each outline that moves is from where it was drawn, m, by the name of its table."""
         return {} if self._barrier_values is None else self._barrier_values.displacements_m(state.plant_ns / NS_PER_S)
 
-    def _clear(self) -> None:
-        self.tick: FilterTick | None = None
-        self.state: PlantState | None = None
-        self.ticks = DecimatedSeries(self.layout.tick_columns, bin_ns=self._bin_ns, capacity=self.capacity)
-        self.states = DecimatedSeries(self.layout.state_columns, bin_ns=self._bin_ns, capacity=self.capacity)
-        self.status_counts = dict.fromkeys(FilterStatus, 0)
-        self.link_effects: dict[tuple[str, str], int] = {}
-        self.mismatched = 0
+    def _new_run(self, number: int) -> RunState:
+        return RunState(number, self.layout, bin_ns=self._bin_ns, capacity=self.capacity)
 
     def _begin_run(self) -> None:
-        self.run += 1
-        self._clear()
+        self.run = self._new_run(self.run.number + 1)
 
     def _adopt(self, scenario: Scenario) -> None:
         self._barrier_values = BarrierValues(scenario)
@@ -232,35 +211,25 @@ class Feed:
             if known is not None and header.source == PLANT:
                 self._begin_run()
             elif known is not None:
-                self.tick = None  # its ticks are numbered from 0 again
+                self.run.tick = None  # its ticks are numbered from 0 again
 
     def _push_tick(self, header: Header, tick: FilterTick, received_ns: int) -> None:
         del received_ns
-        self._add_tick_to_charts(header, tick)
-        if self.tick is None or tick.tick > self.tick.tick:
-            self.tick = tick
+        self._add_tick(header, tick)
+        self.run.show_tick(tick)
 
-    def _add_tick_to_charts(self, header: Header, tick: FilterTick) -> None:
+    def _add_tick(self, header: Header, tick: FilterTick) -> None:
         self._check_session(header)
-        self.status_counts[tick.status] += 1
-        self._add_row(self.ticks, tick.effective_plant_ns, self.layout.tick_values(tick))
+        self.run.add_tick(tick)
 
     def _push_state(self, header: Header, state: PlantState, received_ns: int) -> None:
         del received_ns
-        self._add_state_to_charts(header, state)
-        if self.state is None or state.plant_ns >= self.state.plant_ns:
-            self.state = state
+        self._add_state(header, state)
+        self.run.show_state(state)
 
-    def _add_state_to_charts(self, header: Header, state: PlantState) -> None:
+    def _add_state(self, header: Header, state: PlantState) -> None:
         self._check_session(header)
-        h = self.measured_h(state)
-        self._add_row(self.states, state.plant_ns, None if h is None else self.layout.state_values(state, h))
-
-    def _add_row(self, series: DecimatedSeries, time_ns: int, values: list[float] | None) -> None:
-        if values is None or not all(map(isfinite, values)):
-            self.mismatched += 1
-            return
-        series.add(time_ns, values)
+        self.run.add_state(state, self.measured_h(state))
 
     def _push_health(self, header: Header, health: Health, received_ns: int) -> None:
         self.processes[header.source] = ProcessReport(health, received_ns)
@@ -270,8 +239,7 @@ class Feed:
 
     def _push_link_event(self, header: Header, event: LinkEvent, received_ns: int) -> None:
         del header, received_ns
-        key = (event.link, event.effect)
-        self.link_effects[key] = self.link_effects.get(key, 0) + 1
+        self.run.add_link_event(event)
 
     def _push_scenario(self, header: Header, info: ScenarioInfo, received_ns: int) -> None:
         self.info = info

@@ -36,13 +36,13 @@ class ClientFrames:
         Args:
             now_text: JSON text of the page's state now, which all clients share.
         """
-        feed = self._feed
+        feed, run = self._feed, self._feed.run
         self.has_sent_end = feed.end is not None
-        restart = self._run != feed.run
+        restart = self._run != run.number
         if restart:
-            self._run, self._ticks, self._states = feed.run, feed.ticks.first, feed.states.first
+            self._run, self._ticks, self._states = run.number, run.ticks.first, run.states.first
             self._log_indices = log_indices(feed.layout)
-        ticks, states = feed.ticks.since(self._ticks), feed.states.since(self._states)
+        ticks, states = run.ticks.since(self._ticks), run.states.since(self._states)
         self._ticks, self._states = ticks.cursor, states.cursor
         tables = {
             "ticks": [drawn_row(row, self._log_indices) for row in ticks.rows],

@@ -33,13 +33,13 @@ def page_state(feed: Feed, now_ns: int) -> Json:
     """Return the whole state but the charts at ``now_ns`` (this process's monotonic clock, ns)."""
     return {
         "liveness": liveness(feed, now_ns),
-        "run": feed.run,
+        "run": feed.run.number,
         "scenario": _scenario_json(feed),
-        "filter": None if feed.tick is None else _filter_json(feed, feed.tick),
-        "plant": None if feed.state is None else _plant_json(feed, feed.state),
+        "filter": None if feed.run.tick is None else _filter_json(feed, feed.run.tick),
+        "plant": None if feed.run.state is None else _plant_json(feed, feed.run.state),
         "worst": _worst_json(feed),
-        "status_counts": {status.name: count for status, count in feed.status_counts.items()},
-        "mismatched_messages": feed.mismatched,
+        "status_counts": {status.name: count for status, count in feed.run.status_counts.items()},
+        "mismatched_messages": feed.run.mismatched,
         "refused_messages": feed.refused,
         "processes": [_process_json(feed, name, now_ns) for name in REPORTING],
         "topics": [
@@ -47,7 +47,7 @@ def page_state(feed: Feed, now_ns: int) -> Json:
         ],
         "links": [
             {"link": link, "effect": effect, "count": count}
-            for (link, effect), count in sorted(feed.link_effects.items())
+            for (link, effect), count in sorted(feed.run.link_effects.items())
         ],
         "link_states": [link_json(feed, name, now_ns) for name in LINKS],
         "events": [
@@ -175,7 +175,7 @@ def _plant_json(feed: Feed, state: PlantState) -> Json:
 
 
 def _worst_json(feed: Feed) -> Json:
-    worst = feed.worst
+    worst = feed.run.worst
     return {
         "barriers": [
             {
