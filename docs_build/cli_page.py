@@ -1,5 +1,6 @@
 """Reference of the command line, generated from the commands themselves."""
 
+import re
 from collections.abc import Iterator
 from enum import Enum
 from pathlib import Path
@@ -30,7 +31,7 @@ def _section(name: str, command: Any) -> str:  # noqa: ANN401 - as above
     arguments = [one for one in command.params if one.param_type_name == "argument"]
     options = [one for one in command.params if one.param_type_name == "option" and not one.hidden]
     usage = " ".join([name, *("[OPTIONS]" for _ in options[:1]), *(_argument(one) for one in arguments)])
-    parts = [f"## {name}", command.help or "", f"    {usage}"]
+    parts = [f"## {name}", _with_lists(command.help or ""), f"```text\n{usage}\n```"]
     if arguments:
         rows = [(f"`{_argument(one)}`", _allowed(one), _sentence(one)) for one in arguments]
         parts.append(table(("Argument", "Allowed", "Meaning"), rows))
@@ -38,6 +39,11 @@ def _section(name: str, command: Any) -> str:  # noqa: ANN401 - as above
         rows = [(", ".join(f"`{text}`" for text in one.opts), _allowed(one), _sentence(one)) for one in options]
         parts.append(table(("Option", "Allowed", "Meaning"), rows))
     return "\n\n".join(parts)
+
+
+def _with_lists(text: str) -> str:
+    """Return help text with the empty line before a list that Markdown needs."""
+    return re.sub(r"(?<=\n)([^-\n][^\n]*\n)(?=- )", r"\1\n", text)
 
 
 def _argument(parameter: Any) -> str:  # noqa: ANN401 - as above
@@ -51,7 +57,7 @@ def _allowed(parameter: Any) -> str:  # noqa: ANN401 - as above
     if isinstance(annotation, type) and issubclass(annotation, Enum):
         return ", ".join(f"`{choice.value}`" for choice in annotation)
     if parameter.metavar is not None and parameter.param_type_name == "option":
-        return f"`{parameter.metavar}`"
+        return " or ".join(f"`{name}`" for name in parameter.metavar.split("|"))
     least, most = parameter.min, parameter.max
     span = (
         "" if least is None and most is None else f" {least:g} to {most:g}" if most is not None else f" from {least:g}"

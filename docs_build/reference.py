@@ -17,7 +17,7 @@ FOLDER: Final = Path(__file__).resolve().parent.parent / "docs" / "reference"
 _CLI: Final = """# Command line
 
 Every command takes `--help`, prints one line for bad input, and exits with 0 on success, 1 where a verdict or a run
-fails, and 2 on bad input."""
+fails, and 2 on bad input; a command with more codes names them."""
 
 _SCENARIO: Final = """# Scenario keys
 

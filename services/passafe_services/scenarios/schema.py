@@ -174,7 +174,7 @@ class Scenario(Config):
     """One scenario: everything that decides what a run does.
 
     Attributes:
-        schema_version: Of this file's format.
+        schema_version: Version of the file format.
         name: Short name: lower case, digits and dashes.
         title: One line.
         description: More text.
