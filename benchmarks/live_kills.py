@@ -112,7 +112,7 @@ def note(number: int, verdict: Verdict, log: RunLog) -> str:
     return (
         f"demo {number}, {verdict.scenario}, {verdict.duration_s:.1f} s: lowest h {verdict.h_min}, "
         f"at samples {verdict.h_min_at_samples}, lowest tank {verdict.tank_min_j} J, "
-        f"{verdict.disarmings} sequence breaks, {verdict.disarmed_s:.1f} s in all, "
+        f"{verdict.sequence_breaks} sequence breaks, {verdict.without_input_s:.1f} s in all, "
         f"{log.counts['state'].gaps} states missing"
     )
 

@@ -56,7 +56,7 @@ class Strike:
             at_s=first.at_s,
             missed_after_s=self._since_s(first.wall_ns),
             fail_safe_after_s=self._since_s(first.fail_safe_wall_ns),
-            resumed_after_s=self._since_s(first.armed_wall_ns),
+            resumed_after_s=self._since_s(first.resumed_wall_ns),
         )
 
     def _since_s(self, wall_ns: int | None) -> float | None:

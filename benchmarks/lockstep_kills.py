@@ -107,7 +107,7 @@ def kill(seed: int) -> Kill:
     if victim == "filter":
         loop.restart(filter_node(scenario, "lockstep", 2, study.compiled.model, study.compiled.filter), 2)
     loop.run(rest)
-    metrics = metrics_of(scenario, trace, study.mathematics, study.motion, None)
+    metrics = metrics_of(scenario, trace, study.evaluator, study.motion, None)
     assert metrics.h_min is not None, "a run without a sample"  # noqa: S101 - a benchmark may
     assert metrics.tank_min_j is not None, "a run without a sample"  # noqa: S101 - a benchmark may
     unserved = np.flatnonzero(trace.phases()[-rest:] != PlantPhase.RUNNING)

@@ -10,12 +10,12 @@ from passafe_dashboard.reports.run_page import report_page
 from passafe_dashboard.run_series import RunSeries, status_spans
 
 
-def render_report(log: RunLog, mathematics: PlantEvaluator, verdict: Verdict) -> str:
+def render_report(log: RunLog, evaluator: PlantEvaluator, verdict: Verdict) -> str:
     """Return the report of a run as one self-contained HTML file.
 
     Args:
         log: Log of the run.
-        mathematics: Functions of its scenario.
+        evaluator: Functions of its scenario.
         verdict: Result of the review.
 
     Raises:
@@ -24,13 +24,13 @@ def render_report(log: RunLog, mathematics: PlantEvaluator, verdict: Verdict) ->
     """
     return report_page(
         verdict.model_dump(mode="json"),
-        series_of(log, mathematics),
+        series_of(log, evaluator),
         configuration=log.identity.scenario.model_dump(mode="json"),
         versions=log.identity.versions,
     )
 
 
-def series_of(log: RunLog, mathematics: PlantEvaluator) -> RunSeries:
+def series_of(log: RunLog, evaluator: PlantEvaluator) -> RunSeries:
     """Return the signals of a logged run; barriers and power margin are recomputed from the plant's states alone.
 
     Raises:
@@ -44,8 +44,8 @@ def series_of(log: RunLog, mathematics: PlantEvaluator) -> RunSeries:
         times_s=trajectory.t_s,
         x=trajectory.x,
         u=trajectory.u,
-        h=mathematics.h(trajectory.x, trajectory.t_s),
-        power_margin_w=mathematics.power_margin(trajectory.x, trajectory.u),
+        h=evaluator.h(trajectory.x, trajectory.t_s),
+        power_margin_w=evaluator.power_margin(trajectory.x, trajectory.u),
         barriers=scenario.barriers,
         statuses=status_spans(ticks, period_s=scenario.dt_s),
         points=scenario.plant.robot_model.points,

@@ -49,9 +49,9 @@ def verdict(**changes: Any) -> dict[str, Any]:  # noqa: ANN401 - any field
             "operator_to_plant_ms": None,
         },
         "properties": {
-            "safe": {"holds": True, "required": True, "worst": 0.44, "at_s": 1.571, "demand": "h ≥ -0.001"},
-            "passive": {"holds": False, "required": True, "worst": -0.2, "at_s": 3.142, "demand": "h_u ≥ -0.05"},
-            "certified": {"holds": None, "required": False, "worst": None, "at_s": None, "demand": "all"},
+            "safe": {"holds": True, "required": True, "worst": 0.44, "at_s": 1.571, "requirement": "h ≥ -0.001"},
+            "passive": {"holds": False, "required": True, "worst": -0.2, "at_s": 3.142, "requirement": "h_u ≥ -0.05"},
+            "certified": {"holds": None, "required": False, "worst": None, "at_s": None, "requirement": "all"},
         },
         "verdict": "fails",
     }

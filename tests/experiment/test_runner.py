@@ -60,7 +60,7 @@ def test_every_figure_is_what_a_review_of_the_same_run_s_log_says(scenario: str,
     held = {name: entry.holds for name, entry in verdict.properties.items()}
     assert held.pop("links-reconciled")  # of a log, not of a run
     assert result.figures.properties == held
-    assert result.figures.held_s + result.figures.fail_safe_s == pytest.approx(verdict.disarmed_s)
+    assert result.figures.held_s + result.figures.fail_safe_s == pytest.approx(verdict.without_input_s)
     assert held["complete"]
     assert (result.figures.steering is not None) == (scenario == "human-steers")
 
@@ -109,7 +109,7 @@ def test_time_in_hold_and_fail_safe_is_what_the_plant_was_in() -> None:
     assert found.fail_safe_s == pytest.approx(moving.count(PlantPhase.FAIL_SAFE) * 1e-3)
     assert found.held_s == pytest.approx(moving.count(PlantPhase.HOLDING) * 1e-3)
     without = [phase is not PlantPhase.RUNNING for phase in phases if phase is not PlantPhase.WAITING]
-    assert found.disarmings == sum(now and not before for before, now in pairwise([False, *without])) > 1
+    assert found.sequence_breaks == sum(now and not before for before, now in pairwise([False, *without])) > 1
     assert min(found.fail_safe_s, found.held_s) > 0.02
     assert found.unserved_share == pytest.approx((found.held_s + found.fail_safe_s) / found.duration_s)
 

@@ -18,7 +18,7 @@ from passafe_services.loop.router_endpoint import RouterEndpoint
 pytestmark = pytest.mark.live
 
 PATIENCE_S = 20.0
-Logged = list[tuple[Header, Message]]
+LoggedMessage = list[tuple[Header, Message]]
 
 
 class Log:
@@ -26,9 +26,9 @@ class Log:
 
     def __init__(self, bus: Bus) -> None:
         self._reader = bus.recording_reader()
-        self.heard: dict[str, Logged] = {}
+        self.heard: dict[str, LoggedMessage] = {}
 
-    def wait_for(self, key: str, enough: Callable[[Logged], bool]) -> Logged:
+    def wait_for(self, key: str, enough: Callable[[LoggedMessage], bool]) -> LoggedMessage:
         """What came under a key, once it is enough."""
         end = time.monotonic() + PATIENCE_S
         while not enough(self.heard.get(key, [])):

@@ -9,7 +9,7 @@ from passafe_protocol.messages import PlantPhase, PlantState, Vector
 from passafe_services.operator.sources.command import Command
 from passafe_services.operator.sources.disturbances import HIGHEST_HZ, SWEEP_S, bang_bang_period_s
 from passafe_services.operator.sources.scenario_source import source_of
-from passafe_services.operator.sources.source import Seeing, Source, SourceClock
+from passafe_services.operator.sources.source import CommandSource, ObservingSource, SourceClock
 from passafe_services.operator.sources.worst_direction import against_h
 from passafe_services.scenarios.load import load_scenario
 
@@ -21,14 +21,14 @@ STRATEGIES = ("piecewise-constant", "chirp", "bang-bang", "against-h", "against-
 STRENGTH = 20.0
 
 
-def adversary(strategy: str, scenario: str = "notomista-cai-2020", **changes: object) -> Source:
+def adversary(strategy: str, scenario: str = "notomista-cai-2020", **changes: object) -> CommandSource:
     config = {"kind": "adversary", "strategy": strategy} | changes
     return source_of(load_scenario(scenario, {"operator.source": config}))
 
 
-def push(source: Source, x: Vector, u: Vector = (0.0, 0.0), plant_s: float = 0.0, t_s: float = 0.0) -> Vector:
-    assert isinstance(source, Seeing)
-    source.see(PlantState(round(plant_s * 1e9), x, (), u, 0, PlantPhase.RUNNING, 0.0, 0.0, 0, 0, 0, 0.0, 0))
+def push(source: CommandSource, x: Vector, u: Vector = (0.0, 0.0), plant_s: float = 0.0, t_s: float = 0.0) -> Vector:
+    assert isinstance(source, ObservingSource)
+    source.observe(PlantState(round(plant_s * 1e9), x, (), u, 0, PlantPhase.RUNNING, 0.0, 0.0, 0, 0, 0, 0.0, 0))
     return source.command(t_s).u_h
 
 
@@ -38,7 +38,7 @@ def test_they_ask_for_their_strength_and_no_more(strategy: str) -> None:
     rng = np.random.default_rng(1)
     asked = []
     for k in range(2000):
-        if isinstance(source, Seeing):
+        if isinstance(source, ObservingSource):
             push(source, tuple(rng.uniform(-3, 3, 4)), tuple(rng.uniform(-9, 9, 2)))
         asked.append(source.command(k * 0.01).u_h)
 

@@ -12,7 +12,7 @@ from passafe_services.operator.human.human import SimulatedHuman
 from passafe_services.operator.human.steered_robot import SteeredRobot
 from passafe_services.operator.sources.command import Command
 from passafe_services.operator.sources.scenario_source import crossover_loop, source_of
-from passafe_services.operator.sources.source import Seeing, SourceClock
+from passafe_services.operator.sources.source import ObservingSource, SourceClock
 from passafe_services.scenarios.load import load_scenario
 from passafe_services.scenarios.source_schema import HumanSource
 from scipy.linalg import expm
@@ -43,7 +43,7 @@ def steer(
     for i in range(round(duration_s / DT_S)):
         pictures.append(state(i * DT_S, (*p.tolist(), *v.tolist())))
         if len(pictures) > round(sight_s / DT_S):
-            person.see(pictures.popleft())
+            person.observe(pictures.popleft())
         commands.append(np.array(person.command(i * DT_S).u_h))
         u = commands.popleft()
         p, v = a * p + b * v + c * u, d * p + e * v + f * u
@@ -60,10 +60,10 @@ def growth(path: np.ndarray, target: Iterable[float]) -> float:
 
 def test_nothing_is_asked_for_before_the_robot_moves() -> None:
     person = SimulatedHuman(config_of(), ROBOT)
-    assert isinstance(person, Seeing)
+    assert isinstance(person, ObservingSource)
     assert person.clock is SourceClock.LOCAL
     assert person.command(0.0) == Command((0.0, 0.0), (0.0, 0.0), True)
-    person.see(state(0.0, (0.0,) * 4, PlantPhase.WAITING))
+    person.observe(state(0.0, (0.0,) * 4, PlantPhase.WAITING))
     assert person.command(9.0) == Command((0.0, 0.0), (0.0, 0.0), True)
 
 
@@ -72,7 +72,7 @@ def test_the_hand_answers_a_glance_one_reaction_time_later_with_its_lag() -> Non
     person = SimulatedHuman(
         config_of(glance_s=0.25, crossover_rad_per_s=2.0, reaction_s=0.2, neuromuscular_s=0.1), ROBOT
     )
-    person.see(state(0.0, (0.0, 0.0, 0.1, 0.2)))
+    person.observe(state(0.0, (0.0, 0.0, 0.1, 0.2)))
     decided = np.array([5.8, 2.6])
 
     assert person.command(10.0).u_h == (0.0, 0.0)  # local time, whatever plant time is
@@ -85,7 +85,7 @@ def test_the_hand_answers_a_glance_one_reaction_time_later_with_its_lag() -> Non
 def test_what_is_sent_does_not_depend_on_how_often_it_is_asked_for() -> None:
     asked_often, asked_once = (SimulatedHuman(config_of(remnant=0.01, seed=4), ROBOT) for _ in range(2))
     for person in (asked_often, asked_once):
-        person.see(state(0.0, (0.0,) * 4))
+        person.observe(state(0.0, (0.0,) * 4))
         person.command(0.0)
     for k in range(1, 1000):
         asked_often.command(k * 0.777e-3)
@@ -97,9 +97,9 @@ def test_what_is_sent_does_not_depend_on_how_often_it_is_asked_for() -> None:
 
 def test_a_glance_between_two_steps_sees_what_was_on_the_screen_then() -> None:
     person = SimulatedHuman(config_of(glance_s=0.1, reaction_s=0.02), ROBOT)
-    person.see(state(0.0, (0.0,) * 4))
+    person.observe(state(0.0, (0.0,) * 4))
     person.command(0.0)
-    person.see(state(0.15, (1.0, 0.5, 0.0, 0.0)))  # at the target: nothing more to do, from the next glance on
+    person.observe(state(0.15, (1.0, 0.5, 0.0, 0.0)))  # at the target: nothing more to do, from the next glance on
     person.command(0.15)  # the glance at 0.1 s still saw the robot away from it
 
     assert person.command(0.2199).u_h_rate[0] > 0
@@ -108,7 +108,7 @@ def test_a_glance_between_two_steps_sees_what_was_on_the_screen_then() -> None:
 
 def test_the_rate_is_the_derivative() -> None:
     person = SimulatedHuman(config_of(remnant=0.01), ROBOT)
-    person.see(state(0.0, (0.0,) * 4))
+    person.observe(state(0.0, (0.0,) * 4))
     person.command(0.0)
     before, at, after = (person.command(0.3051 + step) for step in (0.0, 1e-6, 2e-6))
 
@@ -121,12 +121,12 @@ def test_the_authority_bounds_every_command_and_keeps_its_direction() -> None:
     person = SimulatedHuman(
         config_of(targets=[{"at_s": 0, "position": [300.0, 400.0]}], authority=5.0, remnant=0.1), ROBOT
     )
-    person.see(state(0.0, (0.0,) * 4))
+    person.observe(state(0.0, (0.0,) * 4))
     lengths = [hypot(*person.command(k * 0.01).u_h) for k in range(400)]
     assert max(lengths) <= 5.0 * (1 + 1e-12)
 
     steady = SimulatedHuman(config_of(targets=[{"at_s": 0, "position": [300.0, 400.0]}], authority=5.0), ROBOT)
-    steady.see(state(0.0, (0.0,) * 4))
+    steady.observe(state(0.0, (0.0,) * 4))
     steady.command(0.0)
     assert steady.command(5.0).u_h == pytest.approx((3.0, 4.0))
 
@@ -136,7 +136,7 @@ def test_targets_follow_the_plant_time_of_what_is_seen() -> None:
     settled = []
     for plant_s in (0.999, 1.0, 1.999, 2.0):
         person = SimulatedHuman(config_of(targets=targets), ROBOT)
-        person.see(state(plant_s, (0.0,) * 4))
+        person.observe(state(plant_s, (0.0,) * 4))
         person.command(0.0)
         settled.append(person.command(9.0).u_h)
 
@@ -147,12 +147,12 @@ def test_targets_follow_the_plant_time_of_what_is_seen() -> None:
 
 def test_a_robot_that_starts_again_finds_a_person_at_rest() -> None:
     person = SimulatedHuman(config_of(), ROBOT)
-    person.see(state(0.0, (0.0,) * 4))
+    person.observe(state(0.0, (0.0,) * 4))
     person.command(0.0)
     assert person.command(1.0).u_h[0] > 1
-    person.see(state(0.0, (0.0,) * 4, PlantPhase.WAITING))
+    person.observe(state(0.0, (0.0,) * 4, PlantPhase.WAITING))
     assert person.command(1.1) == Command((0.0, 0.0), (0.0, 0.0), True)
-    person.see(state(0.0, (0.0,) * 4))
+    person.observe(state(0.0, (0.0,) * 4))
     assert person.command(1.2).u_h == (0.0, 0.0)
     assert person.command(1.4).u_h == (0.0, 0.0)
     assert person.command(1.5).u_h[0] > 1
@@ -209,7 +209,7 @@ def shown(person: SimulatedHuman, x: Vector, from_s: float, until_s: float) -> V
     """u_h after the person has looked at one state for a while, glance by glance."""
     u_h: Vector = ()
     for k in range(round(from_s / 0.02), round(until_s / 0.02) + 1):
-        person.see(state(k * 0.02, x))
+        person.observe(state(k * 0.02, x))
         u_h = person.command(k * 0.02).u_h
     return u_h
 
@@ -221,7 +221,7 @@ def test_the_trim_is_the_integral_of_the_error_at_the_middle_of_the_glance() -> 
     """ω_c (a e + k ∫e), e = 0.1, at the second of two glances of 0.25 s: ∫e is 1.5 glances."""
     config = config_of(targets=[{"at_s": 0, "position": [0.1]}], glance_s=0.25, neuromuscular_s=0.01)
     person = SimulatedHuman(config, SPRING)
-    person.see(state(0.0, (0.0, 0.0)))
+    person.observe(state(0.0, (0.0, 0.0)))
     person.command(0.0)
 
     assert person.command(0.69).u_h[0] == pytest.approx(2 * (6 * 0.1 + 10 * 0.1 * 1.5 * 0.25), rel=1e-6)

@@ -22,7 +22,7 @@ from passafe_protocol.topics import COMMAND, EVENT, STATE, TICK
 from passafe_services.operator.keyboard.display import OperatorView
 from passafe_services.operator.keyboard.keyboard import RAMP_S, Keyboard
 from passafe_services.operator.keyboard.keys import Key
-from passafe_services.operator.node import KNOWN_NS, SHOW_PERIOD_NS, OperatorNode
+from passafe_services.operator.node import DISPLAY_PERIOD_NS, DISPLAY_STALE_NS, OperatorNode
 from passafe_services.operator.sources.command import Command
 from passafe_services.operator.sources.lag import Lag
 from passafe_services.operator.sources.source import SourceClock
@@ -53,7 +53,7 @@ class Onlooker(TimeTeller):
         self.seen: list[int] = []
         self.seen_when_asked: list[int] = []
 
-    def see(self, state: PlantState) -> None:
+    def observe(self, state: PlantState) -> None:
         """Keep the plant time."""
         self.seen.append(state.plant_ns // MS)
 
@@ -295,7 +295,7 @@ def test_the_display_is_fed_ten_times_a_second_at_most() -> None:
     node = OperatorNode(TimeTeller(), epoch=EPOCH, show=views.append)
     for step in range(1001):
         node.step(step * MS, ())
-    assert len(views) == 1000 * MS // SHOW_PERIOD_NS + 1
+    assert len(views) == 1000 * MS // DISPLAY_PERIOD_NS + 1
 
 
 def test_the_display_tells_where_the_robot_is_and_which_limit_is_nearest() -> None:
@@ -318,8 +318,8 @@ def test_the_display_forgets_what_is_old() -> None:
     views: list[OperatorView] = []
     node = OperatorNode(TimeTeller(), epoch=EPOCH, show=views.append)
     node.step(0, [state(0, 0), tick(0, {"disk": 1.0})])
-    node.step(KNOWN_NS, ())
-    node.step(KNOWN_NS + SHOW_PERIOD_NS, ())
+    node.step(DISPLAY_STALE_NS, ())
+    node.step(DISPLAY_STALE_NS + DISPLAY_PERIOD_NS, ())
     assert [view.position for view in views] == [(1.0,), (1.0,), None]
     assert [view.status is None for view in views] == [False, False, True]
     assert views[2].nearest is None

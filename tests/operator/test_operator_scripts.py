@@ -10,14 +10,14 @@ from passafe_services.operator.sources.constant import Constant
 from passafe_services.operator.sources.lag import Lag
 from passafe_services.operator.sources.piecewise import PiecewiseLinear
 from passafe_services.operator.sources.sine import Sine
-from passafe_services.operator.sources.source import Source, SourceClock
+from passafe_services.operator.sources.source import CommandSource, SourceClock
 
 LEVELS = st.floats(-50, 50)
 PAIRS = st.tuples(LEVELS, LEVELS)
 STEP_S = 1e-5
 
 
-def central_difference(source: Source, t_s: float) -> list[float]:
+def central_difference(source: CommandSource, t_s: float) -> list[float]:
     before, after = source.command(t_s - STEP_S).u_h, source.command(t_s + STEP_S).u_h
     return [(b - a) / (2 * STEP_S) for a, b in zip(before, after, strict=True)]
 
@@ -133,6 +133,6 @@ def test_between_points_a_command_lies_on_the_line_and_its_rate_is_the_slope(dat
     ],
     ids=lambda source: source.device,
 )
-def test_a_script_runs_on_plant_time_and_never_ends_the_session(source: Source) -> None:
+def test_a_script_runs_on_plant_time_and_never_ends_the_session(source: CommandSource) -> None:
     assert source.clock is SourceClock.PLANT
     assert not source.finished

@@ -7,14 +7,14 @@ from passafe_services.operator.errors import RecordingError, SourceConfigError
 from passafe_services.operator.keyboard.keys import Key
 from passafe_services.operator.sources.command import Command
 from passafe_services.operator.sources.script_source import build_source
-from passafe_services.operator.sources.source import Source, SourceClock
+from passafe_services.operator.sources.source import CommandSource, SourceClock
 from passafe_services.scenarios import source_schema as schema
 from pydantic import TypeAdapter
 
-SOURCE: TypeAdapter[schema.Source] = TypeAdapter(schema.Source)
+SOURCE: TypeAdapter[schema.SourceConfig] = TypeAdapter(schema.SourceConfig)
 
 
-def build(inputs: int = 2, **config: object) -> Source:
+def build(inputs: int = 2, **config: object) -> CommandSource:
     return build_source(SOURCE.validate_python(config), inputs)
 
 

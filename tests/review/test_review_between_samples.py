@@ -8,7 +8,7 @@ from damped_point_run import DampedPoint, header, scenario, state
 from hypothesis import given
 from hypothesis import strategies as st
 from passafe_services.tools.review.between_samples import Extremum, RecomputedMargins, tank_ledger
-from passafe_services.tools.review.continuity import Logged
+from passafe_services.tools.review.continuity import LoggedMessage
 from passafe_services.tools.review.trajectory import Trajectory
 
 T = np.array([0.0, 1.0, 2.0])
@@ -28,7 +28,7 @@ def test_the_first_of_equal_extrema_is_told() -> None:
 def trajectory_of_energies(gained_j: list[float], stored_j: list[float]) -> Trajectory:
     return Trajectory.of(
         [
-            Logged(header("plant", k), state(k, (2, 0, 0, 0), (0, 0), energy_in_j=e, energy_stored_j=v))
+            LoggedMessage(header("plant", k), state(k, (2, 0, 0, 0), (0, 0), energy_in_j=e, energy_stored_j=v))
             for k, (e, v) in enumerate(zip(gained_j, stored_j, strict=True))
         ]
     )
@@ -59,7 +59,7 @@ def test_the_ledger_never_passes_its_maximum_and_never_gains_more_than_was_given
 
 
 def test_a_single_sample_has_margins_and_nothing_between() -> None:
-    trajectory = Trajectory.of([Logged(header("plant", 0), state(3, (2, 0, 1, 0), (0, 0)))])
+    trajectory = Trajectory.of([LoggedMessage(header("plant", 0), state(3, (2, 0, 1, 0), (0, 0)))])
     margins = RecomputedMargins.of(trajectory, DampedPoint(), scenario().filter.passivity, 10)
     assert margins.h_min == margins.h_min_at_samples == Extremum(3.0, 0.003)
     assert margins.power_margin_min == Extremum(-2.0, 0.003)
@@ -76,7 +76,7 @@ class TwoDisks(DampedPoint):
 
 @pytest.mark.parametrize(("to", "nearest"), [(1.2, 0), (1.8, 1)])
 def test_the_barrier_that_came_nearest_is_told_by_its_number(to: float, nearest: int) -> None:
-    way = [Logged(header("plant", k), state(k, (1.5 + (to - 1.5) * k / 9, 0, 0, 0), (0, 0))) for k in range(10)]
+    way = [LoggedMessage(header("plant", k), state(k, (1.5 + (to - 1.5) * k / 9, 0, 0, 0), (0, 0))) for k in range(10)]
     margins = RecomputedMargins.of(Trajectory.of(way), TwoDisks(), scenario().filter.passivity, 4)
 
     assert margins.h_min_barrier == nearest

@@ -42,8 +42,8 @@ def test_one_that_does_not_end_lasts_until_the_end_of_the_log(tmp_path: Path) ->
     [only] = sequence_breaks(log.of(PlantState))
     assert only == (0.002, wall_ns(2), wall_ns(2), None, None)
     verdict = Verdict.of(log, DampedPoint())
-    assert verdict.disarmings == 1
-    assert verdict.disarmed_s == pytest.approx(0.002)
+    assert verdict.sequence_breaks == 1
+    assert verdict.without_input_s == pytest.approx(0.002)
 
 
 def test_a_plant_that_waits_is_not_disarmed_and_another_plant_is_another_story(tmp_path: Path) -> None:
@@ -54,10 +54,10 @@ def test_a_plant_that_waits_is_not_disarmed_and_another_plant_is_another_story(t
         run.replace(-1, phase=phase)
     log = read(run, tmp_path)
     [only] = sequence_breaks(log.of(PlantState))
-    assert only.armed_s is None
+    assert only.resumed_s is None
     verdict = Verdict.of(log, DampedPoint())
     assert verdict.sessions == {"operator": 1, "filter": 1, "plant": 2}
-    assert verdict.disarmings == 1
+    assert verdict.sequence_breaks == 1
 
 
 def test_no_state_is_no_disarming() -> None:

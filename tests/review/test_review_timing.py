@@ -7,7 +7,7 @@ import pytest
 from damped_point_run import PERIOD_NS, Run, header, rollout, tick
 from msgspec.structs import replace
 from passafe_protocol.messages import FilterTick, OperatorCommand, PlantInput, PlantState
-from passafe_services.tools.review.continuity import Logged
+from passafe_services.tools.review.continuity import LoggedMessage
 from passafe_services.tools.review.run_log import RunLog
 from passafe_services.tools.review.timing import Percentiles, Timing, steps_skipped
 
@@ -103,8 +103,8 @@ def test_nothing_is_made_up_without_messages(tmp_path: Path) -> None:
 
 
 def test_ticks_missed_are_holes_in_the_schedule_and_not_in_the_log() -> None:
-    def logged(sequence: int, step: int) -> Logged[FilterTick]:
-        return Logged(header("filter", sequence, step=step), tick(sequence, (0.0, 0.0)))
+    def logged(sequence: int, step: int) -> LoggedMessage[FilterTick]:
+        return LoggedMessage(header("filter", sequence, step=step), tick(sequence, (0.0, 0.0)))
 
     on_time = [logged(k, k) for k in range(5)]
     assert steps_skipped(on_time, PERIOD_NS) == 0

@@ -170,7 +170,7 @@ def test_safety_has_a_tolerance(tmp_path: Path, below: float, *, holds: bool) ->
     verdict = judged(run, tmp_path)
     assert verdict.h_min == pytest.approx(-below)
     assert verdict.properties["safe"].holds is holds
-    assert verdict.properties["safe"].demand.endswith("≥ -0.001")
+    assert verdict.properties["safe"].requirement.endswith("≥ -0.001")
     generous = Verdict.of(RunLog.read(tmp_path / "run.mcap"), DampedPoint(), tolerances=Tolerances(h=0.01))
     assert generous.properties["safe"].holds is True
     assert generous.tolerances.h == 0.01
@@ -323,7 +323,7 @@ def test_the_json_holds_what_the_command_line_promises(tmp_path: Path) -> None:
 )
 def test_decision(safe: bool | None, complete: bool, outcome: str) -> None:
     def entry(*, holds: bool | None, required: bool = True) -> Property:
-        return Property(holds=holds, required=required, worst=None, at_s=None, demand="")
+        return Property(holds=holds, required=required, worst=None, at_s=None, requirement="")
 
     properties = {
         "safe": entry(holds=safe),

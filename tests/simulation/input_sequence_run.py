@@ -117,7 +117,7 @@ class ArmingRun:
                 moving.setdefault(body.plant_ns, body)
         return list(moving.values())
 
-    def disarmings(self) -> list[int]:
+    def sequence_breaks(self) -> list[int]:
         """Plant times at which an input was missing."""
         return sorted({state.sequence_break_ns for state in self.trajectory()} - {-1})
 

@@ -96,14 +96,14 @@ def test_nonlinear_and_larger_plants_are_predicted_to_the_last_bit_too(name: str
     run = ArmingRun(name, **overrides, **bad_links(delay_s=0.06, jitter_s=0.03, loss=0.3, seed=3)).run(1.5)
 
     require_exact(run, least=50)
-    assert len(run.disarmings()) > 0
+    assert len(run.sequence_breaks()) > 0
     assert run.least_h() >= 0.0
 
 
 def test_without_delay_nothing_is_ever_missing_and_two_runs_are_the_same_to_the_last_byte() -> None:
     first, second = ArmingRun().run(2.0), ArmingRun().run(2.0)
 
-    assert first.disarmings() == []
+    assert first.sequence_breaks() == []
     assert {state.phase for state in first.trajectory()} == {PlantPhase.RUNNING}
     require_exact(first, least=390)
     assert first.wire() == second.wire()
@@ -112,7 +112,7 @@ def test_without_delay_nothing_is_ever_missing_and_two_runs_are_the_same_to_the_
 def test_constant_delay_breaks_nothing_either() -> None:
     run = ArmingRun(**bad_links(delay_s=0.2)).run(3.0)
 
-    assert run.disarmings() == []
+    assert run.sequence_breaks() == []
     assert run.least_h() >= 0.0
 
 

@@ -12,7 +12,7 @@ from passafe_services.recorder.lockstep_log import LockstepLog
 from passafe_services.scenarios.load import load_scenario
 from passafe_services.simulation import lockstep_loop, steps_of
 from passafe_services.tools.replay import replay_filter
-from passafe_services.tools.review.continuity import Logged
+from passafe_services.tools.review.continuity import LoggedMessage
 from passafe_services.tools.review.run_log import RunLog
 
 BAD_LINKS = {
@@ -68,9 +68,9 @@ def test_a_missing_tick_is_named_as_missing_and_not_as_a_difference(log: RunLog)
 
 
 def test_a_tick_that_nobody_made_is_a_difference(log: RunLog) -> None:
-    ticks: list[Logged[Message]] = list(log.messages[TICK.name])
+    ticks: list[LoggedMessage[Message]] = list(log.messages[TICK.name])
     head, body = ticks[-1]
-    ticks.append(Logged(structs.replace(head, sequence=head.sequence + 1), body))
+    ticks.append(LoggedMessage(structs.replace(head, sequence=head.sequence + 1), body))
     result = replay_filter(replace(log, messages={**log.messages, TICK.name: ticks}))
     assert result.missing == 0
     assert not result.exact

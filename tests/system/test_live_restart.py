@@ -103,5 +103,5 @@ def test_filter_router_and_operator_are_killed_and_the_robot_stays_safe_and_goes
     assert verdict.properties["certified"].holds
     without_input = sequence_breaks(log.of(PlantState))
     assert sum(one.fail_safe_wall_ns is not None for one in without_input) >= 2
-    assert all(one.armed_s is not None for one in without_input)
+    assert all(one.resumed_s is not None for one in without_input)
     assert replay_filter(log).first_difference == ""

@@ -25,7 +25,7 @@ class PropertyLine(NamedTuple):
     required: str
     worst: str
     at: str
-    demand: str
+    requirement: str
 
 
 class TimingLine(NamedTuple):
@@ -94,7 +94,7 @@ def _property_lines(verdict: Mapping[str, Any]) -> list[PropertyLine]:
             required="yes" if entry.get("required", True) else "no",
             worst=number(entry.get("worst")),
             at="–" if entry.get("at_s") is None else signed(f"{entry['at_s']:.3f} s"),
-            demand=entry.get("demand", "").replace(" -", f" {MINUS}"),
+            requirement=entry.get("requirement", "").replace(" -", f" {MINUS}"),
         )
         for name, entry in (verdict.get("properties") or {}).items()
     ]

@@ -29,13 +29,13 @@ def review(
     - `passafe review runs/bad.mcap --json`
     """
     log = RunLog.read(run)
-    mathematics = CoreEvaluator(log.identity.scenario)
-    verdict = Verdict.of(log, mathematics)
+    evaluator = CoreEvaluator(log.identity.scenario)
+    verdict = Verdict.of(log, evaluator)
     if html is not None:
         from passafe_dashboard.run_report import render_report  # noqa: PLC0415 - a second that other reviews need not wait
 
         writable_folder(html.parent, "--html")
-        html.write_text(render_report(log, mathematics, verdict), encoding="utf-8")
+        html.write_text(render_report(log, evaluator, verdict), encoding="utf-8")
     if json:
         typer.echo(verdict.model_dump_json(indent=2))
     else:

@@ -54,8 +54,8 @@ def _print_counts(console: Console, verdict: Verdict) -> None:
     restarted = ", ".join(f"{name} {count}" for name, count in verdict.sessions.items() if count > 1)
     if restarted:
         console.print(f"sessions  {restarted}")
-    if verdict.disarmings:
-        console.print(f"disarmed  {verdict.disarmings} times, {verdict.disarmed_s:.3f} s in all")
+    if verdict.sequence_breaks:
+        console.print(f"sequence breaks {verdict.sequence_breaks}, {verdict.without_input_s:.3f} s in all")
     if verdict.late_us_p99 is not None and verdict.solve_us_p50 is not None:
         console.print(
             f"timing    late p50 {verdict.late_us_p50:.0f} µs, p99 {verdict.late_us_p99:.0f} µs; "

@@ -1,1 +1,1 @@
-"""The operator: who or what drives the robot, as a process of its own."""
+"""The operator process: a script, a person or a simulated person that commands the robot."""

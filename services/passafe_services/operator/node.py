@@ -1,4 +1,4 @@
-"""The operator process as a node: asks its source and sends what it says."""
+"""Operator node: sends the commands of its source."""
 
 from collections.abc import Callable, Sequence
 from typing import Final
@@ -9,49 +9,51 @@ from passafe_protocol.topics import COMMAND, EVENT, STATE, TICK, Topic
 from passafe_services.node import Outgoing
 from passafe_services.operator.keyboard.display import OperatorView
 from passafe_services.operator.sources.command import Command
-from passafe_services.operator.sources.source import Seeing, Source, SourceClock
+from passafe_services.operator.sources.source import CommandSource, ObservingSource, SourceClock
 
-SHOW_PERIOD_NS: Final = 100_000_000
-KNOWN_NS: Final = 500_000_000
-"""What came longer ago is not shown as if it were so now."""
+DISPLAY_PERIOD_NS: Final = 100_000_000
+DISPLAY_STALE_NS: Final = 500_000_000
+"""Age above which a message is no longer displayed."""
 
 WAITING: Final = PlantPhase.WAITING
 LOCAL: Final = SourceClock.LOCAL
 
 
 class OperatorNode:
-    """Sends one ``OperatorCommand`` a step.
+    """Sends one ``OperatorCommand`` per step.
 
-    A script begins when the robot does. Its time is ``plant_ns`` of the newest ``PlantState`` plus the local
-    time since that arrived, and 0 while the plant is ``WAITING`` or has not been heard of; so every driver
-    asks a script for the same thing at the same plant time. A person's device runs on local time.
+    A script starts with the robot. Its time is ``plant_ns`` of the newest ``PlantState`` plus the local time since its
+    arrival, and 0 while the plant is ``WAITING`` or unknown; so a script returns the same command at the same plant
+    time with every driver. A person's device runs on local time.
 
-    Two operators: the session with the larger epoch, the one started later, drives. A node that sees a
-    command of a larger epoch than its own says so in one ``Event`` and never sends again; going on would be
-    in vain, as a filter refuses the smaller epoch for good once it has seen the larger.
+    With two operators, the session with the larger epoch, the one started later, drives. A node that receives a command
+    of a larger epoch than its own reports it in one ``Event`` and stops sending: a filter refuses the smaller epoch
+    once it has received the larger one.
 
-    A source that is ``Seeing`` is shown the newest state, in every step in which a newer one came, before it is asked.
+    An ``ObservingSource`` receives every newer plant state before it is asked for the command of the step.
 
-    A step depends on its arguments and on what the source was handed, nothing else.
+    A step depends on its arguments and on the inputs of the source only.
 
     Attributes:
         name: ``operator``.
-        subscribes: Plant state and operators' commands; filter ticks too if somebody looks at the display.
+        subscribes: Plant states and commands of operators; with a display, also filter ticks.
     """
 
     name = COMMAND.publishers[0]
 
-    def __init__(self, source: Source, *, epoch: int, show: Callable[[OperatorView], None] | None = None) -> None:
-        """Start with nothing heard.
+    def __init__(
+        self, source: CommandSource, *, epoch: int, show: Callable[[OperatorView], None] | None = None
+    ) -> None:
+        """Start with nothing received.
 
         Args:
-            source: Who or what drives.
-            epoch: Session epoch that the driver stamps on what this node sends.
-            show: Takes what the operator is to see, at most every ``SHOW_PERIOD_NS``; must not wait.
+            source: Source of the commands.
+            epoch: Session epoch of this node's messages.
+            show: Called with the view for the display, at most every ``DISPLAY_PERIOD_NS``; must not block.
         """
         self.subscribes: tuple[Topic, ...] = (STATE, COMMAND) if show is None else (STATE, COMMAND, TICK)
         self._source = source
-        self._see = source.see if isinstance(source, Seeing) else None
+        self._observe = source.observe if isinstance(source, ObservingSource) else None
         self._epoch = epoch
         self._show = show
         self._state: PlantState | None = None
@@ -60,37 +62,37 @@ class OperatorNode:
         self._tick: FilterTick | None = None
         self._tick_ns = 0
         self._newer_epoch: int | None = None
-        self._announced = False
+        self._reported = False
         self._first_ns: int | None = None
         self._show_due_ns = 0
 
     @property
     def finished(self) -> bool:
-        """Whether the operator asked to end the session: the driver then stops."""
+        """True when the operator has ended the session; the driver then stops."""
         return self._source.finished
 
     @property
     def superseded(self) -> bool:
-        """Whether a newer operator session took over and this one is silent."""
+        """True when a newer operator session drives and this one no longer sends."""
         return self._newer_epoch is not None
 
     def step(self, now_ns: int, inbox: Sequence[Received]) -> Sequence[Outgoing]:
         """Return the command at ``now_ns``, or nothing once a newer session drives.
 
         Args:
-            now_ns: Monotonic time of this step, ns; never smaller than in the step before.
-            inbox: Messages since the step before, in order of arrival.
+            now_ns: Monotonic time of this step, ns; non-decreasing.
+            inbox: Messages since the previous step, in order of arrival.
         """
         if inbox:
             self._read(inbox)
         command = self._source.command(self._source_time_s(now_ns))
         if self._show is not None and now_ns >= self._show_due_ns:
-            self._show_due_ns = now_ns + SHOW_PERIOD_NS
+            self._show_due_ns = now_ns + DISPLAY_PERIOD_NS
             self._show(self._view(now_ns, command))
         if self._newer_epoch is None:
             body = OperatorCommand(command.u_h, command.u_h_rate, command.enabled, self._source.device)
             return ((COMMAND, body),)
-        return self._announcement(self._newer_epoch)
+        return self._supersession_event(self._newer_epoch)
 
     def _read(self, inbox: Sequence[Received]) -> None:
         known = self._state
@@ -98,7 +100,7 @@ class OperatorNode:
             body = received.body
             if isinstance(body, PlantState):
                 number = (received.header.epoch, received.header.sequence)
-                if number > self._state_number:  # not one that a newer one overtook
+                if number > self._state_number:  # reordered states are ignored
                     self._state_number = number
                     self._state, self._state_ns = body, received.received_ns
             elif isinstance(body, OperatorCommand):
@@ -106,8 +108,8 @@ class OperatorNode:
                     self._newer_epoch = received.header.epoch
             elif isinstance(body, FilterTick):
                 self._tick, self._tick_ns = body, received.received_ns
-        if self._see is not None and self._state is not known and self._state is not None:
-            self._see(self._state)
+        if self._observe is not None and self._state is not known and self._state is not None:
+            self._observe(self._state)
 
     def _source_time_s(self, now_ns: int) -> float:
         if self._source.clock is LOCAL:
@@ -120,16 +122,16 @@ class OperatorNode:
         time_ns = state.plant_ns + now_ns - self._state_ns
         return time_ns / 1e9 if time_ns > 0 else 0.0
 
-    def _announcement(self, newer_epoch: int) -> Sequence[Outgoing]:
-        if self._announced:
+    def _supersession_event(self, newer_epoch: int) -> Sequence[Outgoing]:
+        if self._reported:
             return ()
-        self._announced = True
-        text = f"operator session {newer_epoch} is newer than {self._epoch}: this one is silent from now on"
+        self._reported = True
+        text = f"operator session {newer_epoch} is newer than {self._epoch}: this one no longer sends"
         return ((EVENT, Event("warning", text)),)
 
     def _view(self, now_ns: int, command: Command) -> OperatorView:
-        state = self._state if now_ns - self._state_ns <= KNOWN_NS else None
-        tick = self._tick if now_ns - self._tick_ns <= KNOWN_NS else None
+        state = self._state if now_ns - self._state_ns <= DISPLAY_STALE_NS else None
+        tick = self._tick if now_ns - self._tick_ns <= DISPLAY_STALE_NS else None
         levels = [] if tick is None else [(chain.psi[0], chain.name) for chain in tick.barriers if chain.psi]
         h, name = min(levels, default=(0.0, ""))
         return OperatorView(

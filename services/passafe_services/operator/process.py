@@ -1,4 +1,4 @@
-"""The operator as a process: a script, or a person at the keyboard of this terminal."""
+"""Operator process: a script, or a person at the keyboard of this terminal."""
 
 import time
 from contextlib import ExitStack
@@ -14,7 +14,7 @@ from passafe_services.scenarios.source_schema import KeyboardSource
 
 
 def start(options: ProcessOptions) -> None:
-    """Drive until told to stop, or until the person quits."""
+    """Drive until stopped, or until the person quits."""
     epoch = time.time_ns()
     with ExitStack() as stack:
         if options.device is Device.KEYBOARD:

@@ -12,7 +12,7 @@ from passafe_services.scenarios.fields import Config, NonNegative, Positive, Vec
 from passafe_services.scenarios.link_schema import LinkChangeConfig, LinkName, ScenarioLink, changed_links
 from passafe_services.scenarios.robot_models import ROBOT_MODELS, RobotModel
 from passafe_services.scenarios.single_barriers import single_barriers
-from passafe_services.scenarios.source_schema import Source
+from passafe_services.scenarios.source_schema import SourceConfig
 
 
 class PlantConfig(Config):
@@ -88,7 +88,7 @@ class OperatorConfig(Config):
         estimator: How the filter derives u_h and its rate from the commands.
     """
 
-    source: Source
+    source: SourceConfig
     stale_s: Positive = 0.2
     fade_s: Annotated[float, Field(ge=0, le=5)] = 0.1
     estimator: Estimator = AsSentEstimator()

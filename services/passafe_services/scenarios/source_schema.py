@@ -169,7 +169,7 @@ class AdversarySource(Config):
 ScriptSource = LagSource | ConstantSource | SineSource | WaypointSource | RecordedSource | KeyboardSource
 """Sources that need to know no more of the robot than how many inputs it has."""
 
-Source = Annotated[ScriptSource | HumanSource | AdversarySource, Field(discriminator="kind")]
+SourceConfig = Annotated[ScriptSource | HumanSource | AdversarySource, Field(discriminator="kind")]
 
 
 def _require_increasing(field: str, times_s: Sequence[float]) -> None:

@@ -9,7 +9,7 @@ from passafe_protocol.shapes import shape_of
 from passafe_protocol.topics import TICK, TOPIC_OF_BODY
 
 from passafe_services.filter.build import filter_node
-from passafe_services.tools.review.continuity import Logged
+from passafe_services.tools.review.continuity import LoggedMessage
 from passafe_services.tools.review.run_log import RunLog
 
 
@@ -78,14 +78,14 @@ def replay_filter(log: RunLog) -> Replay:
     return Replay(ticks=ticks, identical=identical, first_difference=first_difference, missing=missing)
 
 
-def _consumable(log: RunLog) -> Iterator[tuple[tuple[str, int, int], Logged[Message]]]:
+def _consumable(log: RunLog) -> Iterator[tuple[tuple[str, int, int], LoggedMessage[Message]]]:
     for body_type in (OperatorCommand, PlantState):
         topic = TOPIC_OF_BODY[body_type].name
         for logged in log.of(body_type):
             yield (topic, logged.header.epoch, logged.header.sequence), logged
 
 
-def _difference(logged: Logged[FilterTick] | None, again: Message | None) -> str:
+def _difference(logged: LoggedMessage[FilterTick] | None, again: Message | None) -> str:
     if logged is None:
         return "a tick came out that the log does not hold"
     number = f"tick {logged.body.tick}"

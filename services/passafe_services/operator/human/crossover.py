@@ -1,4 +1,4 @@
-"""How far a person who steers is from losing the robot: margins of the crossover model's loop."""
+"""Stability margins of a person who steers: the loop of the crossover model."""
 
 from dataclasses import dataclass
 from math import atan, hypot, pi, sqrt
@@ -6,14 +6,14 @@ from math import atan, hypot, pi, sqrt
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class CrossoverLoop:
-    """The open loop L(s) = ω_c e^{−τs} / (s (T s + 1)) of person and robot (McRuer & Jex 1967).
+    """Open loop L(s) = ω_c e^{−τs} / (s (T s + 1)) of person and robot (McRuer & Jex 1967).
 
-    τ is the reaction time and half a glance: what is seen is held until the next glance, which delays it by half of
-    the time between the two on average. That holds while ω_c times a glance is well below 1.
+    τ is the reaction time plus half the glance interval: an observation is held until the next glance, which delays it
+    by half an interval on average. This holds while ω_c times the interval is well below 1.
 
     Attributes:
-        crossover_rad_per_s: ω_c, gain of the person and the robot together.
-        reaction_s: From the eye to the muscle's command, s.
+        crossover_rad_per_s: ω_c, gain of person and robot together.
+        reaction_s: Delay from the eye to the muscle's command, s.
         neuromuscular_s: T, lag of the arm, s.
         glance_s: Time between two glances, s.
     """
@@ -35,22 +35,22 @@ class CrossoverLoop:
 
     @property
     def unit_gain_rad_per_s(self) -> float:
-        """Where |L| = 1, rad/s: ω²(T²ω² + 1) = ω_c². A little below ω_c, which the lag takes gain from."""
-        # The positive root for ω², written so that it loses no digits as T → 0.
+        """Crossover frequency with the lag, |L| = 1, rad/s: ω²(T²ω² + 1) = ω_c²; slightly below ω_c."""
+        # The positive root for ω², in a form without cancellation as T → 0.
         product = 2 * self.neuromuscular_s * self.crossover_rad_per_s
         return self.crossover_rad_per_s * sqrt(2 / (1 + hypot(1, product)))
 
     @property
     def phase_margin_rad(self) -> float:
-        """π/2 − τω − atan(Tω) where |L| = 1, rad; negative where the loop is unstable by itself."""
+        """π/2 − τω − atan(Tω) at |L| = 1, rad; negative if the loop is unstable without further delay."""
         omega = self.unit_gain_rad_per_s
         return pi / 2 - self.delay_s * omega - atan(self.neuromuscular_s * omega)
 
     @property
     def delay_margin_s(self) -> float:
-        """Delay from anywhere else around the loop at which it begins to oscillate and grow, s.
+        """Additional loop delay above which the loop is unstable, s.
 
-        The phase margin by the frequency at which |L| = 1, the only one: |L| falls with ω, so that the loop is
-        unstable for every delay above (Nyquist).
+        The phase margin divided by the only frequency with |L| = 1: |L| decreases with ω, so the loop is unstable for
+        every larger delay (Nyquist).
         """
         return self.phase_margin_rad / self.unit_gain_rad_per_s

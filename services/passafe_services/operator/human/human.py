@@ -1,15 +1,15 @@
-"""A simulated person who steers the robot to targets by what there is to see, late and with an unsteady hand.
+"""Simulated person who steers the robot to targets by sight, with reaction time, arm lag and remnant.
 
 The crossover model of McRuer & Jex (1967, IEEE Trans. Human Factors in Electronics 8(3), 231 to 249): whatever the
 robot, a trained person shapes the loop of both to ω_c e^{−τ_e s}/s around its crossover. For the robot
-p̈ = −aṗ − kp + u_h that takes
+p̈ = −aṗ − kp + u_h this requires
 
     u_h = ω_c (s + a + k/s) e^{−τs} / (T s + 1) · (r − p),
 
-r the target: a lead against the robot's lag 1/(s + a), and, where a spring pulls the robot back, a trim that leans
-against it. What that leaves of phase and what delay takes it away is in ``passafe_services.operator.human.crossover``.
+r the target: a lead that compensates the robot's lag 1/(s + a), and a trim that compensates a spring. Phase and delay
+margins are in ``passafe_services.operator.human.crossover``.
 
-| parameter | default | seen in people | source |
+| parameter | default | observed in people | source |
 |---|---|---|---|
 | ω_c, ``crossover_rad_per_s`` | 2 rad/s | 2 to 5, less for robots that need lead | McRuer & Jex 1967 |
 | τ, ``reaction_s`` | 0.2 s | 0.1 to 0.3, pure delay | McRuer & Krendel 1974, AGARDograph 188 |
@@ -33,20 +33,20 @@ WAITING: Final = PlantPhase.WAITING
 
 
 class SimulatedHuman:
-    """Looks at the newest state once a glance, decides, and acts a reaction time later.
+    """Observes the newest state at every glance, decides, and acts one reaction time later.
 
-    At a glance the error e = r − p and the velocity v are seen, each number with its own ``Remnant``; the target r is
-    that of the state's own plant time, as robot and target are on one screen. What is decided then,
-    ω_c (a e − v + k∫e), no longer than the authority, is where u_h tends to from one reaction time later on, with time
-    constant T. Where the authority ends, ∫e grows no further.
+    At a glance the error e = r − p and the velocity v are observed, each coordinate with its own ``Remnant``; the
+    target r is that of the state's plant time, as robot and target are on one screen. The decision
+    ω_c (a e − v + k∫e), limited to the authority, is the goal of u_h one reaction time later, approached with time
+    constant T. At the limit of the authority, ∫e is not integrated further (anti-windup).
 
-    A person who sees nothing new goes on with what was seen last, and one who sees no robot that moves asks for
-    nothing. Between glances u_h is the exact solution of Tu̇_h = decided − u_h, so that what is sent does not depend on
-    how often it is asked for; the decided value and with it u_h never leave the ball of the authority.
+    Without a new state the last one is used, and before a moving robot is seen u_h is zero. Between glances u_h is the
+    exact solution of Tu̇_h = goal − u_h, so that it does not depend on the rate of the commands; the goal and hence u_h
+    never leave the ball of the authority.
     """
 
     device: ClassVar[str] = "human"
-    clock: ClassVar[SourceClock] = SourceClock.LOCAL  # a person's delays do not stop when pictures come late
+    clock: ClassVar[SourceClock] = SourceClock.LOCAL  # a person's delays continue when pictures arrive late
     finished: ClassVar[bool] = False
 
     def __init__(self, config: HumanSource, robot: SteeredRobot) -> None:
@@ -54,7 +54,7 @@ class SimulatedHuman:
 
         Args:
             config: The person and the targets, each of ``robot.axes`` numbers.
-            robot: What the person has learnt to steer.
+            robot: Robot that the person has learnt to steer.
         """
         omega = config.crossover_rad_per_s
         self._gains = omega * robot.damping_per_s, -omega
@@ -70,28 +70,28 @@ class SimulatedHuman:
             count=2 * robot.axes,
             seed=config.seed,
         )
-        self._on_screen: PlantState | None = None
-        self._coming: PlantState | None = None
+        self._displayed: PlantState | None = None
+        self._newest: PlantState | None = None
         self._rest: Vector = (0.0,) * robot.axes
         self._next_s = inf
-        self._forget()
+        self._reset()
 
-    def see(self, state: PlantState) -> None:
-        """Take what the screen shows from now on."""
-        self._coming = state
+    def observe(self, state: PlantState) -> None:
+        """Update the display."""
+        self._newest = state
         if state.phase is WAITING:
-            self._forget()
+            self._reset()
 
     def command(self, t_s: float) -> Command:
-        """Return the command at local time ``t_s``, never smaller than before."""
+        """Return the command at local time ``t_s``, which is non-decreasing."""
         if t_s >= self._next_s:
-            self._go_through(t_s)
+            self._process_until(t_s)
         elif self._next_s == inf:
-            if self._coming is None or self._coming.phase is WAITING:
+            if self._newest is None or self._newest.phase is WAITING:
                 return Command(self._rest, self._rest, True)
             self._origin_s = self._at_s = self._next_s = t_s
-            self._go_through(t_s)
-        self._on_screen = self._coming
+            self._process_until(t_s)
+        self._displayed = self._newest
         left, lag_s = exp((self._at_s - t_s) / self._lag_s), self._lag_s
         u_h, rate = [], []
         for goal, started in zip(self._goal, self._u_h, strict=True):
@@ -100,8 +100,8 @@ class SimulatedHuman:
             rate.append(missing / lag_s)
         return Command(tuple(u_h), tuple(rate), True)
 
-    def _forget(self) -> None:
-        """Put the hand and the mind at rest, until the next robot that moves is seen."""
+    def _reset(self) -> None:
+        """Reset hand and decisions until a moving robot is seen again."""
         self._u_h = self._goal = self._rest
         self._trim = [0.0] * self._axes
         self._decided: deque[tuple[float, Vector]] = deque()
@@ -109,29 +109,29 @@ class SimulatedHuman:
         self._origin_s = self._at_s = 0.0
         self._next_s = inf
 
-    def _go_through(self, t_s: float) -> None:
-        """Do what is due up to ``t_s``, each glance and each act at its own time."""
+    def _process_until(self, t_s: float) -> None:
+        """Process glances and actions up to ``t_s``, each at its own time."""
         decided = self._decided
         while self._next_s <= t_s:
             now_s = self._next_s
             if decided and decided[0][0] <= now_s:
-                self._turn_to(decided.popleft()[1], now_s)
+                self._set_goal(decided.popleft()[1], now_s)
             else:
-                # Between two steps the screen still shows what it did at the first.
-                state = self._coming if now_s >= t_s or self._on_screen is None else self._on_screen
+                # Between two steps the display still shows the state of the first one.
+                state = self._newest if now_s >= t_s or self._displayed is None else self._displayed
                 if state is not None:
                     decided.append((now_s + self._reaction_s, self._decide(state)))
                 self._glances += 1
             glance_s = self._origin_s + self._glances * self._glance_s
             self._next_s = min(glance_s, decided[0][0]) if decided else glance_s
 
-    def _turn_to(self, goal: Vector, now_s: float) -> None:
+    def _set_goal(self, goal: Vector, now_s: float) -> None:
         left = exp((self._at_s - now_s) / self._lag_s)
         self._u_h = tuple([to + (u - to) * left for to, u in zip(self._goal, self._u_h, strict=True)])
         self._goal, self._at_s = goal, now_s
 
     def _decide(self, state: PlantState) -> Vector:
-        """Return where u_h is to go, from what the screen shows."""
+        """Return the goal of u_h from the displayed state."""
         target = self._target(state.plant_ns / 1e9)
         if target is None:
             return self._rest
@@ -139,7 +139,7 @@ class SimulatedHuman:
         on_error, on_velocity = self._gains
         errors = [(target[i] - x[i]) * (1 + wrong[i]) for i in range(n)]
         leaning = [self._trim_gain * error for error in errors]
-        # Half of what this glance adds: the mean over the time for which it is held.
+        # Half of this glance's increment: its mean over the hold time.
         wanted = [
             on_error * errors[i] + on_velocity * x[n + i] * (1 + wrong[n + i]) + self._trim[i] + leaning[i] / 2
             for i in range(n)
@@ -154,7 +154,7 @@ class SimulatedHuman:
         return tuple([share * value for value in wanted])
 
     def _target(self, plant_s: float) -> Vector | None:
-        """Position of the newest target at a plant time; None before the first."""
+        """Return the position of the current target at a plant time; ``None`` before the first."""
         current = None
         for at_s, position in self._targets:
             if at_s > plant_s:

@@ -1,4 +1,4 @@
-"""Remnant: the part of what a person does that no linear law of what was seen explains."""
+"""Remnant: the part of a person's response that is not a linear function of the observation."""
 
 from math import exp, pi, sqrt
 from typing import Final
@@ -6,16 +6,16 @@ from typing import Final
 import numpy as np
 
 BLOCK: Final = 512
-"""Normal numbers drawn at a time: one at a time they would cost ten times as much each."""
+"""Normal numbers drawn at a time; single draws would cost ten times as much each."""
 
 
 class Remnant:
-    """Relative errors of what is seen: independent, first-order noise of a given density, one step a glance.
+    """Relative observation errors: independent first-order noise of a given density, one step per glance.
 
-    Levison, Baron & Kleinman (1969) found remnant to be white noise on each displayed quantity y, independent of the
-    others, whose density is a fixed share ρ of the variance of y per rad/s; 0.01 or −20 dB for a display that is
-    looked at. So y(1 + n) is seen, n with autocovariance πρδ(t) at low frequencies. White noise has no variance; so n
-    is first-order noise, n ← φn + √(1 − φ²)σw, φ = e^{−ωg}, held for a glance g, with the same density at zero:
+    Levison, Baron & Kleinman (1969) found remnant to be independent white noise on each displayed quantity y, with a
+    density that is a fixed share ρ of the variance of y per rad/s; 0.01 or −20 dB for a foveal display. So y(1 + n) is
+    observed, n with autocovariance πρδ(t) at low frequencies. White noise has infinite variance, hence n is
+    first-order noise, n ← φn + √(1 − φ²)σw, φ = e^{−ωg}, held for a glance g, with the same density at zero:
 
         σ² = πρ (1 − φ) / (g (1 + φ)).
     """
@@ -25,10 +25,10 @@ class Remnant:
 
         Args:
             ratio: ρ, s/rad; 0 for none.
-            bandwidth_rad_per_s: ω, above which its density falls.
+            bandwidth_rad_per_s: Bandwidth ω.
             glance_s: g, time of one step, s.
-            count: Numbers in a step.
-            seed: Same seed, same numbers.
+            count: Numbers per step.
+            seed: Seed of the generator.
         """
         self._keep = phi = exp(-bandwidth_rad_per_s * glance_s)
         self.deviation = sqrt(pi * ratio * (1 - phi) / (glance_s * (1 + phi)))
@@ -39,7 +39,7 @@ class Remnant:
         self._drawn: list[float] = []
 
     def step(self) -> list[float]:
-        """Return the errors at the next glance; the same list every time, changed."""
+        """Return the errors at the next glance, in the same list every time."""
         errors, add = self._n, self._add
         if not add:
             return errors

@@ -1,4 +1,4 @@
-"""The robot as the person who steers it has come to know it: its answer to u_h near rest, without the filter."""
+"""Robot as known to the person who steers it: linear response to u_h at rest, without the filter."""
 
 from dataclasses import dataclass
 from typing import Final, Self
@@ -11,7 +11,7 @@ from passafe_services.scenarios.design import robot_of
 from passafe_services.scenarios.schema import Scenario
 
 SAME: Final = 1e-6
-"""By how much two slopes may differ and still count as the same, 1/s or 1/s²."""
+"""Tolerance for equal slopes, 1/s or 1/s²."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -30,10 +30,10 @@ class SteeredRobot:
 
     @classmethod
     def of(cls, scenario: Scenario) -> Self:
-        """Return the scenario's robot under its feedback u = u_fb(x) + u_h, made linear at rest in the origin.
+        """Return the scenario's robot under its feedback u = u_fb(x) + u_h, linearized at rest in the origin.
 
         Raises:
-            SourceConfigError: It is of another kind: a force that does not act at once, or coordinates that differ.
+            SourceConfigError: The force does not act at once, or the coordinates differ.
         """
         robot, feedback = robot_of(scenario), scenario.filter.feedback
         system, k = robot.system, robot.system.m
@@ -52,5 +52,5 @@ class SteeredRobot:
 
 
 def _not_steerable(scenario: Scenario) -> SourceConfigError:
-    allowed = "a robot whose force acts at once and alike in every coordinate"
+    allowed = "a robot whose force acts without lag and equally in every coordinate"
     return SourceConfigError("kind", f"human with a {scenario.plant.model}", allowed)

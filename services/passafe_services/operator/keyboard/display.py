@@ -1,4 +1,4 @@
-"""What an operator is shown while driving: one line."""
+"""Display of the operator: one line."""
 
 from typing import NamedTuple
 
@@ -6,15 +6,15 @@ from passafe_protocol.messages import FilterStatus, Vector
 
 
 class OperatorView(NamedTuple):
-    """What the operator knows; what came too long ago is not known.
+    """Data of the display; ``None`` where no recent message is known.
 
     Attributes:
         u_h: The command being sent, units of u.
         enabled: Whether the dead-man switch is held.
-        superseded: Whether a newer operator session drives and this one is silent.
-        position: First m states of the plant, which are the robot's position in every shipped model; or None.
-        status: What the filter did with the command; or None.
-        nearest: Name and h of the barrier with the least h, which reaches its limit at h = 0; or None.
+        superseded: Whether a newer operator session drives and this one no longer sends.
+        position: First m states of the plant, the robot's position in every shipped model.
+        status: Status of the filter.
+        nearest: Name and h of the barrier with the smallest h; its limit is h = 0.
     """
 
     u_h: Vector
@@ -46,5 +46,5 @@ def _numbers(vector: Vector) -> str:
 
 
 def _printable(name: str) -> str:
-    """A name off the wire as ASCII: it must not be able to steer the terminal."""
+    """Replace non-printable characters of a received name, which could otherwise control the terminal."""
     return "".join(letter if letter.isascii() and letter.isprintable() else "?" for letter in name)

@@ -1,4 +1,4 @@
-"""A person at a keyboard, as a source: keys in, a smooth command with a known rate out."""
+"""Keyboard as a command source: converts key presses into a smooth command with a known rate."""
 
 from collections.abc import Callable, Sequence
 from math import exp, hypot
@@ -13,34 +13,33 @@ from passafe_services.operator.sources.source import SourceClock
 RAMP_S: Final = 0.1
 """Time constant with which u_h follows the keys: u̇_h = (target − u_h)/RAMP_S."""
 PRESS_HOLD_S: Final = 0.7
-"""How long a fresh press counts as held: longer than the usual wait (up to 0.66 s) before a key repeats."""
+"""Time for which a first press counts as held: longer than the usual delay (up to 0.66 s) before a key repeats."""
 REPEAT_HOLD_S: Final = 0.2
-"""How long a repeating key counts as held after its last repeat; keys repeat every 0.03 to 0.1 s."""
+"""Time for which a repeating key counts as held after its last repeat; keys repeat every 0.03 to 0.1 s."""
 REST_SHARE: Final = 1e-3
 """A released command counts as zero below this share of the authority."""
 
 
 class _Hold(NamedTuple):
-    """A key taken as held: when it was last seen and until when it counts."""
+    """Key that counts as held: time of its last event and time until which it counts."""
 
     seen_s: float
     until_s: float
 
 
 class Keyboard:
-    """u_h towards ``authority`` in the direction of the keys held, first-order with ``RAMP_S``.
+    """Moves u_h towards ``authority`` in the direction of the held keys, first-order with ``RAMP_S``.
 
-    A terminal tells presses and repeats, never releases. So a key counts as held for ``PRESS_HOLD_S`` after
-    a press, and for ``REPEAT_HOLD_S`` after an arrival within ``REPEAT_HOLD_S`` of the one before, which can
-    only be a repeat. A key releases those that oppose it. When none is held, u_h fades to zero with the same
-    time constant; the dead-man counts as held until it got there. ``STOP`` zeroes u_h at once, and then keys
-    count only after ``REPEAT_HOLD_S`` without any, so that repeats still on their way cannot undo it.
-    ``QUIT`` stops for good and sets ``finished``.
+    A terminal reports presses and repeats, never releases. So a key counts as held for ``PRESS_HOLD_S`` after a press,
+    and for ``REPEAT_HOLD_S`` after an event within ``REPEAT_HOLD_S`` of the previous one, which must be a repeat. A key
+    releases those that oppose it. When none is held, u_h fades to zero with the same time constant; the dead-man switch
+    counts as held until then. ``STOP`` zeroes u_h at once; keys count again only after ``REPEAT_HOLD_S`` without any,
+    so that pending repeats cannot undo it. ``QUIT`` stops for good and sets ``finished``.
 
-    Between key events u_h is the exact solution: what is sent does not depend on how often it is asked for.
+    Between key events u_h is the exact solution, so that it does not depend on the rate of the commands.
 
     Attributes:
-        finished: Whether the person asked to end the session.
+        finished: Whether the person has ended the session.
     """
 
     device: ClassVar[str] = "keyboard"
@@ -52,8 +51,8 @@ class Keyboard:
         Args:
             authority: ‖u_h‖ that held keys tend to, units of u.
             inputs: m, 1 (left and right only) or 2.
-            keys: Returns the keys that came since it was last called, in order; must not wait. It is the only
-                way by which anything reaches the source, so a list played back gives the same commands again.
+            keys: Returns the keys since its last call, in order; must not block. It is the only input of the source,
+                so playing back a list of keys reproduces the commands.
         """
         self.finished = False
         self._authority = authority
@@ -66,15 +65,15 @@ class Keyboard:
         self._quiet_until_s: float | None = None
 
     def command(self, t_s: float) -> Command:
-        """Take the keys that came, as of ``t_s``, and return the command then.
+        """Process the keys received by ``t_s`` and return the command.
 
         Args:
-            t_s: Local time, s, never smaller than before.
+            t_s: Local time, s; non-decreasing.
         """
         self._advance(t_s)
         for key in self._keys():
             if key in DIRECTIONS:
-                self._push(key, t_s)
+                self._press(key, t_s)
             else:
                 self._stop(t_s)
                 self.finished = self.finished or key is Key.QUIT
@@ -82,14 +81,14 @@ class Keyboard:
         return Command(self._u_h, rate, bool(self._held) or self._u_h != self._rest)
 
     def _advance(self, t_s: float) -> None:
-        """Follow the keys up to ``t_s``, letting go of each exactly when its time is over."""
+        """Advance u_h to ``t_s``, releasing each key exactly when its time is over."""
         while self._held:
             over_s = min(hold.until_s for hold in self._held.values())
             if over_s > t_s:
                 break
             self._ramp(over_s)
             self._held = {key: hold for key, hold in self._held.items() if hold.until_s > over_s}
-            self._aim()
+            self._update_target()
         self._ramp(t_s)
 
     def _ramp(self, t_s: float) -> None:
@@ -99,14 +98,14 @@ class Keyboard:
         if self._target == self._rest and hypot(*self._u_h) < REST_SHARE * self._authority:
             self._u_h = self._rest
 
-    def _aim(self) -> None:
-        """Point the target where the held keys point together."""
+    def _update_target(self) -> None:
+        """Set the target to the sum of the directions of the held keys."""
         pushes = [DIRECTIONS[key][: len(self._rest)] for key in self._held]
         total = [sum(push[axis] for push in pushes) for axis in range(len(self._rest))]
         length = hypot(*total)
         self._target = tuple([c * self._authority / length for c in total]) if length else self._rest
 
-    def _push(self, key: Key, t_s: float) -> None:
+    def _press(self, key: Key, t_s: float) -> None:
         if self.finished:
             return
         if self._quiet_until_s is not None:
@@ -123,7 +122,7 @@ class Keyboard:
             if DIRECTIONS[other][0] * x + DIRECTIONS[other][1] * y >= 0
         }
         self._held[key] = _Hold(t_s, t_s + (REPEAT_HOLD_S if repeated else PRESS_HOLD_S))
-        self._aim()
+        self._update_target()
 
     def _stop(self, t_s: float) -> None:
         self._held = {}

@@ -1,14 +1,14 @@
-"""The keys that drive the robot, and how a terminal spells them."""
+"""Keys that drive the robot and their decoding from terminal input."""
 
 from enum import Enum
 from typing import Final
 
 
 class Key(Enum):
-    """What a key press means to the operator.
+    """Meaning of a key press.
 
-    The diagonals have keys of their own because a terminal repeats only the key pressed last: two arrows
-    held together look like one.
+    Diagonals have their own keys because a terminal repeats only the key pressed last: two arrows held together look
+    like one.
     """
 
     LEFT = "left"
@@ -33,7 +33,7 @@ DIRECTIONS: Final[dict[Key, tuple[float, float]]] = {
     Key.DOWN_LEFT: (-1.0, -1.0),
     Key.DOWN_RIGHT: (1.0, -1.0),
 }
-"""Direction of each key that moves the robot, in the plane of the first two inputs; not of unit length."""
+"""Direction of each key that moves the robot, in the plane of the first two inputs; not normalized."""
 
 _LETTERS: Final = {
     **dict.fromkeys(b"aAhH", Key.LEFT),
@@ -45,7 +45,7 @@ _LETTERS: Final = {
     **dict.fromkeys(b"bB", Key.DOWN_LEFT),
     **dict.fromkeys(b"nN", Key.DOWN_RIGHT),
     **dict.fromkeys(b" ", Key.STOP),
-    **dict.fromkeys(b"qQ\x03\x04", Key.QUIT),  # and Ctrl-C, Ctrl-D where the terminal passes them on
+    **dict.fromkeys(b"qQ\x03\x04", Key.QUIT),  # also Ctrl-C and Ctrl-D if the terminal passes them on
 }
 _ARROWS: Final = {ord("A"): Key.UP, ord("B"): Key.DOWN, ord("C"): Key.RIGHT, ord("D"): Key.LEFT}
 
@@ -57,10 +57,10 @@ _INNER_BYTES: Final = range(0x20, 0x40)
 
 
 class KeyReader:
-    """Turns the bytes of a terminal into keys; a sequence may be split between two reads.
+    """Decodes terminal input into keys; a sequence may be split between two reads.
 
-    Arrows come as ``ESC [ A`` … ``D``, with numbers before the letter when shift or control is held, or as
-    ``ESC O A`` … ``D`` in a terminal's application mode. Other sequences and letters mean nothing.
+    Arrows are sent as ``ESC [ A`` … ``D``, with numbers before the letter when shift or control is held, or as
+    ``ESC O A`` … ``D`` in application mode. Other sequences and letters are ignored.
     """
 
     def __init__(self) -> None:
@@ -70,12 +70,12 @@ class KeyReader:
         """Return the keys that ``data`` completes, in order."""
         keys = []
         for byte in data:
-            key = self._take(byte)
+            key = self._decode(byte)
             if key is not None:
                 keys.append(key)
         return keys
 
-    def _take(self, byte: int) -> Key | None:
+    def _decode(self, byte: int) -> Key | None:
         introducer = self._introducer
         if byte == _ESCAPE:
             self._introducer = _ESCAPE

@@ -1,14 +1,14 @@
-"""The terminal as a device: reads keys from it and shows one line on it.
+"""Terminal of the operator: reads keys and displays one line.
 
-The only impure file of the operator. A process that lets a person drive puts it together like this::
+The only file of the operator with side effects. Usage::
 
     with Terminal() as terminal:
         source = build_source(KeyboardSource(kind="keyboard"), inputs, keys=terminal.poll)
         node = OperatorNode(source, epoch=epoch, show=terminal.show)
-        ...  # run the node until a signal comes or node.finished
+        ...  # run the node until a signal or node.finished
 
-Leaving the ``with`` block restores the terminal, whatever the reason. Signals belong to the driver: it turns
-SIGTERM into an ordinary end of its loop. Ctrl-C stays the terminal's signal and arrives there, too.
+Leaving the ``with`` block always restores the terminal. Signals are handled by the driver, which ends its loop on
+SIGTERM and on the SIGINT that the terminal sends for Ctrl-C.
 """
 
 import os
@@ -30,30 +30,30 @@ _STANDARD_OUTPUT: Final = 1
 
 
 class Terminal:
-    """A terminal in cbreak mode for as long as the ``with`` block lasts: every key at once, no echo.
+    """Terminal in cbreak mode within the ``with`` block: unbuffered keys without echo.
 
-    ``poll`` and ``show`` never wait: they may be called from a loop that has a deadline.
+    ``poll`` and ``show`` never block: they may be called from a real-time loop.
     """
 
     def __init__(self, *, keys_from: int = _STANDARD_INPUT, show_on: int = _STANDARD_OUTPUT) -> None:
-        """Name the terminal; nothing is touched before the ``with`` block.
+        """Set the descriptors; the terminal is unchanged before the ``with`` block.
 
         Args:
-            keys_from: File descriptor to read keys from.
-            show_on: File descriptor to show the line on; if it is no terminal, nothing is shown.
+            keys_from: File descriptor of the keys.
+            show_on: File descriptor of the display; without a terminal, nothing is displayed.
         """
         self._keys_from = keys_from
         self._show_on = show_on
         self._shows = os.isatty(show_on)
         self._reader = KeyReader()
         self._gone = False
-        self._saved: list[Any] | None = None  # what the system says, opaque to us
+        self._saved: list[Any] | None = None  # settings of termios, opaque
 
     def __enter__(self) -> Self:
-        """Take the terminal.
+        """Switch the terminal to cbreak mode.
 
         Raises:
-            TerminalError: It is no terminal, or this process runs in its background.
+            TerminalError: It is not a terminal, or this process runs in its background.
         """
         wanted = "an interactive terminal in the foreground"
         if not os.isatty(self._keys_from):
@@ -64,7 +64,7 @@ class Terminal:
         try:
             self._saved = termios.tcgetattr(self._keys_from)
             termios.tcsetattr(self._keys_from, termios.TCSANOW, _cbreak(self._saved))
-            termios.tcflush(self._keys_from, termios.TCIFLUSH)  # what was typed before is no command
+            termios.tcflush(self._keys_from, termios.TCIFLUSH)  # earlier input is not a command
         except termios.error as error:
             self._restore()
             raise TerminalError(f"a terminal that refuses its settings ({error.args[-1]})", wanted) from error
@@ -74,12 +74,12 @@ class Terminal:
     def __exit__(
         self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Give the terminal back as it was."""
+        """Restore the terminal."""
         self._restore()
         self._write("\n")
 
     def poll(self) -> Sequence[Key]:
-        """Return the keys that came since the last call; ``QUIT`` once when the terminal is gone."""
+        """Return the keys since the last call; ``QUIT`` once after the terminal has been closed."""
         if self._gone:
             return ()
         try:
@@ -94,13 +94,13 @@ class Terminal:
         return self._reader.feed(data)
 
     def show(self, view: OperatorView) -> None:
-        """Show ``view`` in place of what was shown before, if the terminal takes it at once."""
+        """Replace the displayed line by ``view``, if the terminal accepts it without blocking."""
         try:
             columns = os.get_terminal_size(self._show_on).columns if self._shows else 0
         except OSError:
             self._shows = False
         else:
-            # A full last column would wrap; a terminal that does not say its width is taken as the usual one.
+            # A full last column would wrap; an unknown width is taken as 80 columns.
             self._write("\r\x1b[2K" + line(view, (columns or 80) - 1))
 
     def _write(self, text: str) -> None:
@@ -116,21 +116,21 @@ class Terminal:
         try:
             return os.tcgetpgrp(self._keys_from) != os.getpgrp()
         except OSError:
-            return False  # not the terminal that controls this process: it has no background here
+            return False  # not the controlling terminal of this process, so there is no background
 
     def _restore(self) -> None:
         if self._saved is None:
             return
         try:
-            termios.tcflush(self._keys_from, termios.TCIFLUSH)  # repeats on their way would go to the shell
+            termios.tcflush(self._keys_from, termios.TCIFLUSH)  # pending repeats would go to the shell
             termios.tcsetattr(self._keys_from, termios.TCSANOW, self._saved)
         except termios.error:
-            self._gone = True  # hung up: nothing is left to restore
+            self._gone = True  # hung up: nothing to restore
         self._saved = None
 
 
 def _cbreak(settings: list[Any]) -> list[Any]:
-    """Settings changed so that keys come at once and unechoed, and Ctrl-S cannot hold the display."""
+    """Return settings with unbuffered keys, without echo and without flow control by Ctrl-S."""
     changed = settings.copy()
     changed[tty.IFLAG] &= ~termios.IXON
     changed[tty.LFLAG] &= ~(termios.ECHO | termios.ICANON)

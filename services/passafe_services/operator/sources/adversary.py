@@ -1,6 +1,6 @@
-"""Operators who see the robot and push where it hurts: the campaign's adversaries for the closed loop of nodes.
+"""Adversary operators: the campaign's adversaries for the closed loop of nodes.
 
-They know what an operator process can know: the newest state that reached it, and the scenario's mathematics.
+They use what an operator process can know: the newest state received and the model of the scenario.
 """
 
 from struct import Struct
@@ -15,18 +15,18 @@ from passafe.passivity import power_margin
 from passafe.workspace import BlockLayout, Workspace, dense_function
 from passafe_services.operator.sources.command import Command
 from passafe_services.operator.sources.disturbances import Chirp, RandomSteps, bang_bang_period_s, bang_bang_sign
-from passafe_services.operator.sources.source import Source, SourceClock
+from passafe_services.operator.sources.source import CommandSource, SourceClock
 from passafe_services.operator.sources.worst_direction import against_h, against_the_tank
 from passafe_services.scenarios.design import barriers_of, robot_of, storage_of
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.scenarios.source_schema import AdversarySource
 
 
-def adversary_of(config: AdversarySource, scenario: Scenario) -> Source:
+def adversary_of(config: AdversarySource, scenario: Scenario) -> CommandSource:
     """Return the adversary that ``config`` describes, for the scenario's robot.
 
     Raises:
-        DesignError: A barrier that the input never reaches.
+        DesignError: The input has no effect on a barrier.
     """
     rng = np.random.default_rng(config.seed)
     robot = robot_of(scenario)
@@ -45,9 +45,9 @@ def adversary_of(config: AdversarySource, scenario: Scenario) -> Source:
 
 
 class AdversaryOperator:
-    """Pushes with full strength along a direction that follows from the newest state, always or to and fro.
+    """Pushes with full strength along a direction computed from the newest state, constantly or bang-bang.
 
-    The direction is taken anew from every state that comes; until the first one it is the first axis.
+    The direction is updated with every state; before the first one it is the first axis.
     """
 
     device: ClassVar[str] = "adversary"
@@ -60,7 +60,7 @@ class AdversaryOperator:
         Args:
             push: (x, u in force, t) → u_h, dense.
             strength: Largest |u_h|, units of u.
-            period_s: How long to and fro takes, s; ``None`` for one way only.
+            period_s: Period of the bang-bang, s; ``None`` for a constant direction.
         """
         n, m = push.numel_in(0), push.numel_in(1)
         self._space = Workspace(BlockLayout.of({"x": n, "u": m, "t": 1, "u_h": m}))
@@ -69,21 +69,23 @@ class AdversaryOperator:
         self._give, self._offset = Struct(f"{m}d").unpack_from, 8 * (n + m + 1)
         self._period_s = period_s
         self._rest: Vector = (0.0,) * m
-        self._face((strength, *self._rest[1:]))
+        self._set_direction((strength, *self._rest[1:]))
 
-    def see(self, state: PlantState) -> None:
-        """Turn to where the state says that it hurts most."""
+    def observe(self, state: PlantState) -> None:
+        """Update the direction for a state."""
         memory = self._space.memory
         self._take(memory, 0, *state.x, *state.u, state.plant_ns / 1e9)
         self._evaluate()
-        self._face(self._give(memory, self._offset))
+        self._set_direction(self._give(memory, self._offset))
 
     def command(self, t_s: float) -> Command:
         """Return the command at plant time ``t_s`` ≥ 0."""
         if self._period_s is None or bang_bang_sign(t_s, self._period_s) > 0:
-            return self._forth
-        return self._back
+            return self._positive
+        return self._negative
 
-    def _face(self, u_h: Vector) -> None:
-        self._forth = Command(u_h, self._rest, True)
-        self._back = self._forth if self._period_s is None else Command(tuple([-c for c in u_h]), self._rest, True)
+    def _set_direction(self, u_h: Vector) -> None:
+        self._positive = Command(u_h, self._rest, True)
+        self._negative = (
+            self._positive if self._period_s is None else Command(tuple([-c for c in u_h]), self._rest, True)
+        )

@@ -1,11 +1,11 @@
-"""What a source of commands asks for."""
+"""Command of a source at one instant."""
 
 from msgspec import Struct
 from passafe_protocol.messages import Vector
 
 
 class Command(Struct, frozen=True, gc=False):
-    """What is asked for at one instant.
+    """Command at one instant.
 
     Attributes:
         u_h: Operator's part of the input, units of u.

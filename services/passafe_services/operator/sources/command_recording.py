@@ -1,4 +1,4 @@
-"""Reads a recorded command series: CSV with columns ``time_s``, ``u_h_0``, ``u_h_1`` and so on."""
+"""Reads recorded commands: CSV with columns ``time_s``, ``u_h_0``, ``u_h_1`` and so on."""
 
 import csv
 from collections.abc import Iterable, Iterator, Sequence
@@ -13,13 +13,13 @@ from passafe_services.operator.errors import RecordingError
 TIME_COLUMN: Final = "time_s"
 ROWS_MAX: Final = 1_000_000
 LARGEST: Final = 1e6
-"""Largest time in seconds and largest command in units of u, as everywhere in a scenario."""
+"""Largest time in seconds and largest command in units of u, as in scenarios."""
 SPACING_S: Final = 1e-9
-"""Least time between two rows: the resolution of plant time, which keeps every slope finite."""
+"""Smallest time between two rows: the resolution of plant time, so that slopes are finite."""
 
 
 class CommandRecording(NamedTuple):
-    """A command series as read.
+    """Recorded commands.
 
     Attributes:
         times_s: Time of each row, s, from 0 on, increasing by at least ``SPACING_S``.
@@ -31,15 +31,15 @@ class CommandRecording(NamedTuple):
 
 
 def load_recording(path: Path, inputs: int) -> CommandRecording:
-    """Return the command series in a CSV file.
+    """Return the recorded commands in a CSV file.
 
     Args:
-        path: The file: UTF-8, a header line, then one row an instant. Columns stand in any order; blank lines
-            are skipped.
-        inputs: m, the number of axes that it must have.
+        path: The file: UTF-8, a header line, then one row per instant. Columns may be in any order; blank lines are
+            skipped.
+        inputs: m, the number of axes.
 
     Raises:
-        RecordingError: It cannot be opened or holds anything else; names line and column.
+        RecordingError: The file cannot be opened or is not valid; names line and column.
     """
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
@@ -107,7 +107,7 @@ def _columns(path: Path, header: tuple[int, list[str]], inputs: int) -> list[str
 
 def _number(path: Path, line: int, column: str, cell: str) -> float:
     try:
-        # Python reads 1_0 as 10; in a table it is a slip of the pen.
+        # Python accepts 1_0 as 10; in a table it is a typing error.
         number = float(cell.replace("_", "?"))
     except ValueError as error:
         raise RecordingError(path, line=line, column=column, got=cell, allowed="a number") from error

@@ -1,4 +1,4 @@
-"""The same command throughout."""
+"""Constant command."""
 
 from typing import ClassVar
 

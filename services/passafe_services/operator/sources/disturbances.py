@@ -1,4 +1,4 @@
-"""Operators who shake the robot without looking at it: random steps and a chirp."""
+"""Open-loop disturbances as operators: random steps and a chirp."""
 
 from bisect import bisect_right
 from math import cos, exp, log, pi, sin, tau
@@ -12,13 +12,13 @@ from passafe_services.operator.sources.source import SourceClock
 LOWEST_HZ: Final = 0.1
 HIGHEST_HZ: Final = 50.0
 SWEEP_S: Final = 10.0
-"""How long a chirp takes from its lowest to its highest frequency; then it begins again."""
+"""Time of a chirp from its lowest to its highest frequency; then it restarts."""
 
 
 class RandomSteps:
-    """Asks for something else about once a second: steps of a Poisson process, uniform in a box.
+    """Steps of a Poisson process, one per second on average, uniform in a box.
 
-    Which steps there are depends on the seed only, not on when they are asked for.
+    The steps depend on the seed only, not on the times of the commands.
     """
 
     device: ClassVar[str] = "adversary"
@@ -29,7 +29,7 @@ class RandomSteps:
         """Draw the first step.
 
         Args:
-            rng: What all steps are drawn from.
+            rng: Random generator of the steps.
             inputs: m.
             strength: Largest |u_h| in each axis, units of u.
         """
@@ -46,7 +46,7 @@ class RandomSteps:
         return self._now
 
     def _after(self, t_s: float) -> Command:
-        """Draw steps until one lasts beyond ``t_s``, and return the one then."""
+        """Draw steps until one ends after ``t_s``, and return the one at ``t_s``."""
         last_s = self._ends_s[-1] if self._ends_s else 0.0
         while last_s <= t_s:
             last_s += float(self._rng.exponential(1.0))
@@ -60,14 +60,14 @@ class RandomSteps:
 
 
 class Chirp:
-    """Swings ever faster: u_h = A cos(2πc + φ), ċ = f₀e^{rt} from 0.1 to 50 Hz within 10 s, over and over."""
+    """Exponential chirp: u_h = A cos(2πc + φ), ċ = f₀e^{rt} from 0.1 to 50 Hz within 10 s, repeated."""
 
     device: ClassVar[str] = "adversary"
     clock: ClassVar[SourceClock] = SourceClock.PLANT
     finished: ClassVar[bool] = False
 
     def __init__(self, rng: np.random.Generator, inputs: int, strength: float) -> None:
-        """Draw amplitude, from a quarter of ``strength`` on, and phase of every axis; arguments as ``RandomSteps``."""
+        """Draw amplitude, at least a quarter of ``strength``, and phase of every axis; arguments as ``RandomSteps``."""
         amplitudes = rng.uniform(strength / 4, strength, inputs).tolist()
         phases = rng.uniform(0, tau, inputs).tolist()
         self._axes = list(zip(amplitudes, phases, strict=True))
@@ -91,5 +91,5 @@ def bang_bang_period_s(rng: np.random.Generator) -> float:
 
 
 def bang_bang_sign(t_s: float, period_s: float) -> float:
-    """Return 1 or −1: which way a bang-bang operator pushes at ``t_s``."""
+    """Return the sign of a bang-bang operator at ``t_s``, 1 or −1."""
     return 1.0 if cos(2 * pi * t_s / period_s) > 0 else -1.0

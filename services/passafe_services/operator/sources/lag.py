@@ -27,11 +27,11 @@ class Lag(Struct, frozen=True, kw_only=True, gc=False):
     def command(self, t_s: float) -> Command:
         """Return the command at plant time ``t_s`` ≥ 0."""
         exponent = -t_s / self.time_constant_s
-        # expm1, not 1 − exp: the first milliseconds would otherwise lose digits.
+        # expm1 avoids cancellation in the first milliseconds.
         reached = -expm1(exponent)
         slope = exp(exponent) / self.time_constant_s
         u_h, rate = [], []
-        for goal in self.target:  # one plain loop: two comprehensions cost half as much again
+        for goal in self.target:  # one loop: two comprehensions cost 50 % more
             u_h.append(goal * reached)
             rate.append(goal * slope)
         return Command(tuple(u_h), tuple(rate), True)

@@ -1,4 +1,4 @@
-"""Straight lines through points: waypoints of a scenario and recorded series alike."""
+"""Piecewise linear commands: waypoints of a scenario and recorded commands."""
 
 from bisect import bisect_right
 from collections.abc import Sequence
@@ -13,12 +13,12 @@ from passafe_services.operator.sources.source import SourceClock
 
 
 class PiecewiseLinear(Struct, frozen=True, kw_only=True, gc=False):
-    """u_h on straight lines through points, held before the first and from the last on.
+    """Linear interpolation of u_h through points, held before the first and after the last.
 
-    Between two points u̇_h is the slope; at a point it is the slope of what follows; where u_h is held, zero.
+    u̇_h is the slope after the current point, and zero where u_h is held.
 
     Attributes:
-        device: Where the points come from: ``waypoints`` or ``recorded``.
+        device: Origin of the points: ``waypoints`` or ``recorded``.
         times_s: Plant time of each point, s, strictly increasing, at least one.
         values: u_h at each point, units of u.
         slopes: u̇_h from each point but the last to the next one, units of u per second.
@@ -33,10 +33,10 @@ class PiecewiseLinear(Struct, frozen=True, kw_only=True, gc=False):
 
     @classmethod
     def through(cls, *, device: str, times_s: Sequence[float], values: Sequence[Vector]) -> Self:
-        """Return the lines through ``values`` at ``times_s``.
+        """Return the interpolation of ``values`` at ``times_s``.
 
         Args:
-            device: Where the points come from.
+            device: Origin of the points.
             times_s: Plant time of each point, s, strictly increasing, at least one.
             values: u_h at each point, all of one length.
         """

@@ -1,4 +1,4 @@
-"""The source of a whole scenario: of those that need to know the robot, too."""
+"""Builds the command source of a scenario, including those that depend on the robot."""
 
 from pathlib import Path
 
@@ -9,22 +9,22 @@ from passafe_services.operator.human.steered_robot import SteeredRobot
 from passafe_services.operator.sources.adversary import adversary_of
 from passafe_services.operator.sources.command_recording import LARGEST
 from passafe_services.operator.sources.script_source import build_source
-from passafe_services.operator.sources.source import Source
+from passafe_services.operator.sources.source import CommandSource
 from passafe_services.scenarios.design import robot_of
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.scenarios.source_schema import AdversarySource, HumanSource
 
 
-def source_of(scenario: Scenario, *, folder: Path | None = None) -> Source:
-    """Return the scenario's source; no keyboard, which has a person.
+def source_of(scenario: Scenario, *, folder: Path | None = None) -> CommandSource:
+    """Return the command source of a scenario, other than a keyboard.
 
     Args:
         scenario: The scenario.
         folder: Folder of the scenario file, as for ``build_source``.
 
     Raises:
-        SourceConfigError: A setting does not fit the robot or its range.
-        RecordingError: A recorded series cannot be read.
+        SourceConfigError: A setting does not fit the robot or is out of range.
+        RecordingError: Recorded commands cannot be read.
     """
     config = scenario.operator.source
     if isinstance(config, HumanSource):
@@ -35,7 +35,7 @@ def source_of(scenario: Scenario, *, folder: Path | None = None) -> Source:
 
 
 def crossover_loop(config: HumanSource) -> CrossoverLoop:
-    """Return the loop of a person and the robot that is steered, for its margins."""
+    """Return the loop of a person and the steered robot, for its margins."""
     return CrossoverLoop(
         crossover_rad_per_s=config.crossover_rad_per_s,
         reaction_s=config.reaction_s,

@@ -1,4 +1,4 @@
-"""Makes the source that a scenario asks for, and says what is wrong if it does not fit the robot."""
+"""Builds command sources that depend on the number of inputs only, and checks their settings."""
 
 from collections.abc import Callable, Sequence
 from itertools import pairwise
@@ -15,11 +15,11 @@ from passafe_services.operator.sources.constant import Constant
 from passafe_services.operator.sources.lag import Lag
 from passafe_services.operator.sources.piecewise import PiecewiseLinear
 from passafe_services.operator.sources.sine import Sine
-from passafe_services.operator.sources.source import Source
+from passafe_services.operator.sources.source import CommandSource
 from passafe_services.scenarios import source_schema as schema
 
 TIME_CONSTANT_MIN_S: Final = 1e-6
-"""Shorter lags are jumps at every rate that a scenario may have, and their rate leaves what a float holds."""
+"""Smallest time constant: shorter lags are steps at every allowed rate, and their rate may overflow."""
 KEYBOARD_INPUTS_MAX: Final = 2
 
 
@@ -29,18 +29,18 @@ def build_source(
     *,
     folder: Path | None = None,
     keys: Callable[[], Sequence[Key]] | None = None,
-) -> Source:
-    """Return the source that ``config`` describes.
+) -> CommandSource:
+    """Return the command source that ``config`` describes.
 
     Args:
         config: The scenario's ``operator.source``.
         inputs: m, the robot's number of inputs.
-        folder: Folder of the scenario file, where a recording's relative path starts; None: the current one.
-        keys: What a keyboard's keys are read from, as in ``Keyboard``; needed there and only there.
+        folder: Folder of the scenario file, base of a recording's relative path; ``None``: the current folder.
+        keys: Returns the keys of a keyboard, as in ``Keyboard``; required there and only there.
 
     Raises:
-        SourceConfigError: A setting does not fit the robot or its range.
-        RecordingError: A recorded series cannot be read.
+        SourceConfigError: A setting does not fit the robot or is out of range.
+        RecordingError: Recorded commands cannot be read.
     """
     match config:
         case schema.LagSource():

@@ -1,4 +1,4 @@
-"""A sine on each axis."""
+"""Sinusoidal command on each axis."""
 
 from math import cos, sin, tau
 from typing import ClassVar

@@ -1,4 +1,4 @@
-"""What a source of commands is: who or what plays the operator."""
+"""Interface of command sources: scripts, devices and simulated persons."""
 
 from enum import Enum
 from typing import Protocol, runtime_checkable
@@ -9,53 +9,52 @@ from passafe_services.operator.sources.command import Command
 
 
 class SourceClock(Enum):
-    """Whose time a source is a function of."""
+    """Time base of a source."""
 
     PLANT = "plant"
-    """Plant time: a script begins when the robot does."""
+    """Plant time: a script starts with the robot."""
 
     LOCAL = "local"
-    """Time since the node's first step: a person acts before the robot moves, too."""
+    """Time since the node's first step: a person also acts before the robot moves."""
 
 
-class Source(Protocol):
-    """A source of commands: no clock, no device, only what it is handed."""
+class CommandSource(Protocol):
+    """Source of commands, without a clock or device of its own."""
 
     @property
     def device(self) -> str:
-        """What makes the commands: lag, constant, keyboard and so on."""
+        """Kind of the source: lag, constant, keyboard and so on."""
         ...
 
     @property
     def clock(self) -> SourceClock:
-        """Whose time ``command`` is asked for."""
+        """Time base of ``command``."""
         ...
 
     @property
     def finished(self) -> bool:
-        """Whether the operator wants to end the session; a script never does."""
+        """True when the operator has ended the session; a script never does."""
         ...
 
     def command(self, t_s: float) -> Command:
-        """Return what is asked for at ``t_s``.
+        """Return the command at ``t_s``.
 
         Args:
-            t_s: Time of ``clock``, s, never negative. A source on local time is never asked about the past.
+            t_s: Time of ``clock``, s, not negative; non-decreasing for local time.
         """
         ...
 
 
 @runtime_checkable
-class Seeing(Protocol):
-    """What a source has besides, if it closes the loop: a node shows it the robot, as far as the node knows."""
+class ObservingSource(Protocol):
+    """Source that closes the loop: it observes the plant states that its node receives."""
 
-    def see(self, state: PlantState) -> None:
-        """Take the newest state that has come: how the robot stood at that state's own plant time.
+    def observe(self, state: PlantState) -> None:
+        """Observe the newest state received.
 
-        It is called before the ``command`` of the same step, and only in a step in which a newer state came: not at
-        all before the first one, and not while the way to the operator is cut.
+        Called before the ``command`` of the same step, and only in steps that received a newer state.
 
         Args:
-            state: The newest one; those that it overtook, or that came with it, are never shown.
+            state: The newest state; older ones of the same step and reordered ones are skipped.
         """
         ...

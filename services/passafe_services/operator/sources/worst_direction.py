@@ -1,4 +1,4 @@
-"""Where an operator who wants the robot to fail has to push, as expressions of state, input in force and time."""
+"""Worst-case directions of an adversary operator, as expressions of state, input in force and time."""
 
 from collections.abc import Sequence
 
@@ -12,12 +12,12 @@ from passafe.system import System
 def against_h(system: System, chains: Sequence[BarrierChain]) -> ca.SX:
     """Return the direction into the tightest safety row, shape (m, 1), largest component 1.
 
-    That is −∇_u ψ_r of the barrier with the least ψ_r(x, u, t)/‖∇_u ψ_r‖, the distance of u from its row in units of
-    u; the first axis where no barrier hears the input.
+    That is −∇_u ψ_r of the barrier with the smallest ψ_r(x, u, t)/‖∇_u ψ_r‖, the distance of u from its row in units of
+    u; the first axis if the input has no effect on any barrier.
 
     Args:
         system: The plant.
-        chains: Its barriers.
+        chains: Chains of its barriers.
     """
     least, gradient = ca.SX(ca.inf), ca.SX.zeros(system.m)
     for chain in chains:
@@ -31,7 +31,7 @@ def against_h(system: System, chains: Sequence[BarrierChain]) -> ca.SX:
 
 
 def against_the_tank(system: System, h_u: ca.SX) -> ca.SX:
-    """Return the direction in which the power margin falls fastest, −∇_u h_u, scaled as that of ``against_h``.
+    """Return the direction of steepest descent of the power margin, −∇_u h_u, scaled as in ``against_h``.
 
     Args:
         system: The plant.
@@ -41,7 +41,7 @@ def against_the_tank(system: System, h_u: ca.SX) -> ca.SX:
 
 
 def _pointed(direction: ca.SX) -> ca.SX:
-    """Return a direction with largest component 1; the first axis for none."""
+    """Scale a direction to largest component 1; the first axis for a zero direction."""
     size = ca.mmax(ca.fabs(direction))
     first = ca.DM.zeros(direction.numel())
     first[0] = 1.0

@@ -26,7 +26,7 @@ REVIEWED = (
     "power_margin_min",
     "power_margin_min_at_samples",
     "u_norm_max",
-    "disarmings",
+    "sequence_breaks",
     "status_counts",
     "command_age_ms_p50",
     "command_age_ms_p99",

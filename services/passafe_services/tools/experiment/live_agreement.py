@@ -59,7 +59,7 @@ TOLERANCES: Final[Mapping[str, AllowedDifference]] = {
         1.5, "one more hop: a message waits for the next tick, of 1 ms, and half of one"
     ),
     "command_age_ms_p99": AllowedDifference(10.0, "operator or router may be late by as much"),
-    "disarmings": AllowedDifference(
+    "sequence_breaks": AllowedDifference(
         0.0,
         "links and play-out alone decide it; with more of them the machine was later than that, and all differs",
     ),

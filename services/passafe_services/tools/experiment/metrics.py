@@ -40,7 +40,7 @@ class Metrics(BaseModel):
         u_norm_max: Largest ‖u‖₂ in force.
         held_s: Plant time under an input held beyond its period, s.
         fail_safe_s: Plant time under the plant's own law, s.
-        disarmings: How often the plant ran out of inputs and went over to one of these two.
+        sequence_breaks: How often the plant ran out of inputs and went over to one of these two.
         unserved_share: Share of plant time in one of these two.
         inputs_late: Inputs that came after their time.
         inputs_refused: Inputs that the plant refused.
@@ -73,7 +73,7 @@ class Metrics(BaseModel):
     u_norm_max: float | None
     held_s: float
     fail_safe_s: float
-    disarmings: int
+    sequence_breaks: int
     unserved_share: float | None
     inputs_late: int
     inputs_refused: int
@@ -124,19 +124,19 @@ NUMERIC: Final = (
 
 
 def metrics_of(
-    scenario: Scenario, tape: RunTrace, mathematics: PlantEvaluator, motion: Motion, reference: Tracking | None
+    scenario: Scenario, tape: RunTrace, evaluator: PlantEvaluator, motion: Motion, reference: Tracking | None
 ) -> Metrics:
     """Return the figures of a run.
 
     Args:
         scenario: What was run.
         tape: What was collected.
-        mathematics: Functions of the scenario.
+        evaluator: Functions of the scenario.
         motion: Takes the robot's position from its state.
         reference: Where the robot is without injected links, if that is asked for.
     """
     trajectory = tape.trajectory()
-    margins = RecomputedMargins.of(trajectory, mathematics, scenario.filter.passivity, POINTS_PER_PERIOD)
+    margins = RecomputedMargins.of(trajectory, evaluator, scenario.filter.passivity, POINTS_PER_PERIOD)
     answers = tape.answers()
     properties = judge_properties(scenario, tape.inputs(), answers, trajectory, margins, Tolerances())
     properties["complete"] = _completeness(scenario, trajectory)
@@ -159,7 +159,7 @@ def metrics_of(
         u_norm_max=_value(margins.u_norm_max),
         held_s=held_s,
         fail_safe_s=fail_safe_s,
-        disarmings=_times_begun(phases != PlantPhase.RUNNING),
+        sequence_breaks=_times_begun(phases != PlantPhase.RUNNING),
         unserved_share=(held_s + fail_safe_s) / duration_s if duration_s else None,
         inputs_late=tape.inputs_late,
         inputs_refused=tape.inputs_refused,
@@ -172,7 +172,7 @@ def metrics_of(
         tracking_rms=None if deviation is None else deviation.rms,
         tracking_max=None if deviation is None else deviation.largest,
         final_error=None if deviation is None else deviation.final,
-        steering=steering_from(scenario, trajectory, mathematics, tape.requests()),
+        steering=steering_from(scenario, trajectory, evaluator, tape.requests()),
         status_counts=answers.counts,
         final_x=tuple(trajectory.x[:, -1].tolist()) if moved else None,
         properties={name: entry.holds for name, entry in properties.items()},
@@ -188,7 +188,7 @@ def _completeness(scenario: Scenario, trajectory: Trajectory) -> Property:
         required=True,
         worst=max(missing_s, 0.0),
         at_s=None,
-        demand="plant time missing until the scenario's duration, s, = 0",
+        requirement="plant time missing until the scenario's duration, s, = 0",
     )
 
 

@@ -14,7 +14,7 @@ from passafe.decision import Decision, Status
 from passafe.filter import SafetyPassivityFilter
 from passafe_services.filter.telemetry import TickRecord
 from passafe_services.loop.lockstep import Tap
-from passafe_services.tools.review.filter_claims import Answers, Inputs, IntArray
+from passafe_services.tools.review.filter_claims import Decisions, IntArray, SentInputs
 from passafe_services.tools.review.steering_of_log import Requests
 from passafe_services.tools.review.trajectory import Trajectory
 
@@ -117,16 +117,16 @@ class RunTrace:
         """By how much the newest input came before its time, at every sample of the trajectory, ns, shape (N,)."""
         return np.array(self._states.all()["slack_ns"])
 
-    def inputs(self) -> Inputs:
+    def inputs(self) -> SentInputs:
         """Inputs that the filter sent."""
         rows = self._up_to_the_end(self._sent)
-        return Inputs(largest=np.abs(rows["u"]).max(axis=1, initial=0.0), at_ns=np.array(rows["at_ns"]))
+        return SentInputs(largest=np.abs(rows["u"]).max(axis=1, initial=0.0), at_ns=np.array(rows["at_ns"]))
 
-    def answers(self) -> Answers:
+    def answers(self) -> Decisions:
         """Ticks of the filter."""
         rows = self._up_to_the_end(self._answered)
         accepted = rows["decided"] != Status.UNCERTIFIED
-        return Answers(
+        return Decisions(
             status=np.array(rows["status"]),
             residual=np.where(accepted, rows["residuals"].max(axis=1), np.inf),
             at_ns=np.array(rows["at_ns"]),

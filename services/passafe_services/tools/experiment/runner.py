@@ -42,13 +42,13 @@ class CompiledStudy:
 
     Attributes:
         compiled: For the nodes.
-        mathematics: For the figures.
+        evaluator: For the figures.
         motion: For the tracking error.
     """
 
     def __init__(self, scenario: Scenario) -> None:
         self.compiled = CompiledScenario.of(scenario)
-        self.mathematics = CoreEvaluator(scenario)
+        self.evaluator = CoreEvaluator(scenario)
         self.motion = Motion(self.compiled.model.robot)
 
 
@@ -119,7 +119,7 @@ class StudyRunner:
         if until_its_end:
             tape.forget_beyond(round(scenario.duration_s * 1e9))
         reference = self._reference(scenario, kit) if self.study.experiment.tracking else None
-        return metrics_of(scenario, tape, kit.mathematics, kit.motion, reference)
+        return metrics_of(scenario, tape, kit.evaluator, kit.motion, reference)
 
     def _kit(self, scenario: Scenario) -> CompiledStudy:
         return self._kits.get(CompiledScenario.key_of(scenario), lambda: CompiledStudy(scenario))

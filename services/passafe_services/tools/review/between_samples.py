@@ -55,17 +55,17 @@ class RecomputedMargins:
     mismatch_max: Extremum | None = None
 
     @classmethod
-    def of(cls, trajectory: Trajectory, mathematics: PlantEvaluator, passivity: PassivityConfig, points: int) -> Self:
+    def of(cls, trajectory: Trajectory, evaluator: PlantEvaluator, passivity: PassivityConfig, points: int) -> Self:
         """Recompute them, with ``points`` instants in every period between two samples."""
         if trajectory.samples == 0:
             return cls()
         t_s, x, u = trajectory.t_s, trajectory.x, trajectory.u
         # A state of 1e200 overflows in x²; the extremum then says so, and a warning would say no more.
         with np.errstate(over="ignore", invalid="ignore"):
-            at_samples = _Lowest.of(mathematics.h(x, t_s), t_s)
-            power = Extremum.lowest(mathematics.power_margin(x, u), t_s)
-            lowest, power_between = _between(trajectory, mathematics, points, at_samples)
-            mismatch, mismatch_t_s = trajectory.mismatch(mathematics)
+            at_samples = _Lowest.of(evaluator.h(x, t_s), t_s)
+            power = Extremum.lowest(evaluator.power_margin(x, u), t_s)
+            lowest, power_between = _between(trajectory, evaluator, points, at_samples)
+            mismatch, mismatch_t_s = trajectory.mismatch(evaluator)
             norms = np.linalg.norm(u, axis=0)
         return cls(
             h_min=None if lowest is None else lowest.h,
@@ -115,15 +115,15 @@ class _Lowest(NamedTuple):
 
 
 def _between(
-    trajectory: Trajectory, mathematics: PlantEvaluator, points: int, lowest: _Lowest | None
+    trajectory: Trajectory, evaluator: PlantEvaluator, points: int, lowest: _Lowest | None
 ) -> tuple[_Lowest | None, Extremum | None]:
     """Return the lowest barrier value, that at samples included, and the lowest power margin between samples."""
     power_min: Extremum | None = None
-    for instants in trajectory.between(mathematics, points):
-        found = _Lowest.of(mathematics.h(instants.x, instants.t_s), instants.t_s)
+    for instants in trajectory.between(evaluator, points):
+        found = _Lowest.of(evaluator.h(instants.x, instants.t_s), instants.t_s)
         if lowest is not None and found is not None:
             lowest = min(lowest, found)
-        margin = mathematics.power_margin(instants.x, instants.u)
+        margin = evaluator.power_margin(instants.x, instants.u)
         power_min = _smaller(power_min, Extremum.lowest(margin, instants.t_s))
     return lowest, power_min
 

@@ -9,7 +9,7 @@ from passafe_protocol.messages import Header, Message
 B = TypeVar("B", bound=Message)
 
 
-class Logged(NamedTuple, Generic[B]):
+class LoggedMessage(NamedTuple, Generic[B]):
     """One message of the log."""
 
     header: Header
@@ -40,9 +40,9 @@ class TopicCount:
     first_gap_wall_ns: int | None = None
 
 
-def in_order(found: Iterable[Logged[Message]], count: TopicCount) -> list[Logged[Message]]:
+def in_order(found: Iterable[LoggedMessage[Message]], count: TopicCount) -> list[LoggedMessage[Message]]:
     """Sort by source, session and sequence, drop repetitions, and count into ``count``."""
-    ordered: list[Logged[Message]] = []
+    ordered: list[LoggedMessage[Message]] = []
     last: Header | None = None
     for message in sorted(found, key=_session_and_sequence):
         header = message.header
@@ -66,5 +66,5 @@ def in_order(found: Iterable[Logged[Message]], count: TopicCount) -> list[Logged
     return ordered
 
 
-def _session_and_sequence(message: Logged[Message]) -> tuple[str, int, int]:
+def _session_and_sequence(message: LoggedMessage[Message]) -> tuple[str, int, int]:
     return message.header.source, message.header.epoch, message.header.sequence

@@ -1,4 +1,4 @@
-"""The mathematics of a scenario from the core, over many samples at once."""
+"""The evaluator of a scenario from the core, over many samples at once."""
 
 from collections.abc import Sequence
 from functools import cache

@@ -18,7 +18,7 @@ ANSWERED: Final = (FilterStatus.PASSED, FilterStatus.MODIFIED, FilterStatus.RELA
 
 
 @dataclass(frozen=True, kw_only=True)
-class Inputs:
+class SentInputs:
     """Every input that was sent, in order.
 
     Attributes:
@@ -40,7 +40,7 @@ class Inputs:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Answers:
+class Decisions:
     """Every tick of the filter, in order.
 
     Attributes:

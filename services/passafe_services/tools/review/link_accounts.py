@@ -18,7 +18,7 @@ from passafe_protocol.messages import LinkEvent, LinkSource, LinkState, Message
 from passafe_protocol.topics import LINKS, Topic
 from pydantic import BaseModel, ConfigDict
 
-from passafe_services.tools.review.continuity import Logged
+from passafe_services.tools.review.continuity import LoggedMessage
 from passafe_services.tools.review.run_log import RunLog
 
 Reader: TypeAlias = tuple[str, str, int | None]
@@ -80,7 +80,7 @@ class LinkAccount(BaseModel):
         )
 
     @classmethod
-    def of(cls, key: Reader, state: LinkState, events: Sequence[Logged[LinkEvent]], sent: Sent) -> Self:
+    def of(cls, key: Reader, state: LinkState, events: Sequence[LoggedMessage[LinkEvent]], sent: Sent) -> Self:
         """Make the account of one link.
 
         Args:
@@ -127,7 +127,7 @@ def link_accounts(log: RunLog) -> list[LinkAccount]:
     last: dict[Reader, LinkState] = {}
     for told in log.of(LinkState):
         last[_key(log, told.body.link, told)] = told.body
-    events: dict[tuple[str, int | None], list[Logged[LinkEvent]]] = {}
+    events: dict[tuple[str, int | None], list[LoggedMessage[LinkEvent]]] = {}
     for event in log.of(LinkEvent):
         _, source, session = _key(log, event.body.link, event)
         events.setdefault((source, session), []).append(event)
@@ -140,13 +140,13 @@ def link_accounts(log: RunLog) -> list[LinkAccount]:
     ]
 
 
-def _key(log: RunLog, link: str, told: Logged[LinkState] | Logged[LinkEvent]) -> Reader:
+def _key(log: RunLog, link: str, told: LoggedMessage[LinkState] | LoggedMessage[LinkEvent]) -> Reader:
     return link, told.header.source, told.header.epoch if log.identity.driver == "live" else None
 
 
 def _sent(log: RunLog, topic: Topic) -> Sent:
     numbers: Sent = {}
-    messages: Iterable[Logged[Message]] = log.messages.get(topic.name, ())
+    messages: Iterable[LoggedMessage[Message]] = log.messages.get(topic.name, ())
     for header, _ in messages:
         numbers.setdefault((header.source, header.epoch), set()).add(header.sequence)
     return numbers
@@ -166,7 +166,7 @@ def _is_offered(event: LinkEvent, state: LinkState) -> bool:
     return any(source.first <= event.sequence <= source.newest for source in state.sources)
 
 
-def _told(state: LinkState, events: Sequence[Logged[LinkEvent]]) -> tuple[list[LinkEvent], int]:
+def _told(state: LinkState, events: Sequence[LoggedMessage[LinkEvent]]) -> tuple[list[LinkEvent], int]:
     """The link's events up to its state, and how many are missing in the log up to the last of them."""
     wanted = state.dropped_loss + state.dropped_queue + state.dropped_outage + state.duplicated + state.corrupted
     told: list[LinkEvent] = []

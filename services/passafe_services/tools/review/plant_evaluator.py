@@ -1,4 +1,4 @@
-"""What a review needs to know of the scenario's mathematics, to judge a run from its states alone."""
+"""What a review needs to know of the scenario's evaluator, to judge a run from its states alone."""
 
 from typing import Protocol, TypeAlias
 

@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict
 
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.review.between_samples import Extremum, RecomputedMargins
-from passafe_services.tools.review.filter_claims import Answers, Inputs
+from passafe_services.tools.review.filter_claims import Decisions, SentInputs
 from passafe_services.tools.review.link_accounts import LinkAccount
 from passafe_services.tools.review.run_log import RunLog
 from passafe_services.tools.review.trajectory import NS_PER_S, Trajectory
@@ -48,9 +48,9 @@ class Property(BaseModel):
     Attributes:
         holds: Whether it did; ``None`` if the log holds nothing to judge it by.
         required: Whether the scenario's mode asks for it; if not it is reported and decides nothing.
-        worst: The worst value found, of what ``demand`` names.
+        worst: The worst value found, of what ``requirement`` names.
         at_s: Plant time of the worst value, s; of the first one where values are counted.
-        demand: What is demanded, in words.
+        requirement: What is demanded, in words.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -59,13 +59,13 @@ class Property(BaseModel):
     required: bool
     worst: float | None
     at_s: float | None
-    demand: str
+    requirement: str
 
 
 def judge_properties(
     scenario: Scenario,
-    inputs: Inputs,
-    answers: Answers,
+    inputs: SentInputs,
+    decisions: Decisions,
     trajectory: Trajectory,
     margins: RecomputedMargins,
     tolerances: Tolerances,
@@ -75,7 +75,7 @@ def judge_properties(
     Args:
         scenario: What was run.
         inputs: What the filter sent.
-        answers: What it claimed.
+        decisions: What it claimed.
         trajectory: What the plant did.
         margins: How near it came to its limits.
         tolerances: What still counts as kept.
@@ -84,7 +84,7 @@ def judge_properties(
         "safe": _safe(margins, scenario, tolerances),
         "passive": _passive(margins, scenario, tolerances),
         "bounded": _bounded(inputs, trajectory, scenario.filter.input_bound, tolerances),
-        "certified": _certified(answers, tolerances.certificate, required=scenario.filter.mode != "off"),
+        "certified": _certified(decisions, tolerances.certificate, required=scenario.filter.mode != "off"),
         "consistent": _at_most(
             margins.mismatch_max,
             tolerances.mismatch_relative,
@@ -102,7 +102,7 @@ def judge_completeness(log: RunLog, trajectory: Trajectory) -> Property:
         required=True,
         worst=float(missing),
         at_s=_first_gap_s(log),
-        demand="messages of command, input, state and tick missing = 0, from the first state to the end",
+        requirement="messages of command, input, state and tick missing = 0, from the first state to the end",
     )
 
 
@@ -112,7 +112,7 @@ def _at_least(worst: Extremum | None, limit: float, *, required: bool, what: str
         required=required,
         worst=None if worst is None else worst.value,
         at_s=None if worst is None else worst.at_s,
-        demand=f"{what} ≥ {limit:g}",
+        requirement=f"{what} ≥ {limit:g}",
     )
 
 
@@ -122,7 +122,7 @@ def _at_most(worst: Extremum | None, limit: float, *, required: bool, what: str)
         required=required,
         worst=None if worst is None else worst.value,
         at_s=None if worst is None else worst.at_s,
-        demand=f"{what} ≤ {limit:g}",
+        requirement=f"{what} ≤ {limit:g}",
     )
 
 
@@ -147,7 +147,7 @@ def _passive(margins: RecomputedMargins, scenario: Scenario, tolerances: Toleran
     )
 
 
-def _bounded(inputs: Inputs, trajectory: Trajectory, bound: float, tolerances: Tolerances) -> Property:
+def _bounded(inputs: SentInputs, trajectory: Trajectory, bound: float, tolerances: Tolerances) -> Property:
     found = []
     if trajectory.samples:
         found.append(Extremum.highest(abs(trajectory.u).max(axis=0), trajectory.t_s))
@@ -158,15 +158,15 @@ def _bounded(inputs: Inputs, trajectory: Trajectory, bound: float, tolerances: T
     return _at_most(worst, limit, required=True, what="largest |u_i| sent or applied")
 
 
-def _certified(answers: Answers, limit: float, *, required: bool) -> Property:
-    uncertified = answers.uncertified(limit)
+def _certified(decisions: Decisions, limit: float, *, required: bool) -> Property:
+    uncertified = decisions.uncertified(limit)
     judged, count = uncertified.size > 0, int(uncertified.sum())
     return Property(
         holds=count == 0 if judged else None,
         required=required,
         worst=float(count) if judged else None,
-        at_s=float(answers.at_ns[uncertified.argmax()] / NS_PER_S) if count else None,
-        demand=f"ticks that claim an answer without a certificate accepted within {limit:g} = 0",
+        at_s=float(decisions.at_ns[uncertified.argmax()] / NS_PER_S) if count else None,
+        requirement=f"ticks that claim an answer without a certificate accepted within {limit:g} = 0",
     )
 
 
@@ -182,7 +182,7 @@ def judge_links(accounts: Sequence[LinkAccount]) -> Property:
         required=bool(accounts),
         worst=None if worst is None else float(worst),
         at_s=None,
-        demand="messages of a link that its states, its events and the log tell differently = 0",
+        requirement="messages of a link that its states, its events and the log tell differently = 0",
     )
 
 

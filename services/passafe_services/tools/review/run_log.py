@@ -15,7 +15,7 @@ from passafe_protocol.topics import KEY_ROOT, SCENARIO, TOPIC_OF_BODY, TOPICS, T
 from passafe_services.log.log_reader import LogReader
 from passafe_services.log.log_writer import SCENARIO_RECORD, topic_of_key
 from passafe_services.tools.recover import RECOVERED_RECORD
-from passafe_services.tools.review.continuity import Logged, TopicCount, in_order
+from passafe_services.tools.review.continuity import LoggedMessage, TopicCount, in_order
 from passafe_services.tools.review.errors import ForeignLogError
 from passafe_services.tools.review.run_identity import RunIdentity, identify
 
@@ -27,7 +27,7 @@ class _Contents:
     """What the file holds, before it is put in order."""
 
     metadata: dict[str, dict[str, str]] = field(default_factory=dict)
-    messages: dict[str, list[Logged[Message]]] = field(default_factory=dict)  # by the topic's name
+    messages: dict[str, list[LoggedMessage[Message]]] = field(default_factory=dict)  # by the topic's name
     undecodable: dict[str, int] = field(default_factory=dict)
     foreign_keys: list[str] = field(default_factory=list)
 
@@ -56,13 +56,13 @@ class RunLog:
     identity: RunIdentity
     counts: Mapping[str, TopicCount]
     foreign_keys: tuple[str, ...]
-    messages: Mapping[str, list[Logged[Message]]] = field(repr=False)
+    messages: Mapping[str, list[LoggedMessage[Message]]] = field(repr=False)
 
-    def of(self, body: type[B]) -> list[Logged[B]]:
+    def of(self, body: type[B]) -> list[LoggedMessage[B]]:
         """Every message with this body, by source and session, each in order of sequence."""
         topic = TOPIC_OF_BODY[cast("type[Message]", body)]
         # The codec gives every message of a topic that topic's body.
-        return cast("list[Logged[B]]", self.messages.get(topic.name, []))
+        return cast("list[LoggedMessage[B]]", self.messages.get(topic.name, []))
 
     @classmethod
     def read(cls, path: Path) -> Self:
@@ -120,4 +120,4 @@ def _decode(topic: Topic, data: bytes, contents: _Contents) -> None:
     except ProtocolError:
         contents.undecodable[topic.name] = contents.undecodable.get(topic.name, 0) + 1
     else:
-        contents.messages.setdefault(topic.name, []).append(Logged(header, body))
+        contents.messages.setdefault(topic.name, []).append(LoggedMessage(header, body))

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from passafe_protocol.messages import PlantPhase, PlantState
 
-from passafe_services.tools.review.continuity import Logged
+from passafe_services.tools.review.continuity import LoggedMessage
 
 RUNNING, FAIL_SAFE, WAITING = PlantPhase.RUNNING, PlantPhase.FAIL_SAFE, PlantPhase.WAITING
 
@@ -20,22 +20,22 @@ class SequenceBreak(NamedTuple):
         at_s: Plant time at which an input was missing, s.
         wall_ns: Wall time then, Unix, ns.
         fail_safe_wall_ns: Wall time at which the fail-safe law was in force.
-        armed_wall_ns: Wall time at which an input was applied again.
-        armed_s: Plant time then, s.
+        resumed_wall_ns: Wall time at which an input was applied again.
+        resumed_s: Plant time then, s.
     """
 
     at_s: float
     wall_ns: int
     fail_safe_wall_ns: int | None
-    armed_wall_ns: int | None
-    armed_s: float | None
+    resumed_wall_ns: int | None
+    resumed_s: float | None
 
     def length_s(self, end_s: float) -> float:
         """How long it was, s; one that the log does not see the end of lasts until its own end at ``end_s``."""
-        return (end_s if self.armed_s is None else self.armed_s) - self.at_s
+        return (end_s if self.resumed_s is None else self.resumed_s) - self.at_s
 
 
-def sequence_breaks(states: Sequence[Logged[PlantState]]) -> list[SequenceBreak]:
+def sequence_breaks(states: Sequence[LoggedMessage[PlantState]]) -> list[SequenceBreak]:
     """Every disarming in a log, in order.
 
     Args:
@@ -47,7 +47,7 @@ def sequence_breaks(states: Sequence[Logged[PlantState]]) -> list[SequenceBreak]
     return found
 
 
-def _of_session(states: Iterable[Logged[PlantState]]) -> list[SequenceBreak]:
+def _of_session(states: Iterable[LoggedMessage[PlantState]]) -> list[SequenceBreak]:
     moving = (state for state in states if state.body.phase is not WAITING)
     stretches = [(runs, list(of)) for runs, of in groupby(moving, key=lambda state: state.body.phase is RUNNING)]
     found = []
@@ -62,8 +62,8 @@ def _of_session(states: Iterable[Logged[PlantState]]) -> list[SequenceBreak]:
                 at_s=begun.body.plant_ns / 1e9,
                 wall_ns=begun.header.wall_ns,
                 fail_safe_wall_ns=law,
-                armed_wall_ns=None if again is None else again.header.wall_ns,
-                armed_s=None if again is None else again.body.plant_ns / 1e9,
+                resumed_wall_ns=None if again is None else again.header.wall_ns,
+                resumed_s=None if again is None else again.body.plant_ns / 1e9,
             )
         )
     return found

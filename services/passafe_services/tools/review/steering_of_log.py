@@ -16,7 +16,7 @@ from passafe_services.tools.review.steering import Steering
 from passafe_services.tools.review.trajectory import NS_PER_S, Trajectory
 
 
-def steering_of(log: RunLog, trajectory: Trajectory, mathematics: PlantEvaluator) -> Steering | None:
+def steering_of(log: RunLog, trajectory: Trajectory, evaluator: PlantEvaluator) -> Steering | None:
     """Return the scores; ``None`` where no simulated person steered, or not yet.
 
     Of a plant that started again its last session is scored.
@@ -24,12 +24,12 @@ def steering_of(log: RunLog, trajectory: Trajectory, mathematics: PlantEvaluator
     Args:
         log: The log.
         trajectory: Its motion.
-        mathematics: Functions of its scenario.
+        evaluator: Functions of its scenario.
     """
     requests = Requests.of(
         (tick.body.effective_plant_ns, tick.body.u_h, tick.body.u_nominal, tick.body.u) for tick in log.of(FilterTick)
     )
-    return steering_from(log.identity.scenario, trajectory, mathematics, requests)
+    return steering_from(log.identity.scenario, trajectory, evaluator, requests)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,14 +62,14 @@ class Requests:
 
 
 def steering_from(
-    scenario: Scenario, trajectory: Trajectory, mathematics: PlantEvaluator, requests: Requests | None
+    scenario: Scenario, trajectory: Trajectory, evaluator: PlantEvaluator, requests: Requests | None
 ) -> Steering | None:
     """Return the scores of a run, logged or not; ``None`` where no simulated person steered, or not yet.
 
     Args:
         scenario: What was run.
         trajectory: Motion of the plant.
-        mathematics: Functions of the scenario.
+        evaluator: Functions of the scenario.
         requests: What the filter was asked for, as far as that is known.
     """
     person = scenario.operator.source
@@ -83,7 +83,7 @@ def steering_from(
             person.tolerance_m,
             t_s,
             x[: len(person.targets[0].position)],
-            h=mathematics.h(x, t_s),
+            h=evaluator.h(x, t_s),
             asked=None if requests is None else (requests.at_s, requests.asked),
             withheld=None if requests is None else (requests.at_s, requests.withheld),
         )

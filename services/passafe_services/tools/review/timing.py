@@ -10,7 +10,7 @@ from passafe_protocol.messages import FilterTick, Header, OperatorCommand, Plant
 from passafe_protocol.topics import COMMAND
 from pydantic import BaseModel, ConfigDict
 
-from passafe_services.tools.review.continuity import Logged
+from passafe_services.tools.review.continuity import LoggedMessage
 from passafe_services.tools.review.run_log import RunLog
 
 NS_PER_US: Final = 1e3
@@ -80,7 +80,7 @@ class Timing(BaseModel):
         )
 
 
-def steps_skipped(ticks: Sequence[Logged[FilterTick]], period_ns: float) -> int:
+def steps_skipped(ticks: Sequence[LoggedMessage[FilterTick]], period_ns: float) -> int:
     """Filter steps that were skipped to catch up: holes in the times at which steps were due.
 
     Counted between ticks that follow one another, so that a message missing in the log counts for nothing.
@@ -96,7 +96,7 @@ def _left_out(headers: Sequence[Header], period_ns: float) -> int:
     return left_out
 
 
-def _solve_us(inputs: Sequence[Logged[PlantInput]]) -> Percentiles | None:
+def _solve_us(inputs: Sequence[LoggedMessage[PlantInput]]) -> Percentiles | None:
     return Percentiles.of(_ns([i.header.sent_ns - i.header.started_ns for i in inputs]), NS_PER_US)
 
 
@@ -119,7 +119,7 @@ def _late_us(log: RunLog) -> dict[str, Lateness]:
     return found
 
 
-def _command_age_ms(ticks: Sequence[Logged[FilterTick]]) -> Percentiles | None:
+def _command_age_ms(ticks: Sequence[LoggedMessage[FilterTick]]) -> Percentiles | None:
     known = [tick.body.command_age_ns for tick in ticks if tick.body.command_age_ns >= 0]
     return Percentiles.of(_ns(known), NS_PER_MS)
 
@@ -145,7 +145,7 @@ def _operator_to_plant_ms(log: RunLog) -> Percentiles | None:
     return Percentiles.of(_ns(latencies), NS_PER_MS)
 
 
-def _sessions(sent: Sequence[Logged[FilterTick]] | Sequence[Logged[PlantState]]) -> int:
+def _sessions(sent: Sequence[LoggedMessage[FilterTick]] | Sequence[LoggedMessage[PlantState]]) -> int:
     return len({(message.header.source, message.header.epoch) for message in sent})
 
 

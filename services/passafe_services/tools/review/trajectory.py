@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from passafe_protocol.messages import PlantPhase, PlantState
 
-from passafe_services.tools.review.continuity import Logged
+from passafe_services.tools.review.continuity import LoggedMessage
 from passafe_services.tools.review.plant_evaluator import FloatArray, PlantEvaluator
 
 NS_PER_S: Final = 1e9
@@ -51,7 +51,7 @@ class Trajectory:
     period_s: FloatArray
 
     @classmethod
-    def of(cls, states: Sequence[Logged[PlantState]]) -> Self:
+    def of(cls, states: Sequence[LoggedMessage[PlantState]]) -> Self:
         """Take it from the logged states, given by session and in order of sequence."""
         moving = [state for state in states if state.body.phase is not PlantPhase.WAITING]
         epochs = np.array([state.header.epoch for state in moving], dtype=np.uint64)
@@ -102,7 +102,7 @@ class Trajectory:
         """N."""
         return len(self.t_s)
 
-    def between(self, mathematics: PlantEvaluator, points: int) -> Iterator[Instants]:
+    def between(self, evaluator: PlantEvaluator, points: int) -> Iterator[Instants]:
         """Yield the instants at j/points of every period, j = 1 … points.
 
         The last one of a period, j = points, is the limit from the left: the state is the next sample's, the
@@ -113,9 +113,9 @@ class Trajectory:
             t_s, x, u = self.t_s[begun], self.x[:, begun], self.u[:, begun]
             for j in range(1, points + 1):
                 offset_s = float(period_s) * j / points
-                yield Instants(t_s + offset_s, mathematics.flow(x, u, offset_s), u)
+                yield Instants(t_s + offset_s, evaluator.flow(x, u, offset_s), u)
 
-    def mismatch(self, mathematics: PlantEvaluator) -> tuple[FloatArray, FloatArray]:
+    def mismatch(self, evaluator: PlantEvaluator) -> tuple[FloatArray, FloatArray]:
         """How far each logged state is from where the model goes from the one before.
 
         Returns:
@@ -125,7 +125,7 @@ class Trajectory:
         for period_s in np.unique(self.period_s[self.period_s > 0]):
             (begun,) = np.nonzero(self.period_s == period_s)
             reached = self.x[:, begun + 1]
-            expected = mathematics.flow(self.x[:, begun], self.u[:, begun], float(period_s))
+            expected = evaluator.flow(self.x[:, begun], self.u[:, begun], float(period_s))
             errors.append(np.abs(reached - expected).max(axis=0) / (1 + np.abs(reached).max(axis=0)))
             times.append(self.t_s[begun + 1])
         return np.concatenate(errors), np.concatenate(times)

@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.review.between_samples import Extremum, RecomputedMargins
 from passafe_services.tools.review.errors import MismatchedLogError
-from passafe_services.tools.review.filter_claims import Answers, Inputs
+from passafe_services.tools.review.filter_claims import Decisions, SentInputs
 from passafe_services.tools.review.link_accounts import LinkAccount, link_accounts
 from passafe_services.tools.review.plant_evaluator import PlantEvaluator
 from passafe_services.tools.review.properties import (
@@ -57,8 +57,8 @@ class Verdict(BaseModel):
         ticks: Filter ticks in the log.
         steps_skipped: Filter steps skipped to catch up.
         sessions: Sessions of operator, filter and plant; more than one where it was started again.
-        disarmings: How often the plant ran out of inputs.
-        disarmed_s: How long it was without, s of plant time.
+        sequence_breaks: How often the plant ran out of inputs.
+        without_input_s: How long it was without, s of plant time.
         gaps: Messages missing between others, by topic.
         missed_at_start: Messages missing before the first one, by topic.
         undecodable: Messages in the log that are not valid for their topic, by topic.
@@ -99,8 +99,8 @@ class Verdict(BaseModel):
     ticks: int
     steps_skipped: int
     sessions: dict[str, int]
-    disarmings: int
-    disarmed_s: float
+    sequence_breaks: int
+    without_input_s: float
     gaps: dict[str, int]
     missed_at_start: dict[str, int]
     undecodable: dict[str, int]
@@ -131,7 +131,7 @@ class Verdict(BaseModel):
     def of(
         cls,
         log: RunLog,
-        mathematics: PlantEvaluator,
+        evaluator: PlantEvaluator,
         *,
         tolerances: Tolerances | None = None,
         points_per_period: int = POINTS_PER_PERIOD,
@@ -140,7 +140,7 @@ class Verdict(BaseModel):
 
         Args:
             log: Its log.
-            mathematics: Functions of the log's scenario.
+            evaluator: Functions of the log's scenario.
             tolerances: What still counts as kept; the defaults if not given.
             points_per_period: Instants to judge between two samples, the end of the period among them.
 
@@ -150,11 +150,11 @@ class Verdict(BaseModel):
         scenario = log.identity.scenario
         tolerances = Tolerances() if tolerances is None else tolerances
         trajectory = trajectory_of(log)
-        margins = RecomputedMargins.of(trajectory, mathematics, scenario.filter.passivity, points_per_period)
+        margins = RecomputedMargins.of(trajectory, evaluator, scenario.filter.passivity, points_per_period)
         ticks = log.of(FilterTick)
-        inputs = Inputs.of(sent.body for sent in log.of(PlantInput))
-        answers = Answers.of([tick.body for tick in ticks])
-        properties = judge_properties(scenario, inputs, answers, trajectory, margins, tolerances)
+        inputs = SentInputs.of(sent.body for sent in log.of(PlantInput))
+        decisions = Decisions.of([tick.body for tick in ticks])
+        properties = judge_properties(scenario, inputs, decisions, trajectory, margins, tolerances)
         properties["complete"] = judge_completeness(log, trajectory)
         accounts = link_accounts(log)
         properties["links-reconciled"] = judge_links(accounts)
@@ -173,8 +173,8 @@ class Verdict(BaseModel):
             ticks=len(ticks),
             steps_skipped=steps_skipped(ticks, scenario.dt_s * NS_PER_S),
             sessions={process: log.counts[topic.name].sessions for process, topic in CONTROL_LOOP.items()},
-            disarmings=len(without_input),
-            disarmed_s=sum(one.length_s(float(trajectory.t_s[-1])) for one in without_input),
+            sequence_breaks=len(without_input),
+            without_input_s=sum(one.length_s(float(trajectory.t_s[-1])) for one in without_input),
             gaps={name: count.gaps for name, count in log.counts.items()},
             missed_at_start={name: count.missed_at_start for name, count in log.counts.items()},
             undecodable={name: count.undecodable for name, count in log.counts.items()},
@@ -185,7 +185,7 @@ class Verdict(BaseModel):
             power_margin_min_at_samples=_value(margins.power_margin_min_at_samples),
             tank_min_j=_value(margins.tank_min_j),
             u_norm_max=_value(margins.u_norm_max),
-            status_counts=answers.counts,
+            status_counts=decisions.counts,
             solve_us_p50=solve_us_p50,
             solve_us_p99=solve_us_p99,
             late_us_p50=late_us_p50,
@@ -194,7 +194,7 @@ class Verdict(BaseModel):
             command_age_ms_p99=command_age_ms_p99,
             timing=timing,
             final_x=tuple(trajectory.x[:, -1].tolist()) if trajectory.samples else None,
-            steering=steering_of(log, trajectory, mathematics),
+            steering=steering_of(log, trajectory, evaluator),
             links=accounts,
             points_per_period=points_per_period,
             tolerances=tolerances,
