@@ -112,7 +112,7 @@ def _facts(verdict: Mapping[str, Any]) -> list[tuple[str, str]]:
         ("largest ‖u‖", number(verdict.get("u_norm_max"))),
         ("final x", "unknown" if final is None else f"({', '.join(number(value) for value in final)})"),
         ("filter ticks", number(verdict.get("ticks"), 9)),
-        ("ticks missed", number(verdict.get("steps_skipped"), 9)),
+        ("steps skipped", number(verdict.get("steps_skipped"), 9)),
         ("messages missing in the log", missing or ("none" if gaps else "unknown")),
     ]
 
