@@ -37,6 +37,7 @@ if TYPE_CHECKING:
         speed_limit,
         uniform_motion,
     )
+    from passafe.certificate import Tolerance
     from passafe.class_k import ClassK, Cubic, Linear, Piecewise
     from passafe.decision import Decision, Status
     from passafe.design import FilterDesign, Law, Mode
@@ -57,7 +58,6 @@ if TYPE_CHECKING:
     from passafe.models.saturating_point import saturating_point
     from passafe.models.two_points import two_points
     from passafe.passivity import Passivity, power_margin
-    from passafe.quadratic_program import Tolerance
     from passafe.sampled_plant import Sample, SampledPlant
     from passafe.storage import kinetic_energy, spring_energy, squared_norm
     from passafe.system import System
@@ -148,7 +148,7 @@ _NAMES_OF: Final = {
     "passafe.models.saturating_point": ("saturating_point",),
     "passafe.models.two_points": ("two_points",),
     "passafe.passivity": ("Passivity", "power_margin"),
-    "passafe.quadratic_program": ("Tolerance",),
+    "passafe.certificate": ("Tolerance",),
     "passafe.sampled_plant": ("Sample", "SampledPlant"),
     "passafe.storage": ("kinetic_energy", "spring_energy", "squared_norm"),
     "passafe.system": ("System",),

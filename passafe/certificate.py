@@ -1,31 +1,101 @@
-"""The certificate of an answer in plain numbers, for programs that are solved outside the filter's fast path."""
+"""The certificate of an answer: its residuals, and the one function that accepts it.
 
+An answer to min ½‖z‖² subject to G z ≥ d is a pair (z, λ). Whichever solver computed it, it is used only if ``accepts``
+says so of the residuals of the optimality conditions.
+"""
+
+from dataclasses import dataclass
 from functools import lru_cache
+from typing import overload
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 
-from passafe.quadratic_program import Tolerance, judging_function
-from passafe.workspace import Array
+from passafe.stage import Stage, T
+from passafe.workspace import Array, dense_function
 
 
-def is_certified(G: Array, d: Array, z: Array, lam: Array, tolerance: Tolerance) -> bool:
-    """Tell whether z and λ meet the optimality conditions of min ½‖z‖² subject to G z ≥ d.
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Tolerance:
+    """Residuals up to which an answer is accepted, relative to 1 + ‖z‖ (gap: 1 + ‖z‖²).
 
-    The residuals are those of ``certificate_residuals``. A NaN anywhere is refused.
+    Attributes:
+        residual: Largest primal and dual residual.
+        gap: Largest duality gap. A feasible z then lies within √(2·gap) of the true minimiser, because the
+            objective is strongly convex with modulus 1.
+    """
+
+    residual: float = 1e-6
+    gap: float = 1e-6
+
+
+class Residuals(Stage[T], frozen=True, eq=False, gc=False):
+    """Relative residuals of the optimality conditions; all three vanish exactly at the minimiser and its multipliers.
+
+    Attributes:
+        primal: Largest violation of G z ≥ d, over 1 + ‖z‖.
+        dual: Largest of |z − Gᵀλ| and of −λ, over 1 + ‖z‖.
+        gap: |½zᵀz − (λᵀd − ½‖Gᵀλ‖²)| over 1 + ‖z‖² (Boyd & Vandenberghe, section 5.5).
+    """
+
+    primal: T
+    dual: T
+    gap: T
+
+
+@overload
+def accepts(tolerance: Tolerance, residuals: Residuals[float]) -> bool: ...
+@overload
+def accepts(tolerance: Tolerance, residuals: Residuals[Array]) -> NDArray[np.bool_]: ...
+def accepts(
+    tolerance: Tolerance, residuals: Residuals[float] | Residuals[Array]
+) -> bool | np.bool_ | NDArray[np.bool_]:
+    """Return whether an answer with these residuals is accepted; one with a NaN among them is not.
+
+    Args:
+        tolerance: Largest residuals.
+        residuals: Of one answer, or of every element of a batch.
+    """
+    largest = tolerance.residual
+    return (residuals.primal <= largest) & (residuals.dual <= largest) & (residuals.gap <= tolerance.gap)
+
+
+def certificate_residuals(z: ca.SX, lam: ca.SX, G: ca.SX, d: ca.SX) -> Residuals[ca.SX]:
+    """Return the residuals as scalar expressions. A NaN in any argument makes one of them NaN.
+
+    Args:
+        z: Decision, shape (k, 1).
+        lam: Multipliers λ, shape (N, 1).
+        G: Rows, shape (N, k).
+        d: Bounds, shape (N, 1).
+    """
+    if d.numel() == 0:
+        return Residuals(ca.SX(0), ca.norm_2(z), ca.sumsqr(z))
+    scale = 1 + ca.norm_2(z)
+    pull = G.T @ lam
+    return Residuals(
+        primal=ca.fmax(ca.mmax(d - G @ z), 0) / scale,
+        dual=ca.fmax(ca.mmax(ca.fabs(z - pull)), -ca.mmin(lam)) / scale,
+        gap=ca.fabs(ca.sumsqr(z) / 2 - ca.dot(lam, d) + ca.sumsqr(pull) / 2) / (1 + ca.sumsqr(z)),
+    )
+
+
+def residuals_of(G: Array, d: Array, z: Array, lam: Array) -> Residuals[float]:
+    """Return the residuals of an answer in plain numbers, for programs that are solved outside the filter's fast path.
 
     Args:
         G: Rows, shape (N, k).
         d: Bounds, shape (N,).
         z: Answer, shape (k,).
         lam: Its multipliers, shape (N,).
-        tolerance: Largest residuals.
     """
-    _, residuals = _judge(*G.shape)(G, d, z, lam)
-    primal, dual, gap = np.asarray(residuals.full()).ravel()
-    return bool(primal <= tolerance.residual and dual <= tolerance.residual and gap <= tolerance.gap)
+    return Residuals(*map(float, _residual_function(*G.shape)(G, d, z, lam)))
 
 
 @lru_cache(maxsize=16)
-def _judge(rows: int, size: int) -> ca.Function:
-    return judging_function(rows, size)
+def _residual_function(rows: int, size: int) -> ca.Function:
+    """Return the function (G, d, z, λ) → residuals for ``rows`` rows of length ``size``."""
+    G, d = ca.SX.sym("G", rows, size), ca.SX.sym("d", rows)
+    z, lam = ca.SX.sym("z", size), ca.SX.sym("lam", rows)
+    return dense_function("residuals", [G, d, z, lam], [*certificate_residuals(z, lam, G, d).fields().values()])

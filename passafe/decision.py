@@ -1,12 +1,11 @@
-"""What the filter decided in one tick, and the evidence for it."""
+"""One decision of the filter, and the evidence for it."""
 
-from collections.abc import Mapping
 from enum import IntEnum
 
 from msgspec import Struct
 
-from passafe.quadratic_program import DUAL, GAP, PRIMAL
-from passafe.workspace import Array
+from passafe.decision_schema import Answer, Assessment, Evaluation, Program, Request
+from passafe.workspace import Array, BlockLayout
 
 
 class Status(IntEnum):
@@ -39,26 +38,52 @@ class Decision(Struct, frozen=True, eq=False):
     A msgspec struct: a frozen dataclass costs ten times as much to make (``docs/decisions/0003-msgspec-structs.md``).
 
     Attributes:
-        block: Everything that was computed, shape (layout size,).
-        parts: Where each named part lies in ``block``.
+        block: Everything that was computed, shape (layout.size,).
+        layout: Where each part lies in ``block``.
         status: Outcome.
         solver: Whose answer was judged; ``none`` where v = 0 is optimal by inspection.
+        assessment: Numbers by which the answer was accepted and graded.
         u: The input to hold over the next period, within the bound and finite, m numbers.
     """
 
     block: Array
-    parts: Mapping[str, slice]
+    layout: BlockLayout
     status: Status
     solver: str
+    assessment: Assessment[float]
     u: tuple[float, ...]
 
     def part(self, name: str) -> Array:
-        """Return a named part: see ``SafetyPassivityFilter`` for the names and shapes."""
-        return self.block[self.parts[name]]
+        """Return a part by name, flat: see ``passafe.decision_schema`` for the names and shapes."""
+        return self.block[self.layout.parts[name]]
+
+    def view(self, name: str) -> Array:
+        """Return a part by name in its shape."""
+        return self.layout.view(self.block, name)
+
+    @property
+    def request(self) -> Request[Array]:
+        """Arguments of the decision."""
+        return Request.of(self.view)
+
+    @property
+    def program(self) -> Program[Array]:
+        """The quadratic program that was solved last."""
+        return Program.of(self.view)
+
+    @property
+    def answer(self) -> Answer[Array]:
+        """Its answer."""
+        return Answer.of(self.view)
+
+    @property
+    def evaluation(self) -> Evaluation[Array]:
+        """What follows from the answer."""
+        return Evaluation.of(self.view)
 
     @property
     def v(self) -> Array:
-        """V = (u⁺ − u)/dt − φ, shape (m,), units of u per second."""
+        """(u⁺ − u)/dt − φ, shape (m,), units of u per second."""
         return self.part("v")
 
     @property
@@ -84,7 +109,7 @@ class Decision(Struct, frozen=True, eq=False):
     @property
     def slack(self) -> float:
         """δ of the passivity row, W; 0 where there is none."""
-        return float(self.part("slack")[0])
+        return self.assessment.slack
 
     @property
     def margins(self) -> Array:
@@ -99,14 +124,14 @@ class Decision(Struct, frozen=True, eq=False):
     @property
     def primal_residual(self) -> float:
         """Largest violation of a row, relative to 1 + ‖z‖."""
-        return float(self.part("residuals")[PRIMAL])
+        return self.assessment.primal
 
     @property
     def dual_residual(self) -> float:
         """Distance from stationarity and dual feasibility, relative to 1 + ‖z‖."""
-        return float(self.part("residuals")[DUAL])
+        return self.assessment.dual
 
     @property
     def gap(self) -> float:
         """Duality gap, relative to 1 + ‖z‖²."""
-        return float(self.part("residuals")[GAP])
+        return self.assessment.gap

@@ -7,10 +7,10 @@ from math import inf
 import casadi as ca
 
 from passafe.barrier_chain import Barrier
+from passafe.certificate import Tolerance
 from passafe.errors import DesignError
 from passafe.limits import Limits
 from passafe.passivity import Passivity
-from passafe.quadratic_program import Tolerance
 from passafe.system import System
 
 

@@ -120,17 +120,16 @@ class DistanceToInfeasibility:
         """Return the proven bounds of the distance at a decision."""
         if not self._hard:
             return Distance(lower=self.reach, upper=self.reach)
-        block, parts = decision.block, decision.parts
-        d, u_ref = block[parts["d"]], block[parts["u_ref"]]
+        posed = decision.program
         program = _Program(
-            G=block[parts["G"]].reshape((d.size, -1), order="F")[: self._hard, : self._m],
-            d=d[: self._hard],
-            u_ref=u_ref,
-            low=block[parts["low"]] - u_ref,
-            high=block[parts["high"]] - u_ref,
+            G=posed.G[: self._hard, : self._m],
+            d=posed.d[: self._hard],
+            u_ref=posed.u_ref,
+            low=posed.low - posed.u_ref,
+            high=posed.high - posed.u_ref,
             norm=self._norm,
         )
-        known = block[parts["u_plus"]] - u_ref
+        known = decision.part("u_plus") - posed.u_ref
         kept = program.kept(known)
         if not isfinite(kept):
             return Distance(lower=self.floor, upper=self.reach)

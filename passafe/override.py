@@ -9,7 +9,6 @@ axis pushes by what it cuts off u_want, too. u_want moves with the operator's pa
 (u⁺ − u_want)/k is by how much the command would have had to differ for the same input to pass without any change.
 """
 
-import struct
 from dataclasses import dataclass
 from math import inf
 from typing import Final
@@ -18,7 +17,9 @@ import casadi as ca
 import numpy as np
 
 from passafe.decision import Decision, Status
+from passafe.decision_schema import Answer, Evaluation, NormTangents, Program, Request
 from passafe.filter import SafetyPassivityFilter
+from passafe.stage import Stage, T
 from passafe.workspace import Array, BlockLayout, Workspace, dense_function
 
 ACTIVE_DUAL: Final = 1e-6
@@ -80,74 +81,91 @@ class Explainer:
     def __init__(self, core: SafetyPassivityFilter) -> None:
         """Take from the filter what does not change."""
         self._names = core.row_names
-        parts = core.layout.parts
-        sizes = {name: place.stop - place.start for name, place in parts.items()}
-        symbols = {name: ca.SX.sym(name, size) for name, size in sizes.items()}
-        explained = _explained(core, symbols)
-        read = [name for name in sizes if ca.depends_on(ca.vertcat(*explained.values()), symbols[name])]
-        function = dense_function("explain", [symbols[name] for name in read], list(explained.values()))
-        own = {name: value.numel() for name, value in explained.items()}
-        self._space = space = Workspace(BlockLayout.of(sizes | own))
-        self._evaluate = space.bind(function, read, list(own))
+        shapes = core.layout.shapes
+
+        def symbol(name: str) -> ca.SX:
+            return ca.SX.sym(name, *shapes[name])
+
+        request, program, answer = Request.of(symbol), Program.of(symbol), Answer.of(symbol)
+        tangents, evaluation = NormTangents.of(symbol), Evaluation.of(symbol)
+        explanation = _explain(core, request, program, tangents, answer, evaluation)
+        stages = (request, program, tangents, answer, evaluation)
+        read = {name: expression for stage in stages for name, expression in stage.fields().items()}
+        function = dense_function("explain", list(read.values()), list(explanation.fields().values()))
+        sizes = {name: expression.numel() for name, expression in explanation.fields().items()}
+        self._space = space = Workspace(BlockLayout.of({**shapes, **sizes}))
+        self._evaluate = space.bind(function, list(read), list(sizes))
         self._decided = space.block[: core.layout.size]
-        self._change, self._held_back = space.part("change"), space.part("held_back")
-        at = space.layout.parts
-        self._give = struct.Struct(f"{2 * len(self._names) + 1}d").unpack_from, at["push"].start * 8
+        self._explanation = _Explanation.of(space.view)
+        self._read_push, self._read_share = space.reader("push"), space.reader("share")
 
     def override(self, decision: Decision) -> Override:
         """Return what became of the decision's request."""
         self._decided[:] = decision.block
         self._evaluate()
-        give, at = self._give
-        *pushes_and_shares, fraction = give(self._space.memory, at)
-        change = self._change.copy()
+        explanation = self._explanation
+        change, fraction = explanation.change.copy(), float(explanation.allowed_fraction[0])
         if decision.status is Status.PASSED and not change.any():
             return Override(change=change, held_back=change, causes=(), allowed_fraction=1.0, unavoidable=False)
         return Override(
             change=change,
-            held_back=self._held_back.copy(),
-            causes=self._causes(pushes_and_shares),
+            held_back=explanation.held_back.copy(),
+            causes=self._causes(),
             allowed_fraction=max(fraction, 0.0),
             unavoidable=fraction < 0.0,
         )
 
-    def _causes(self, pushes_and_shares: list[float]) -> tuple[OverrideCause, ...]:
+    def _causes(self) -> tuple[OverrideCause, ...]:
         """Return the active rows in the order of their shares."""
-        count = len(self._names)
-        rows = zip(self._names, pushes_and_shares[:count], pushes_and_shares[count:], strict=True)
+        rows = zip(self._names, self._read_push(), self._read_share(), strict=True)
         causes = [OverrideCause(row=name, push=push, share=share) for name, push, share in rows if push > ACTIVE_DUAL]
         return tuple(sorted(causes, key=lambda cause: -cause.share))
 
 
-def _explained(core: SafetyPassivityFilter, parts: dict[str, ca.SX]) -> dict[str, ca.SX]:
-    """Return what is computed of a decision's parts: the last is the allowed fraction, −1 where there is none."""
+class _Explanation(Stage[T], frozen=True, eq=False, gc=False):
+    """What is computed of a decision: the allowed fraction is −1 where there is none."""
+
+    change: T
+    held_back: T
+    push: T
+    share: T
+    allowed_fraction: T
+
+
+def _explain(
+    core: SafetyPassivityFilter,
+    request: Request[ca.SX],
+    program: Program[ca.SX],
+    tangents: NormTangents[ca.SX],
+    answer: Answer[ca.SX],
+    evaluation: Evaluation[ca.SX],
+) -> _Explanation[ca.SX]:
     design = core.design
     m, dt_s = design.system.m, design.dt_s
-    start, u_h = parts["start"], parts["u_h"]
-    wanted = ca.if_else(start, parts["u_nominal"], parts["u"] + dt_s * parts["phi"])
+    start, u_h = request.start, request.u_h
+    wanted = ca.if_else(start, program.u_nominal, request.u + dt_s * program.phi)
     gain = ca.if_else(start, 1.0, dt_s * design.k_i)
-    command = ca.if_else(start, u_h, gain * u_h + dt_s * parts["u_h_rate"])
-    change = parts["u_plus"] - wanted
-    G = ca.reshape(parts["G"], core.duties, core.derivation.k)[:, :m]
-    cuts = ca.reshape(parts["cuts"], len(core.row_names) - core.duties - 2 * m, m)
-    cut_off = parts["u_ref"] - wanted
+    command = ca.if_else(start, u_h, gain * u_h + dt_s * request.u_h_rate)
+    change = evaluation.u_plus - wanted
+    G, cuts = program.G[:, :m], tangents.cuts
+    cut_off = program.u_ref - wanted
     axes = ca.fmax(ca.vertcat(cut_off, -cut_off), 0)
-    push = parts["lam"] + ca.vertcat(ca.SX(core.duties, 1), axes, ca.SX(cuts.shape[0], 1))
+    push = answer.lam + ca.vertcat(ca.SX(core.constraints, 1), axes, ca.SX(cuts.shape[0], 1))
     along = ca.vertcat(G @ change, change, -change, -cuts @ change)
     square = ca.sumsqr(change)
-    kept = ca.vertcat(G @ (wanted - parts["u_ref"]) - parts["d"], wanted - parts["low"], parts["high"] - wanted)
+    kept = ca.vertcat(G @ (wanted - program.u_ref) - program.d, wanted - program.low, program.high - wanted)
     least, most = _interval(kept + design.tolerance.residual, ca.vertcat(G @ command, command, -command))
     if design.limits.norm is not None:
         at_least, at_most = _within(wanted, command, design.limits.norm + design.tolerance.residual)
         least, most = ca.fmax(least, at_least), ca.fmin(most, at_most)
     is_number = ca.sumsqr(wanted) + ca.sumsqr(command) < inf
-    return {
-        "change": change,
-        "held_back": change / gain,
-        "push": push,
-        "share": ca.if_else(square > 0, push * along / square, 0),
-        "allowed_fraction": ca.if_else(ca.logic_and(is_number, least <= ca.fmin(most, 1)), 1 - least, -1),
-    }
+    return _Explanation(
+        change=change,
+        held_back=change / gain,
+        push=push,
+        share=ca.if_else(square > 0, push * along / square, 0),
+        allowed_fraction=ca.if_else(ca.logic_and(is_number, least <= ca.fmin(most, 1)), 1 - least, -1),
+    )
 
 
 def _interval(kept: ca.SX, slope: ca.SX) -> tuple[ca.SX, ca.SX]:

@@ -1,4 +1,4 @@
-"""The filter's quadratic program and the certificate of its answers.
+"""The filter's quadratic program, and where it is solved.
 
 Every law and mode comes down to one form: the point nearest to the origin in a polyhedron,
 
@@ -6,62 +6,112 @@ Every law and mode comes down to one form: the point nearest to the origin in a 
 
 with rows of unit length, so that residuals and row margins are distances in units of u. The first m entries of
 z are u⁺ − u_ref; the passivity row's slack, scaled by √ρ_u so that its cost is also ½z², is the last one.
+
+It is first solved over the constraints alone. Only where that answer is beyond the limits of the input is the whole
+program solved, limits included.
 """
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from typing import Final
 
-import casadi as ca
+import numpy as np
 
-from passafe.workspace import dense_function
+from passafe.decision_block import DecisionBlock
+from passafe.solvers.daqp_solver import DaqpSolver
+from passafe.solvers.least_distance_solver import LeastDistanceSolver
+from passafe.solvers.least_violation import least_violation
+from passafe.solvers.piqp_solver import PiqpSolver
+from passafe.solvers.solver import SOLVED, Solver, SolverOutcome
+from passafe.symbolic.whole_program import RowLayout
 
-PRIMAL, DUAL, GAP = range(3)
-"""Places of the three residuals in the certificate's vector."""
+BY_INSPECTION: Final = "none"
+"""Name of the solver where z = 0 is optimal because no constraint asks for anything."""
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Tolerance:
-    """Residuals up to which an answer is accepted, relative to 1 + ‖z‖ (gap: 1 + ‖z‖²).
+class QuadraticProgram:
+    """Solves the program of a ``DecisionBlock`` and writes the answer into it.
 
-    Attributes:
-        residual: Largest primal and dual residual.
-        gap: Largest duality gap. A feasible z then lies within √(2·gap) of the true minimiser, because the
-            objective is strongly convex with modulus 1.
+    No answer is judged here, and none is trusted: see ``passafe.certificate``.
     """
 
-    residual: float = 1e-6
-    gap: float = 1e-6
+    def __init__(self, block: DecisionBlock, rows: RowLayout, norm_asked: float) -> None:
+        """Set the solvers up.
 
+        Args:
+            block: Holds the program and receives the answers.
+            rows: Of the whole program.
+            norm_asked: Length that the norm's tangents allow, units of u.
+        """
+        self._block, self._rows, self._norm_asked = block, rows, norm_asked
+        answer, program, m = block.answer, block.program, len(block.program.u_ref)
+        self._z, self._lam = answer.z.data, answer.lam.data
+        self._largest_bound = program.largest_bound.data
+        self._constraint_lam = answer.lam[: rows.constraints].data
+        self._constraint_solver = PiqpSolver(program.G, program.d) if rows.constraints else None
+        self._used_tangents = 0
+        # The whole program: constraints, then ±z of the first m axes, then tangents of the norm.
+        self._G, self._d = np.zeros((len(rows.names), rows.columns), order="F"), np.zeros(len(rows.names))
+        self._G[rows.constraints : rows.constraints + 2 * m, :m] = np.vstack((np.eye(m), -np.eye(m)))
+        self._solvers: tuple[Solver, ...] = tuple(
+            kind(self._G, self._d) for kind in (PiqpSolver, DaqpSolver, LeastDistanceSolver)
+        )
 
-def certificate_residuals(z: ca.SX, lam: ca.SX, G: ca.SX, d: ca.SX) -> ca.SX:
-    """Return the three relative residuals of the optimality conditions, shape (3, 1).
+    def solve_constraints(self) -> tuple[str, SolverOutcome]:
+        """Solve over the constraints alone; return whose answer it is and what the solver says of it.
 
-    * primal: largest violation of G z ≥ d, over 1 + ‖z‖;
-    * dual: largest of |z − Gᵀλ| and of −λ, over 1 + ‖z‖;
-    * gap: |½zᵀz − (λᵀd − ½‖Gᵀλ‖²)| over 1 + ‖z‖² (Boyd & Vandenberghe, section 5.5).
+        The answer is blank before: where no constraint asks for anything it stays so.
+        """
+        solver = self._constraint_solver
+        if solver is None or not self._largest_bound[0] > 0.0:
+            return BY_INSPECTION, SOLVED
+        return solver.name, solver.solve(self._z, self._constraint_lam)
 
-    All three vanish exactly at the minimiser and its multipliers. A NaN in any argument makes one of them NaN,
-    which no comparison accepts.
+    def solve_whole(self) -> Iterator[tuple[str, SolverOutcome]]:
+        """Solve constraints and limits, hard rows relaxed by what the answer says, with one solver after the other."""
+        hard = self._rows.hard
+        self._d[:hard] = self._block.program.d[:hard] - self._block.answer.relax
+        for solver in self._solvers:
+            yield solver.name, solver.solve(self._z, self._lam)
 
-    Args:
-        z: Decision, shape (k, 1).
-        lam: Multipliers λ, shape (N, 1).
-        G: Rows, shape (N, k).
-        d: Bounds, shape (N, 1).
-    """
-    if d.numel() == 0:
-        return ca.vertcat(0, ca.norm_2(z), ca.sumsqr(z))
-    scale = 1 + ca.norm_2(z)
-    pull = G.T @ lam
-    primal = ca.fmax(ca.mmax(d - G @ z), 0) / scale
-    dual = ca.fmax(ca.mmax(ca.fabs(z - pull)), -ca.mmin(lam)) / scale
-    gap = ca.fabs(ca.sumsqr(z) / 2 - ca.dot(lam, d) + ca.sumsqr(pull) / 2) / (1 + ca.sumsqr(z))
-    return ca.vertcat(primal, dual, gap)
+    def add_limits(self) -> None:
+        """Write the whole program, with the tangents that there are."""
+        constraints = self._rows.constraints
+        self._G[:constraints], self._d[:constraints] = self._block.program.G, self._block.program.d
+        self._used_tangents = 0
+        self._write_limits()
 
+    def add_tangent(self) -> bool:
+        """Put a tangent of the norm's limit where the present answer is beyond it; return whether one was left."""
+        cuts = self._block.tangents.cuts
+        if self._used_tangents == len(cuts):
+            return False
+        u_ref = self._block.program.u_ref
+        beyond = u_ref + self._block.answer.z[: len(u_ref)]
+        cuts[self._used_tangents] = beyond / np.linalg.norm(beyond)
+        self._used_tangents += 1
+        self._write_limits()
+        return True
 
-def judging_function(rows: int, size: int) -> ca.Function:
-    """Return the function (G, d, z, λ) → (margins G z − d, residuals) for ``rows`` rows of length ``size``."""
-    G = ca.SX.sym("G", rows, size)
-    d = ca.SX.sym("d", rows)
-    z = ca.SX.sym("z", size)
-    lam = ca.SX.sym("lam", rows)
-    return dense_function("judge", [G, d, z, lam], [G @ z - d, certificate_residuals(z, lam, G, d)])
+    def reset_tangents(self) -> None:
+        """Put every tangent where the first axis ends: ‖u‖ ≤ B implies u₁ ≤ B."""
+        cuts = self._block.tangents.cuts
+        cuts[:] = np.eye(1, cuts.shape[1])
+
+    def relax_hard_rows(self) -> bool:
+        """Relax hard rows as little as the limits allow; return whether a certified answer says by how much."""
+        rows, program = self._rows, self._block.program
+        hard, limits, m = slice(rows.hard), slice(rows.constraints, None), len(program.u_ref)
+        least = least_violation(self._G[hard, :m], program.d[hard], self._G[limits, :m], self._d[limits])
+        if least is None:
+            return False
+        self._block.answer.relax[:] = least
+        return True
+
+    def _write_limits(self) -> None:
+        program, cuts = self._block.program, self._block.tangents.cuts
+        first, m = self._rows.constraints, len(program.u_ref)
+        self._d[first : first + m] = program.low - program.u_ref
+        self._d[first + m : first + 2 * m] = program.u_ref - program.high
+        if len(cuts):
+            self._G[first + 2 * m :, :m] = -cuts
+            self._d[first + 2 * m :] = cuts @ program.u_ref - self._norm_asked

@@ -10,8 +10,9 @@ from msgspec import Struct
 from scipy.linalg import expm
 
 from passafe.errors import IntegrationError, ShapeError
+from passafe.stage import Stage, T, part_names
 from passafe.system import System
-from passafe.workspace import BlockLayout, Workspace, dense_function
+from passafe.workspace import BlockLayout, Workspace, dense_function, expressions
 
 LOCAL_TOLERANCE: Final = 1e-10
 """Largest estimated local error of one period of a nonlinear plant, in each state's own units."""
@@ -38,6 +39,46 @@ class Sample(Struct, frozen=True, gc=False):
     integration_error: float
 
 
+class HeldStep(Stage[T], frozen=True, eq=False, gc=False):
+    """Arguments of a step under an input that is held.
+
+    Attributes:
+        x: State at its beginning, n.
+        u: Input, m.
+        h: Its length, s, 1.
+    """
+
+    x: T
+    u: T
+    h: T
+
+
+class AfterStep(Stage[T], frozen=True, eq=False, gc=False):
+    """What a step leads to.
+
+    Attributes:
+        x_next: State at its end, n.
+        y: Output there, m.
+    """
+
+    x_next: T
+    y: T
+
+
+class StepEnergy(Stage[T], frozen=True, eq=False, gc=False):
+    """Scalars of a step.
+
+    Attributes:
+        stored: V at its end, J.
+        energy: ∫yᵀu over it, J.
+        error: Estimated local error of x.
+    """
+
+    stored: T
+    energy: T
+    error: T
+
+
 class SampledPlant:
     """Steps ẋ = f(x, u) over periods in which u is constant.
 
@@ -45,7 +86,8 @@ class SampledPlant:
         system: The plant.
         dt_s: Period, s.
         exact: Whether the steps are exact: f linear in (x, u) and g linear in x, up to constants.
-        step: (x, u, h) → (x, y, V, ∫yᵀu, estimated error of x) after h seconds; ``dt_s`` where the steps are exact.
+        layout: Places of a step's arguments and results.
+        step: ``HeldStep`` → ``AfterStep`` and ``StepEnergy``; a step takes ``dt_s`` where it is exact, else h seconds.
     """
 
     def __init__(self, system: System, V: ca.SX, dt_s: float) -> None:
@@ -60,22 +102,18 @@ class SampledPlant:
         self.system = system
         self.dt_s = dt_s
         self.exact = is_linear(system)
-        n, m = system.n, system.m
-        self._space = Workspace(
-            BlockLayout.of({"x": n, "u": m, "h": 1, "x_next": n, "y": m, "stored": 1, "energy": 1, "error": 1})
-        )
-        h = ca.SX.sym("h")
-        x_next, energy, error = held_flow(system, dt_s if self.exact else h)
+        held = HeldStep(x=system.x, u=system.u, h=ca.SX.sym("h"))
+        x_next, energy, error = held_flow(system, dt_s if self.exact else held.h)
         y, stored = ca.substitute([system.y, V], [system.x], [x_next])
-        self.step = dense_function("advance", [system.x, system.u, h], [x_next, y, stored, energy, error])
-        self._advance = self._space.bind(self.step, ["x", "u", "h"], ["x_next", "y", "stored", "energy", "error"])
+        after, scalars = AfterStep(x_next=x_next, y=y), StepEnergy(stored=stored, energy=energy, error=error)
+        self.layout = BlockLayout.of_stages(held, after, scalars)
+        self.step = dense_function("advance", expressions(held), [*expressions(after), *expressions(scalars)])
+        self._space = space = Workspace(self.layout)
+        self._advance = space.bind(self.step, part_names(HeldStep), part_names(AfterStep, StepEnergy))
         self._observe = dense_function("observe", [system.x], [system.y, V])
-        self._take = struct.Struct(f"{n + m + 1}d").pack_into
-        parts = self._space.layout.parts
-        self._n, self._m = n, m
-        self._give_x = struct.Struct(f"{n}d").unpack_from, parts["x_next"].start * 8
-        self._give_y = struct.Struct(f"{m}d").unpack_from, parts["y"].start * 8
-        self._give_rest = struct.Struct("3d").unpack_from, parts["stored"].start * 8
+        self._write = HeldStep.of(space.writer)
+        self._read = AfterStep.of(space.reader)
+        self._read_energy = space.scalar_reader(StepEnergy[float])
 
     def at(self, x: Sequence[float]) -> Sample:
         """Return the sample of a state that no period has led to.
@@ -105,16 +143,22 @@ class SampledPlant:
         return sample
 
     def _step(self, x: Sequence[float], u: Sequence[float], h: float) -> Sample:
-        memory = self._space.memory
-        if len(x) != self._n or len(u) != self._m:
-            raise ShapeError("x, u", f"lengths {len(x)}, {len(u)}", f"lengths {self._n}, {self._m}")
-        self._take(memory, 0, *x, *u, h)
+        write, read = self._write, self._read
+        try:
+            write.x(*x)
+            write.u(*u)
+        except struct.error:
+            self._require_lengths(x, u)
+            raise
+        write.h(h)
         self._advance()
-        give_x, x_at = self._give_x
-        give_y, y_at = self._give_y
-        give_rest, rest_at = self._give_rest
-        stored_j, energy_in_j, error = give_rest(memory, rest_at)
-        return Sample(give_x(memory, x_at), give_y(memory, y_at), stored_j, energy_in_j, error)
+        energy = self._read_energy()
+        return Sample(read.x_next(), read.y(), energy.stored, energy.energy, energy.error)
+
+    def _require_lengths(self, x: Sequence[float], u: Sequence[float]) -> None:
+        n, m = self.system.n, self.system.m
+        if (len(x), len(u)) != (n, m):
+            raise ShapeError("x, u", f"lengths {len(x)}, {len(u)}", f"lengths {n}, {m}")
 
     def _in_substeps(self, x: Sequence[float], u: Sequence[float]) -> Sample:
         substeps, error = 2, float("inf")

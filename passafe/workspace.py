@@ -2,14 +2,25 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
+from itertools import pairwise
+from math import prod
+from struct import Struct
 from types import MappingProxyType
-from typing import cast
+from typing import TypeAlias, TypeVar, cast, get_origin
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from passafe.stage import Stage
+
 Array = NDArray[np.float64]
+
+Writer: TypeAlias = Callable[..., None]
+"""Writes a part; its arguments are the part's numbers, as many as it has."""
+
+Scalars = TypeVar("Scalars", bound=Stage[float])
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -18,21 +29,56 @@ class BlockLayout:
 
     Attributes:
         parts: Slice of every part, in the order in which they were named.
+        shapes: Shape of every part: (size,), or (rows, columns) of a matrix, which lies column by column.
         size: Length of the block.
     """
 
     parts: Mapping[str, slice]
+    shapes: Mapping[str, tuple[int, ...]]
     size: int
 
     @classmethod
-    def of(cls, sizes: Mapping[str, int]) -> "BlockLayout":
-        """Lay parts of the given sizes one after the other."""
+    def of(cls, shapes: Mapping[str, int | tuple[int, ...]]) -> "BlockLayout":
+        """Lay parts of the given sizes or shapes one after the other."""
         parts: dict[str, slice] = {}
+        full: dict[str, tuple[int, ...]] = {}
         start = 0
-        for name, size in sizes.items():
-            parts[name] = slice(start, start + size)
-            start += size
-        return cls(parts=MappingProxyType(parts), size=start)
+        for name, shape in shapes.items():
+            full[name] = (shape,) if isinstance(shape, int) else shape
+            parts[name] = slice(start, start + prod(full[name]))
+            start = parts[name].stop
+        return cls(parts=MappingProxyType(parts), shapes=MappingProxyType(full), size=start)
+
+    @classmethod
+    def of_stages(cls, *stages: Stage[ca.SX]) -> "BlockLayout":
+        """Lay the parts of stages, shaped as their expressions, one after the other in the order of declaration.
+
+        Raises:
+            ValueError: A name is in two stages.
+        """
+        shapes: dict[str, int | tuple[int, ...]] = {}
+        for stage in stages:
+            matrices = stage.matrices()
+            for name, expression in stage.fields().items():
+                if name in shapes:
+                    raise ValueError(f"parts of a block: got {name!r} twice, allowed each name once")
+                shapes[name] = expression.shape if name in matrices else expression.numel()
+        return cls.of(shapes)
+
+    def span(self, names: Sequence[str]) -> slice:
+        """Return the slice that holds some parts and nothing else.
+
+        Raises:
+            ValueError: They do not lie one after the other, in this order.
+        """
+        parts = [self.parts[name] for name in names]
+        if any(before.stop != after.start for before, after in pairwise(parts)):
+            raise ValueError(f"span of parts: got {list(names)}, allowed parts one after the other: {list(self.parts)}")
+        return slice(parts[0].start, parts[-1].stop)
+
+    def view(self, block: Array, name: str) -> Array:
+        """Return the view of one part of a block: a vector, or a matrix in Fortran order, as CasADi has them."""
+        return block[self.parts[name]].reshape(self.shapes[name], order="F")
 
 
 class Workspace:
@@ -41,22 +87,48 @@ class Workspace:
     Attributes:
         layout: Names and places of the parts.
         block: The numbers, shape (layout.size,).
-        memory: The same numbers for ``struct``, which reads and writes a few of them faster than numpy.
     """
 
     def __init__(self, layout: BlockLayout) -> None:
         self.layout = layout
         self.block: Array = np.zeros(layout.size)
-        self.memory: memoryview = self.block.data
         self._kept_alive: list[object] = []
 
     def part(self, name: str) -> Array:
         """Return the view of one part, shape (size of the part,)."""
         return self.block[self.layout.parts[name]]
 
-    def matrix(self, name: str, shape: tuple[int, int]) -> Array:
-        """Return the view of one part as a Fortran-ordered matrix, as CasADi and PIQP have them."""
-        return self.part(name).reshape(shape, order="F")
+    def view(self, name: str) -> Array:
+        """Return the view of one part: a vector, or a Fortran-ordered matrix."""
+        return self.layout.view(self.block, name)
+
+    def writer(self, name: str) -> Writer:
+        """Return what writes one part from its numbers, faster than numpy does."""
+        part = self.part(name)
+        return partial(Struct(f"{part.size}d").pack_into, part.data, 0)
+
+    def reader(self, name: str) -> Callable[[], tuple[float, ...]]:
+        """Return what reads the numbers of one part, faster than numpy does."""
+        part = self.part(name)
+        return partial(Struct(f"{part.size}d").unpack_from, part.data)
+
+    def scalar_reader(self, stage: type[Scalars]) -> Callable[[], Scalars]:
+        """Return what reads a stage all of whose parts are single numbers.
+
+        Raises:
+            ValueError: They are not, or do not lie in the order of the stage's declaration.
+        """
+        names = stage.names()
+        memory = self.block[self.layout.span(names)].data
+        if memory.shape != (len(names),) or any(self.part(name).size != 1 for name in names):
+            raise ValueError(f"reader of {names}: got {memory.shape} numbers, allowed one for each name")
+        unpack = Struct(f"{len(names)}d").unpack_from
+        make = cast(Callable[..., Scalars], get_origin(stage) or stage)
+
+        def read() -> Scalars:
+            return make(*unpack(memory))
+
+        return read
 
     def bind(self, function: ca.Function, arguments: Sequence[str], results: Sequence[str]) -> Callable[[], None]:
         """Tie a function to parts of the block and return what evaluates it, without arguments or allocation.
@@ -98,3 +170,8 @@ class Workspace:
 def dense_function(name: str, arguments: Sequence[ca.SX], results: Sequence[ca.SX]) -> ca.Function:
     """Return a CasADi function whose results are dense, as buffers need them."""
     return ca.Function(name, list(arguments), [ca.densify(result) for result in results], {"cse": True})
+
+
+def expressions(stage: Stage[ca.SX]) -> list[ca.SX]:
+    """Return a stage's expressions in the order of its declaration."""
+    return list(stage.fields().values())

@@ -28,13 +28,14 @@ class BarrierValues:
         outlines = enumerate(barrier.outline for barrier in scenario.barriers)
         motions = {moving_table(i): one.motion for i, one in outlines if one is not None and one.motion is not None}
         self._moving = tuple(motions)
-        self._space = Workspace(BlockLayout.of({"x": x.numel(), "t": 1, "h": len(barriers), "d": 2 * len(motions)}))
+        shapes: dict[str, int | tuple[int, ...]] = {"x": x.numel(), "t": 1, "h": len(barriers), "d": (2, len(motions))}
+        self._space = Workspace(BlockLayout.of(shapes))
         h = ca.vertcat(ca.SX(0, 1), *(barrier.h for barrier in barriers))
         self._evaluate_h = self._space.bind(dense_function("h", [x, t], [h]), ["x", "t"], ["h"])
         d = ca.vertcat(ca.SX(0, 1), *(motion.displacement(t) for motion in motions.values()))
         self._evaluate_d = self._space.bind(dense_function("d", [t], [d]), ["t"], ["d"])
         self._x, self._t = self._space.part("x"), self._space.part("t")
-        self._h, self._d = self._space.part("h"), self._space.matrix("d", (2, len(motions)))
+        self._h, self._d = self._space.part("h"), self._space.view("d")
 
     def h(self, x: Sequence[float], t_s: float) -> list[float]:
         """Return h of every barrier in the scenario's order.

@@ -1,8 +1,8 @@
 """Decisions for many states at once, each with the certificate that ``SafetyPassivityFilter`` asks for.
 
-The filter's own functions are evaluated for all lanes at once, the answer is guessed in closed form, and the filter's
-own certificate judges it. What it does not accept is given to the filter itself. A strictly convex program has one
-answer, so that both ways lead to the same decision, up to the certificate's tolerance.
+The filter's own functions are evaluated for the whole batch at once, the answer is guessed in closed form, and the
+filter's own certificate judges it. Where it is refused, the scalar filter decides. A strictly convex program has one
+answer, so that both lead to the same decision, up to the certificate's tolerance.
 """
 
 import numpy as np
@@ -10,59 +10,77 @@ from numpy.typing import NDArray
 
 from passafe.batch.batch_workspace import BatchWorkspace
 from passafe.batch.nearest_points import NearestPoints
+from passafe.certificate import accepts
 from passafe.decision import Status
-from passafe.derivation import NORM_TOLERANCE
+from passafe.decision_schema import Answer, Assessment, Evaluation, Linearization, NormTangents, Program, Request
 from passafe.filter import SafetyPassivityFilter
+from passafe.stage import part_names
+from passafe.symbolic.whole_program import NORM_TOLERANCE, norm_asked
 from passafe.workspace import Array
 
 
 class BatchFilter:
-    """Decides for many lanes; what it decided stays until it decides again.
+    """Decides for every element of a batch; its decisions stay until it decides again.
 
     Attributes:
-        core: The filter.
-        lanes: Parts of all decisions, those of a ``Decision``, a column for each lane.
-        duties: Number of duties' rows.
-        hard: Number of hard ones among them; they come first.
-        gradients: Gradients of the duties' rows in u, shape (m, duties, count).
+        core: The scalar filter.
+        batch: Parts of all decisions, a column for each element.
+        program: Their programs, shapes (size, count), G (k, C, count).
+        evaluation: What follows from their answers, shapes (size, count).
+        assessment: Their assessments, shapes (1, count).
         status: Numbers of ``Status``, shape (count,).
-        singly: Which lanes the filter itself decided, shape (count,).
+        scalar: Whether the scalar filter decided, shape (count,).
     """
 
     def __init__(self, core: SafetyPassivityFilter, count: int) -> None:
         """Bind the filter's functions.
 
         Args:
-            core: The filter.
-            count: BatchWorkspace that are needed.
+            core: The scalar filter.
+            count: Number of elements.
 
         Raises:
             DesignError: The filter's functions have an operation that arrays do not know.
         """
         self.core = core
-        derivation, m = core.derivation, core.design.system.m
-        self.lanes = lanes = BatchWorkspace(core.layout, count)
-        given, derived, judged = derivation.sizes_given, derivation.sizes_derived, derivation.sizes_judged
-        self._prepare = lanes.bind(derivation.prepare_usual, list(given), list(derived))
-        self._judge = lanes.bind(derivation.judge, derivation.judge_reads, list(judged))
-        self.duties, self.hard, self._m = derivation.duties, derivation.hard, m
-        self._G = lanes.matrix("G", (self.duties, derivation.k))
-        self.gradients = self._G[:m]
-        self.status: NDArray[np.int8] = np.zeros(lanes.count, dtype=np.int8)
-        self.singly: NDArray[np.bool_] = np.zeros(lanes.count, dtype=np.bool_)
-        cuts = derivation.sizes_solved["cuts"] // m
-        self._cuts = lanes.matrix("cuts", (cuts, m))
-        self._too_long = NORM_TOLERANCE * (core.design.limits.norm or 0.0)
-        # Tangents of the norm are the same before one is needed: one of them is enough.
-        self._points = points = NearestPoints(derivation.k, self.duties + 2 * m + min(cuts, 1), lanes.count)
-        axes = np.eye(derivation.k, m)[:, :, None]
-        points.rows[:, self.duties : self.duties + m] = axes
-        points.rows[:, self.duties + m : self.duties + 2 * m] = -axes
-        points.rows[0, self.duties + 2 * m :] = -1.0
+        derivation = core.derivation
+        self.batch = batch = BatchWorkspace(derivation.layout, count)
+        self._prepare = batch.bind(
+            derivation.prepare_usual, part_names(Request), part_names(Linearization, Program, Answer)
+        )
+        self._evaluate = batch.bind(
+            derivation.evaluate,
+            part_names(Request, Linearization, Program, NormTangents, Answer),
+            part_names(Evaluation, Assessment),
+        )
+        self.program: Program[Array] = Program.of(batch.view)
+        self.evaluation: Evaluation[Array] = Evaluation.of(batch.view)
+        self.assessment: Assessment[Array] = Assessment.of(batch.view)
+        self._request: Request[Array] = Request.of(batch.view)
+        self._answer: Answer[Array] = Answer.of(batch.view)
+        self._cuts = NormTangents.of(batch.view).cuts
+        self.status: NDArray[np.int8] = np.zeros(batch.count, dtype=np.int8)
+        self.scalar: NDArray[np.bool_] = np.zeros(batch.count, dtype=np.bool_)
+        self._points = self._nearest_points()
+
+    @property
+    def constraints(self) -> int:
+        """Number of rows that are constraints."""
+        return self.core.derivation.rows.constraints
+
+    @property
+    def hard(self) -> int:
+        """Number of hard ones among them; they come first."""
+        return self.core.derivation.rows.hard
+
+    @property
+    def gradients(self) -> Array:
+        """Gradients of the constraints in u, shape (m, C, count)."""
+        return self.program.G[: self.core.design.system.m]
 
     def part(self, name: str) -> Array:
-        """Return a part of all decisions, shape (size, count): see ``SafetyPassivityFilter`` for the names."""
-        return self.lanes.part(name)
+        """Return a part of all decisions, shape (size, count): see ``passafe.decision_schema`` for the names."""
+        return self.batch.part(name)
 
     def decide(
         self,
@@ -74,71 +92,80 @@ class BatchFilter:
         t_s: Array | float = 0.0,
         *,
         start: bool = False,
-        singly: bool = False,
+        scalar: bool = False,
     ) -> None:
-        """Decide for every lane; the arguments are those of ``SafetyPassivityFilter.decide``, a column for each.
+        """Decide for every element; the arguments are those of ``SafetyPassivityFilter.decide``, a column for each.
 
         Args:
-            x: States, shape (n, lanes).
-            u: Inputs in force, shape (m, lanes).
-            u_h: Operators' parts, shape (m, lanes).
-            u_h_rate: Their time derivatives, shape (m, lanes).
-            tank_j: Energies in the tanks, J, shape (lanes,).
-            t_s: Plant times, s, shape (lanes,).
-            start: Whether there was no input before; then the filter itself decides.
-            singly: Whether the filter itself shall decide for every lane.
+            x: States, shape (n, elements).
+            u: Inputs in force, shape (m, elements).
+            u_h: Operators' parts, shape (m, elements).
+            u_h_rate: Their time derivatives, shape (m, elements).
+            tank_j: Energies in the tanks, J, shape (elements,).
+            t_s: Plant times, s, shape (elements,).
+            start: Whether there was no input before; then the scalar filter decides.
+            scalar: Whether the scalar filter shall decide for every element.
         """
-        given = {"x": x, "u": u, "u_h": u_h, "u_h_rate": u_h_rate, "tank": tank_j, "t": t_s}
-        for name, value in given.items():
-            self.part(name)[:, : self.lanes.used] = value
-        if start or singly:
-            self.singly[:] = True
+        request, used = self._request, slice(self.batch.used)
+        request.x[:, used], request.u[:, used] = x, u
+        request.u_h[:, used], request.u_h_rate[:, used] = u_h, u_h_rate
+        request.tank[:, used], request.t[:, used] = tank_j, t_s
+        if start or scalar:
+            self.scalar[:] = True
         else:
             with np.errstate(all="ignore"):  # what is no number fails the certificate
-                self._decide_at_once()
-        for lane in np.flatnonzero(self.singly[: self.lanes.used]).tolist():
-            self._decide_singly(lane, start=start)
+                self._decide_batch()
+        for element in np.flatnonzero(self.scalar[used]).tolist():
+            self._decide_scalar(element, start=start)
 
-    def _decide_at_once(self) -> None:
-        for name in ("start", "trust_asked", "lam", "conflict", "relax"):
-            self.part(name).fill(0.0)
-        self.part("u_lin")[:] = self.part("u")
-        self.part("cushion")[:] = self.core.derivation.first_cushion
+    def _decide_batch(self) -> None:
+        self._request.start.fill(0.0)
         self._cuts[:] = 0.0
         self._cuts[:1] = 1.0
         self._prepare()
         self._guess()
-        self._judge()
-        self._accept()
+        self._evaluate()
+        self._grade()
+
+    def _nearest_points(self) -> NearestPoints:
+        """Return what guesses answers, with the rows of the limits."""
+        rows, m = self.core.derivation.rows, self.core.design.system.m
+        # Tangents of the norm are the same before one is needed: one of them is enough.
+        points = NearestPoints(rows.columns, rows.constraints + 2 * m + min(rows.tangents, 1), self.batch.count)
+        axes, first = np.eye(rows.columns, m)[:, :, None], rows.constraints
+        points.rows[:, first : first + m] = axes
+        points.rows[:, first + m : first + 2 * m] = -axes
+        points.rows[0, first + 2 * m :] = -1.0
+        return points
 
     def _guess(self) -> None:
-        """Put the guess of the filter's whole program, limits included, where its answer belongs."""
-        points, duties, m = self._points, self.duties, self._m
-        u_ref, bounds = self.part("u_ref"), points.bounds
-        points.rows[:, :duties] = self._G
-        bounds[:duties] = self.part("d")
-        np.subtract(self.part("low"), u_ref, bounds[duties : duties + m])
-        np.subtract(u_ref, self.part("high"), bounds[duties + m : duties + 2 * m])
-        np.subtract(u_ref[:1], self.core.derivation.norm_asked, bounds[duties + 2 * m :])
-        points.find(self.part("z"), self.part("lam")[: len(bounds)])
+        """Put the guess of the whole program's answer, limits included, where the answer belongs."""
+        points, program, answer = self._points, self.program, self._answer
+        bounds, u_ref = points.bounds, program.u_ref
+        first, m = len(program.d), len(u_ref)
+        points.rows[:, :first] = program.G
+        bounds[:first] = program.d
+        np.subtract(program.low, u_ref, bounds[first : first + m])
+        np.subtract(u_ref, program.high, bounds[first + m : first + 2 * m])
+        np.subtract(u_ref[:1], norm_asked(self.core.design.limits), bounds[first + 2 * m :])
+        points.find(answer.z, answer.lam[: len(bounds)])
 
-    def _accept(self) -> None:
-        """Say of every lane whether the filter would accept the guess, and with what status."""
-        too_long, slack, shortfall, strayed = (
-            self.part(name)[0] for name in ("norm_overreach", "slack", "shortfall", "strayed")
+    def _grade(self) -> None:
+        """Leave what the filter would not accept to the scalar filter, and grade the rest as it does."""
+        design, assessment = self.core.design, self.assessment
+        is_short_enough = assessment.norm_overreach <= NORM_TOLERANCE * (design.limits.norm or 0.0)
+        is_settled = (assessment.shortfall <= 0.0) & (assessment.outside_trust_region <= 0.0)
+        self.scalar[:] = ~(accepts(design.tolerance, assessment) & is_short_enough & is_settled)[0]
+        is_untouched = ~self._answer.lam.any(axis=0)
+        modified = np.where(assessment.slack[0] > design.passivity.relaxed_above, Status.RELAXED, Status.MODIFIED)
+        self.status[:] = np.where(is_untouched, Status.PASSED, modified)
+
+    def _decide_scalar(self, element: int, *, start: bool) -> None:
+        request = self._request
+        x, u, u_h, u_h_rate = (
+            part[:, element].tolist() for part in (request.x, request.u, request.u_h, request.u_h_rate)
         )
-        tolerance = self.core.design.tolerance
-        primal, dual, gap = self.part("residuals")
-        certified = (primal <= tolerance.residual) & (dual <= tolerance.residual) & (gap <= tolerance.gap)
-        suits = (too_long <= self._too_long) & (shortfall <= 0.0) & (strayed <= 0.0)
-        self.singly[:] = ~(certified & suits)
-        untouched = ~self.part("lam").any(axis=0)
-        modified = np.where(slack > self.core.design.passivity.relaxed_above, Status.RELAXED, Status.MODIFIED)
-        self.status[:] = np.where(untouched, Status.PASSED, modified)
-
-    def _decide_singly(self, lane: int, *, start: bool) -> None:
-        x, u, u_h, u_h_rate = (self.part(name)[:, lane].tolist() for name in ("x", "u", "u_h", "u_h_rate"))
-        tank_j, t_s = (float(self.part(name)[0, lane]) for name in ("tank", "t"))
+        tank_j, t_s = float(request.tank[0, element]), float(request.t[0, element])
         decision = self.core.decide(x, u, u_h, u_h_rate, tank_j, t_s, start=start)
-        self.lanes.block[:, lane] = decision.block
-        self.status[lane] = decision.status
+        self.batch.block[:, element] = decision.block
+        self.status[element] = decision.status

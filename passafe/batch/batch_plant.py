@@ -3,8 +3,9 @@
 import numpy as np
 
 from passafe.batch.batch_workspace import BatchWorkspace
-from passafe.sampled_plant import LOCAL_TOLERANCE, SampledPlant
-from passafe.workspace import Array, BlockLayout
+from passafe.sampled_plant import LOCAL_TOLERANCE, AfterStep, HeldStep, SampledPlant, StepEnergy
+from passafe.stage import part_names
+from passafe.workspace import Array
 
 
 class BatchPlant:
@@ -12,7 +13,7 @@ class BatchPlant:
 
     Attributes:
         plant: What each of them is.
-        lanes: Parts x and u before the period, x_next, y, stored, energy and error after it; a column for each plant.
+        batch: Parts x and u before the period, x_next, y, stored, energy and error after it; a column for each plant.
     """
 
     def __init__(self, plant: SampledPlant, count: int) -> None:
@@ -26,10 +27,8 @@ class BatchPlant:
             DesignError: The dynamics have an operation that arrays do not know.
         """
         self.plant = plant
-        n, m = plant.system.n, plant.system.m
-        layout = BlockLayout.of({"x": n, "u": m, "h": 1, "x_next": n, "y": m, "stored": 1, "energy": 1, "error": 1})
-        self.lanes = lanes = BatchWorkspace(layout, count)
-        self._step = lanes.bind(plant.step, ["x", "u", "h"], ["x_next", "y", "stored", "energy", "error"])
+        self.batch = batch = BatchWorkspace(plant.layout, count)
+        self._step = batch.bind(plant.step, part_names(HeldStep), part_names(AfterStep, StepEnergy))
 
     def advance(self, x: Array, u: Array) -> None:
         """Write the plants one period later; a step that misses its accuracy is done again as ``SampledPlant`` does it.
@@ -41,12 +40,12 @@ class BatchPlant:
         Raises:
             IntegrationError: A nonlinear plant's step missed its accuracy even with the most substeps.
         """
-        used, first = self.lanes.used, self.lanes.layout.parts["x_next"].start
-        before, held, error = (self.lanes.part(name)[:, :used] for name in ("x", "u", "error"))
+        used, first = self.batch.used, self.batch.layout.parts["x_next"].start
+        before, held, error = (self.batch.part(name)[:, :used] for name in ("x", "u", "error"))
         before[:], held[:] = x, u
-        self.lanes.part("h").fill(self.plant.dt_s)
+        self.batch.part("h").fill(self.plant.dt_s)
         self._step()
-        for lane in np.flatnonzero(~(error[0] <= LOCAL_TOLERANCE)).tolist():
-            sample = self.plant.advance(before[:, lane].tolist(), held[:, lane].tolist())
+        for element in np.flatnonzero(~(error[0] <= LOCAL_TOLERANCE)).tolist():
+            sample = self.plant.advance(before[:, element].tolist(), held[:, element].tolist())
             after = (*sample.x, *sample.y, sample.stored_j, sample.energy_in_j, sample.integration_error)
-            self.lanes.block[first:, lane] = after
+            self.batch.block[first:, element] = after

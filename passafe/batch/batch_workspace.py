@@ -38,10 +38,9 @@ class BatchWorkspace:
         """Return the view of one part, shape (size of the part, count)."""
         return self.block[self.layout.parts[name]]
 
-    def matrix(self, name: str, shape: tuple[int, int]) -> Array:
-        """Return the view of one part as matrices of a shape (rows, columns), columns first: (columns, rows, count)."""
-        rows, columns = shape
-        return self.part(name).reshape(columns, rows, self.count)
+    def view(self, name: str) -> Array:
+        """Return the view of one part in its shape: (size, count), or (columns, rows, count) of a matrix."""
+        return self.part(name).reshape(*reversed(self.layout.shapes[name]), self.count)
 
     def bind(self, function: ca.Function, arguments: Sequence[str], results: Sequence[str]) -> Callable[[], None]:
         """Tie a function to parts of the lanes and return what evaluates it for all of them.

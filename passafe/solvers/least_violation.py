@@ -1,9 +1,9 @@
-"""What to ask of hard rows that contradict one another or the limits: as little less as possible.
+"""Relaxes hard rows that contradict one another or the limits, as little as possible.
 
 min ½‖s‖² + ½η‖w‖² subject to G w + s ≥ d and w within the limits: s is by how much each row is not kept. With η as
 small as it is, s exceeds the least possible by no more than √η·‖w‖. The s that solves it is also its own multiplier,
-hence Farkas' proof that the rows cannot be kept (see ``Derivation``). Second step of a lexicographic programme: the
-ordinary quadratic program then follows with d − s in the place of d.
+hence Farkas' proof that the rows cannot be kept (``passafe.symbolic.conflict_proof``). Second step of a lexicographic
+programme: the ordinary quadratic program then follows with d − s in the place of d.
 """
 
 from math import sqrt
@@ -11,8 +11,7 @@ from typing import Final
 
 import numpy as np
 
-from passafe.certificate import is_certified
-from passafe.quadratic_program import Tolerance
+from passafe.certificate import Tolerance, accepts, residuals_of
 from passafe.solvers.daqp_solver import DaqpSolver
 from passafe.solvers.least_distance_solver import LeastDistanceSolver
 from passafe.solvers.solver import SOLVED
@@ -48,7 +47,7 @@ def least_violation(G: Array, d: Array, limits_G: Array, limits_d: Array) -> Arr
     z, lam = np.zeros(m + hard), np.zeros(len(bounds))
     for kind in (DaqpSolver, LeastDistanceSolver):
         outcome = kind(rows, bounds).solve(z.data, lam.data)
-        if outcome is SOLVED and is_certified(rows, bounds, z, lam, TIGHT):
+        if outcome is SOLVED and accepts(TIGHT, residuals_of(rows, bounds, z, lam)):
             needed = d - G @ z[:m]
             return np.where(needed > 0, needed + ROOM * (1 + np.abs(d)), 0.0)
     return None

@@ -83,7 +83,7 @@ def rollout(scenario: Scenario, seed: int, duration_s: float) -> RolloutResult:
         decision = core.decide(sample.x, u, u_h.tolist(), (0.0,) * m, level_j, k * dt_s, start=k == 0)
         u, stored_j = decision.u, sample.stored_j
         statuses[decision.status.name] += 1
-        late = decision.part("shortfall")[0] > 0 or decision.part("strayed")[0] > 0
+        late = decision.part("shortfall")[0] > 0 or decision.part("outside_trust_region")[0] > 0
         unproven += late and not decision.status.is_fallback
         beyond += overreaches(core, np.array(u), None if k == 0 else np.array(before))
         xs.append(sample.x)

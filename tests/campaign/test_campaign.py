@@ -122,10 +122,10 @@ def test_against_h_pushes_into_the_tightest_row() -> None:
     assert against_tank[0] == pytest.approx([-STRENGTH] * 2)  # power margin falls with yᵀu − ∇Vᵀf
 
 
-def test_rows_that_are_equally_tight_are_pushed_in_their_order() -> None:
+def test_rows_that_are_equally_tight_are_pushed_in_their_order(monkeypatch: pytest.MonkeyPatch) -> None:
     """Whichever of them rounding leaves a hair tighter: or the solver would decide what a seed stands for."""
     many = decided((1.2, 0.0, -0.5, 0.0), 3)
-    many.hard = 2
+    monkeypatch.setattr(BatchFilter, "hard", 2)
     many.part("margins")[:2, :3] = [[1e-9, 0.0, 1e-3], [0.0, 1e-9, 0.0]]
     many.gradients[:, :2] = np.array([[1.0, 0.0], [0.0, 1.0]])[:, :, None]
     asked = ADVERSARIES["against-h"]([np.random.default_rng(0)] * 3, 2, slice(0, 3))(0.0, many)

@@ -76,14 +76,14 @@ def assert_same(many: BatchFilter, expected: Sequence[Decision]) -> None:
     relaxed_above = many.core.design.passivity.relaxed_above
     for lane, decision in enumerate(expected):
         status = Status(many.status[lane])
-        if many.singly[lane]:
+        if many.scalar[lane]:
             assert status is decision.status
-            np.testing.assert_array_equal(many.lanes.block[:, lane], decision.block)
+            np.testing.assert_array_equal(many.batch.block[:, lane], decision.block)
             continue
         scale = 1 + float(np.linalg.norm(decision.part("z")))
         for name in ("u_plus", "z", "margins"):
             assert many.part(name)[:, lane] == pytest.approx(decision.part(name), abs=AGREEMENT * scale), name
-        for name in ("x", "u", "u_h", "u_h_rate", "tank", "t", "start", "u_lin", "trust_asked", "cushion"):
+        for name in ("x", "u", "u_h", "u_h_rate", "tank", "t", "start", "u_lin", "trust_asked", "tightening"):
             assert many.part(name)[:, lane].tolist() == decision.part(name).tolist(), name
         for name in ("u_nominal", "phi", "u_ref", "low", "high", "trust", "eps", "G", "d", "relax", "cuts"):
             assert many.part(name)[:, lane] == pytest.approx(decision.part(name), rel=1e-11, abs=1e-11), name
@@ -101,11 +101,11 @@ def test_random_requests_get_the_decisions_of_the_filter(name: str) -> None:
 
     x, _, *others = asked  # the next tick: inputs do not jump any more
     for _ in range(2):
-        asked = (x, many.part("u_plus")[:, : many.lanes.used].copy(), *others)
+        asked = (x, many.part("u_plus")[:, : many.batch.used].copy(), *others)
         many.decide(*asked)
         assert_same(many, one_by_one(core, asked))
     answered = many.status < Status.UNCERTIFIED
-    assert many.singly[answered].mean() < 0.5
+    assert many.scalar[answered].mean() < 0.5
 
 
 @pytest.mark.parametrize("name", DESIGNS)
@@ -113,13 +113,13 @@ def test_every_decision_meets_the_certificate_or_is_the_filter_s(name: str) -> N
     design = DESIGNS[name]
     many = BatchFilter(SafetyPassivityFilter(design), 200)
     many.decide(*requests(design, 200, seed=18))
-    at_once = ~many.singly
-    primal, dual, gap = many.part("residuals")[:, at_once]
+    at_once = ~many.scalar
+    primal, dual, gap = (many.part(name)[0, at_once] for name in ("primal", "dual", "gap"))
 
     assert max(primal.max(), dual.max()) <= design.tolerance.residual
     assert gap.max() <= design.tolerance.gap
     assert many.part("shortfall")[0, at_once].max() <= 0.0
-    assert many.part("strayed")[0, at_once].max() <= 0.0
+    assert many.part("outside_trust_region")[0, at_once].max() <= 0.0
     assert (many.status[at_once] < Status.UNCERTIFIED).all()
     u_plus, u = many.part("u_plus")[:, at_once], many.part("u")[:, at_once]
     limits = design.limits
@@ -151,7 +151,7 @@ def test_a_guess_counts_only_with_all_of_the_certificate(bound: float, z: float,
     zero = np.zeros((2, 1))
     many.decide(np.array([row_state([(1.0, 0.0, -bound)])]).T, zero, zero, zero)
 
-    assert bool(many.singly[0]) is not accepted
+    assert bool(many.scalar[0]) is not accepted
     assert many.part("u_plus")[:, 0] == pytest.approx([max(bound, 0.0), 0.0], abs=1e-6)
 
 
@@ -161,7 +161,7 @@ def test_first_inputs_are_the_filter_s() -> None:
     many, asked = BatchFilter(core, 50), requests(design, 50, seed=19)
     many.decide(*asked, start=True)
 
-    assert many.singly.all()
+    assert many.scalar.all()
     assert_same(many, one_by_one(core, asked, start=True))
 
 
@@ -171,14 +171,14 @@ def test_nothing_is_left_of_decisions_before() -> None:
     core = SafetyPassivityFilter(design)
     many, quiet = BatchFilter(core, 64), requests(design, 64, seed=20)
     many.decide(*quiet)
-    expected = many.lanes.block.copy()
-    many.decide(*quiet, singly=True)
-    assert many.singly.all()
+    expected = many.batch.block.copy()
+    many.decide(*quiet, scalar=True)
+    assert many.scalar.all()
     many.decide(*requests(design, 64, seed=21))
     many.decide(*quiet)
 
-    np.testing.assert_array_equal(many.lanes.block, expected)
-    many.decide(*quiet, singly=True)
+    np.testing.assert_array_equal(many.batch.block, expected)
+    many.decide(*quiet, scalar=True)
     assert_same(many, one_by_one(core, quiet))
 
 
@@ -189,14 +189,14 @@ def test_hostile_numbers_get_the_filter_s_answer_and_leave_the_neighbours_alone(
     asked = requests(design, 40, seed=22)
     many = BatchFilter(core, 40)
     many.decide(*asked)
-    undisturbed = many.lanes.block.copy()
+    undisturbed = many.batch.block.copy()
     for lane, argument in enumerate(asked):
         argument[..., lane] = hostile
     many.decide(*asked)
 
     assert_same(many, one_by_one(core, asked))
     assert np.isfinite(many.part("u_plus")).all()
-    np.testing.assert_array_equal(many.lanes.block[:, len(asked) :], undisturbed[:, len(asked) :])
+    np.testing.assert_array_equal(many.batch.block[:, len(asked) :], undisturbed[:, len(asked) :])
     if not abs(hostile) < inf:
         assert (many.status[: len(asked)] >= Status.UNCERTIFIED).all()
 
@@ -218,7 +218,7 @@ def test_rows_that_meet_contradict_one_another_or_have_no_gradient() -> None:
     expected = one_by_one(core, asked)
 
     assert_same(many, expected)
-    at_once = [decision for decision, singly in zip(expected, many.singly.tolist(), strict=False) if not singly]
+    at_once = [decision for decision, singly in zip(expected, many.scalar.tolist(), strict=False) if not singly]
     active = [int((decision.duals > 1e-3).sum()) for decision in at_once]
     assert {0, 1, 2} <= set(active)
     assert Status.INFEASIBLE in {decision.status for decision in expected}
@@ -234,7 +234,7 @@ def test_where_a_row_pushes_beyond_a_limit_both_are_guessed_to_bind() -> None:
     many = BatchFilter(core, len(sides))
     many.decide(states, asked, asked, np.zeros_like(asked))
 
-    assert not many.singly.any()
+    assert not many.scalar.any()
     np.testing.assert_allclose(many.part("u_plus").T, [side @ (5.0, 3.75) for side in sides], atol=1e-9)
 
 
@@ -248,7 +248,7 @@ def test_a_lane_s_decision_does_not_depend_on_the_others() -> None:
     for lane in range(0, 60, 7):
         alone.decide(*(each[..., lane : lane + 1] for each in asked))
 
-        np.testing.assert_array_equal(alone.lanes.block[:, 0], together.lanes.block[:, lane])
+        np.testing.assert_array_equal(alone.batch.block[:, 0], together.batch.block[:, lane])
         assert alone.status[0] == together.status[lane]
 
 
@@ -260,4 +260,4 @@ def test_gradients_and_numbers_of_rows_are_those_of_the_filter() -> None:
     for lane, decision in enumerate(one_by_one(core, asked)):
         G = decision.part("G").reshape((2, 3), order="F")
         np.testing.assert_allclose(many.gradients[:, :, lane].T, G[:, :2], atol=1e-12)
-    assert (many.duties, many.hard) == (2, 1)
+    assert (many.constraints, many.hard) == (2, 1)

@@ -23,7 +23,7 @@ def assert_each_as_alone(plant: SampledPlant, many: BatchPlant, x: np.ndarray, u
     many.advance(x, u)
     for lane in range(x.shape[1]):
         sample = plant.advance(x[:, lane].tolist(), u[:, lane].tolist())
-        got = {name: many.lanes.part(name)[:, lane].tolist() for name in ("x_next", "y", "stored", "energy", "error")}
+        got = {name: many.batch.part(name)[:, lane].tolist() for name in ("x_next", "y", "stored", "energy", "error")}
 
         assert got["x_next"] == pytest.approx(sample.x, rel=1e-14, abs=1e-15)
         assert got["y"] == pytest.approx(sample.y, rel=1e-14, abs=1e-15)
@@ -41,7 +41,7 @@ def test_plants_of_every_kind(robot: Robot) -> None:
     many = BatchPlant(plant, 30)
 
     assert_each_as_alone(plant, many, rng.normal(size=(n, 30)), rng.normal(size=(2, 30)) * 5)
-    x = many.lanes.part("x_next")[:, :30]
+    x = many.batch.part("x_next")[:, :30]
     assert_each_as_alone(plant, many, x.copy(), rng.normal(size=(2, 30)))
 
 
@@ -53,13 +53,13 @@ def test_a_step_that_misses_its_accuracy_is_done_in_smaller_ones() -> None:
     u = np.ones((2, 9))
     many = BatchPlant(plant, 9)
     raw = BatchPlant(plant, 9)
-    raw.lanes.part("x")[:, :9], raw.lanes.part("u")[:, :9], raw.lanes.part("h")[:] = x, u, 5e-3
+    raw.batch.part("x")[:, :9], raw.batch.part("u")[:, :9], raw.batch.part("h")[:] = x, u, 5e-3
     raw._step()
 
-    missed = raw.lanes.part("error")[0, :9] > LOCAL_TOLERANCE
+    missed = raw.batch.part("error")[0, :9] > LOCAL_TOLERANCE
     assert 0 < missed.sum() < 9
     assert_each_as_alone(plant, many, x, u)
-    assert (many.lanes.part("error")[0, :9] <= LOCAL_TOLERANCE).all()
+    assert (many.batch.part("error")[0, :9] <= LOCAL_TOLERANCE).all()
 
 
 def test_a_state_may_be_read_where_the_next_one_is_written() -> None:
@@ -68,10 +68,10 @@ def test_a_state_may_be_read_where_the_next_one_is_written() -> None:
     x, u = np.full((4, 3), 6.0), np.ones((2, 3))
     many.advance(x, u)
     apart.advance(x, u)
-    many.advance(many.lanes.part("x_next")[:, :3], u)
-    apart.advance(apart.lanes.part("x_next")[:, :3].copy(), u)
+    many.advance(many.batch.part("x_next")[:, :3], u)
+    apart.advance(apart.batch.part("x_next")[:, :3].copy(), u)
 
-    np.testing.assert_array_equal(many.lanes.block, apart.lanes.block)
+    np.testing.assert_array_equal(many.batch.block, apart.batch.block)
 
 
 def test_a_plant_that_cannot_be_followed_is_said() -> None:

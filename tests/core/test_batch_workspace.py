@@ -16,10 +16,10 @@ def test_there_are_whole_vectors_of_lanes(used: int, count: int) -> None:
 
 
 def test_a_matrix_has_its_columns_first() -> None:
-    lanes = BatchWorkspace(BlockLayout.of({"before": 1, "G": 6}), 8)
+    lanes = BatchWorkspace(BlockLayout.of({"before": 1, "G": (3, 2)}), 8)
     lanes.part("G")[:, 3] = np.arange(6)
 
-    assert lanes.matrix("G", (3, 2))[:, :, 3].tolist() == [[0, 1, 2], [3, 4, 5]]
+    assert lanes.view("G")[:, :, 3].tolist() == [[0, 1, 2], [3, 4, 5]]
 
 
 def test_a_bound_function_is_evaluated_for_every_lane() -> None:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from core_designs import drag_design
 
+from passafe.decision_schema import Program
 from passafe.filter import SafetyPassivityFilter
 
 BOUND = np.array([5.0, 8.0])
@@ -16,7 +17,7 @@ NORM = 6.0
 def test_a_conflict_is_what_weighted_rows_ask_for_beyond_all_that_the_limits_give(norm: float | None) -> None:
     """Σλᵢdᵢ − max (Σλᵢgᵢ)ᵀw over the box, by its corners, and over the disc, where ‖pull‖·B is reached."""
     design = drag_design(input_bound=tuple(BOUND.tolist()), input_norm_bound=norm)
-    conflict = SafetyPassivityFilter(design).derivation.conflict
+    derivation = SafetyPassivityFilter(design).derivation
     rng = np.random.default_rng(90)
     proven = 0
     for _ in range(200):
@@ -27,7 +28,9 @@ def test_a_conflict_is_what_weighted_rows_ask_for_beyond_all_that_the_limits_giv
         gives = max(float(pull @ (np.array(corner) - u_ref)) for corner in product(*zip(low, high, strict=True)))
         if norm is not None:
             gives = min(gives, norm * float(np.linalg.norm(pull)) - float(pull @ u_ref))
-        value = float(conflict(G, d, weights, u_ref, low, high))
+        posed = {"G": G, "d": d, "u_ref": u_ref, "low": low, "high": high}
+        program = [posed.get(name, np.zeros(derivation.layout.shapes[name])) for name in Program.names()]
+        value = float(derivation.prove_conflict(*program, weights))
 
         assert value == pytest.approx(float(weights @ d[:2]) - gives, abs=1e-12)
         if value > 0:

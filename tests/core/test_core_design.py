@@ -6,9 +6,9 @@ import pytest
 from core_designs import gains, paper_design
 
 from passafe.barrier_chain import Barrier
+from passafe.certificate import Tolerance
 from passafe.design import Law, Mode
 from passafe.errors import DesignError, ShapeError
-from passafe.quadratic_program import Tolerance
 
 
 @pytest.mark.parametrize(

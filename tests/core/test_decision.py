@@ -5,6 +5,7 @@ import pytest
 from core_designs import PAPER_START, paper_design
 
 from passafe.decision import Status
+from passafe.decision_schema import Assessment
 from passafe.filter import SafetyPassivityFilter
 from passafe.workspace import Array
 
@@ -28,18 +29,20 @@ def test_properties_are_the_parts_of_the_block() -> None:
         "lam": decision.duals,
         "h_u": [decision.power_margin],
         "slack": [decision.slack],
-        "residuals": [decision.primal_residual, decision.dual_residual, decision.gap],
+        "primal": [decision.primal_residual],
+        "dual": [decision.dual_residual],
+        "gap": [decision.gap],
         "u_plus": decision.u,
     }
     for name, of_property in properties.items():
-        assert list(of_property) == list(decision.part(name)) == list(decision.block[decision.parts[name]]), name
+        assert list(of_property) == list(decision.part(name)) == list(decision.block[decision.layout.parts[name]]), name
     assert list(decision.part("x")) == list(PAPER_START)
     assert list(decision.part("u_h")) == [-3.0, 0.0]
 
 
 def test_parts_cover_the_block_in_order_without_gaps() -> None:
     decision = SafetyPassivityFilter(paper_design()).decide(*START)
-    edges = [(part.start, part.stop) for part in decision.parts.values()]
+    edges = [(part.start, part.stop) for part in decision.layout.parts.values()]
 
     assert [start for start, _ in edges] == [0, *(stop for _, stop in edges[:-1])]
     assert edges[-1][1] == decision.block.size
@@ -59,3 +62,14 @@ def test_a_decision_cannot_be_rewritten() -> None:
 
     with pytest.raises(AttributeError):
         decision.u = (0.0, 0.0)  # type: ignore[misc]  # that it is refused is the point
+
+
+def test_stages_of_a_decision_are_views_of_its_block() -> None:
+    decision = SafetyPassivityFilter(paper_design()).decide(*START)
+    stages = (decision.request, decision.program, decision.answer, decision.evaluation)
+
+    for name, view in ((name, view) for stage in stages for name, view in stage.fields().items()):
+        assert np.shares_memory(view, decision.block) or not view.size
+        assert view.ravel(order="F").tolist() == decision.part(name).tolist()
+    assert decision.program.G.shape == (2, 3)
+    assert decision.assessment.fields() == {name: decision.part(name)[0] for name in Assessment.names()}

@@ -56,7 +56,7 @@ def test_each_mode_has_its_rows(law: Law, mode: Mode, names: tuple[str, ...]) ->
 
     limits = ("input 0 low", "input 1 low", "input 0 high", "input 1 high")
     assert made.row_names == (*names, *limits)
-    assert made.duties == len(names)
+    assert made.constraints == len(names)
     assert decision.margins.size == decision.duals.size == len(names) + 4
     assert decision.psi.size == 3  # reported in every mode
 

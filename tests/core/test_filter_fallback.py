@@ -9,14 +9,14 @@ import pytest
 from core_designs import assert_consistent, gains, paper_design, pump_design, random_state
 from finite_differences import Array, numeric
 
-import passafe.filter
+import passafe.quadratic_program
 from passafe.barrier_chain import Barrier
 from passafe.barriers import half_plane
+from passafe.certificate import Tolerance
 from passafe.decision import Status
 from passafe.design import FilterDesign, Law, Mode
 from passafe.filter import SafetyPassivityFilter
 from passafe.passivity import Passivity
-from passafe.quadratic_program import Tolerance
 from passafe.system import System
 
 ZERO = (0.0, 0.0)
@@ -135,7 +135,7 @@ def test_rows_that_nobody_can_say_how_to_relax_are_not_answered(monkeypatch: pyt
     made = channel(left=1.0, right=-1.0)
     request = ((0.0, 0.0, 0.5, -20.0), (1.0, 1.0), ZERO, ZERO)
     assert made.decide(*request).status is Status.INFEASIBLE
-    monkeypatch.setattr(passafe.filter, "least_violation", lambda *_: None)
+    monkeypatch.setattr(passafe.quadratic_program, "least_violation", lambda *_: None)
 
     assert made.decide(*request).status is Status.UNCERTIFIED
 

@@ -7,11 +7,11 @@ import pytest
 from core_designs import PAPER_START, drag_design, paper_design, random_state
 from finite_differences import Array
 
-from passafe import derivation
 from passafe.decision import Status
 from passafe.design import Mode
 from passafe.filter import SafetyPassivityFilter
 from passafe.sampled_plant import SampledPlant
+from passafe.symbolic import whole_program
 
 ZERO = (0.0, 0.0)
 LIMITS: dict[str, dict[str, object]] = {
@@ -36,7 +36,7 @@ def test_no_input_of_a_run_is_beyond_the_limits(name: str) -> None:
         assert (np.abs(after - u) <= rates * (1 + 1e-9) + 1e-9).all()
         assert limits.norm is None or hypot(*after) <= limits.norm * (1 + 1e-12)
         assert decision.status is not Status.UNCERTIFIED
-        binding += bool((decision.duals[made.duties :] > 1e-6).any())
+        binding += bool((decision.duals[made.constraints :] > 1e-6).any())
         u = decision.u
         sample = plant.advance(sample.x, u)
     assert binding > 0 or name == "rate"
@@ -67,10 +67,10 @@ def test_within_a_norm_the_answer_is_the_nearest_one_that_keeps_the_rows() -> No
     while cut < 12:
         x, u, u_h = random_state(rng, 4, 2.0), random_state(rng, 2), 4000 * random_state(rng, 2)
         decision = made.decide(list(x), list(u), list(u_h), ZERO)
-        if decision.status is not Status.MODIFIED or not (decision.duals[made.duties + 4 :] > 0).any():
+        if decision.status is not Status.MODIFIED or not (decision.duals[made.constraints + 4 :] > 0).any():
             continue
         cut += 1
-        parts = decision.part("G").reshape((made.duties, 2), order="F"), decision.part("d"), decision.part("u_ref")
+        parts = decision.part("G").reshape((made.constraints, 2), order="F"), decision.part("d"), decision.part("u_ref")
         w = np.array(decision.u) - parts[2]
 
         assert hypot(*decision.u) == pytest.approx(3.0, rel=1e-6)
@@ -134,7 +134,7 @@ def test_the_fail_safe_stays_within_the_limits() -> None:
 
 
 def test_a_norm_that_no_tangent_brings_about_is_not_claimed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(derivation, "NORM_CUTS", 0)
+    monkeypatch.setattr(whole_program, "TANGENTS_PER_AXIS", 0)
     made = SafetyPassivityFilter(paper_design(mode=Mode.OFF, input_norm_bound=3.0))
 
     assert made.decide((0.0, 0.0, 0.0, 0.0), (2.0, 0.0), (1.0, 0.0), ZERO).status is Status.PASSED

@@ -7,6 +7,7 @@ from core_designs import DESIGNS, Builder, paper_design, random_state, row_filte
 from scipy.optimize import linprog, minimize
 
 from passafe.decision import Decision, Status
+from passafe.decision_schema import Assessment, Program
 from passafe.design import Mode
 from passafe.filter import SafetyPassivityFilter
 from passafe.infeasibility import CLOSED, Distance, DistanceToInfeasibility
@@ -27,15 +28,18 @@ def posed(
     """Return the parts of a decision that the distance is read from: rows G w ≥ d, low ≤ u_ref + w ≤ high."""
     m = len(low)
     values = {
-        "G": G.ravel(order="F"),
+        "G": G,
         "d": d,
         "u_ref": np.zeros(m) if u_ref is None else u_ref,
         "low": low,
         "high": high,
         "u_plus": (low + high) / 2 if u_plus is None else u_plus,
     }
-    layout = BlockLayout.of({name: value.size for name, value in values.items()})
-    return Decision(np.concatenate(list(values.values())), layout.parts, Status.MODIFIED, "none", (0.0,) * m)
+    shapes = dict.fromkeys(Program.names(), (0,)) | {name: value.shape for name, value in values.items()}
+    layout = BlockLayout.of(shapes)
+    block = np.concatenate([values[name].ravel(order="F") for name in layout.parts if name in values])
+    nothing = Assessment.of(lambda _: 0.0)
+    return Decision(block, layout, Status.MODIFIED, "none", nothing, (0.0,) * m)
 
 
 def in_a_box(
@@ -139,7 +143,7 @@ def test_within_a_norm_it_is_the_optimum_of_the_convex_program() -> None:
 @pytest.mark.parametrize("builder", DESIGNS)
 def test_what_is_infeasible_has_a_negative_distance_and_nothing_else(builder: Builder) -> None:
     core = SafetyPassivityFilter(builder(input_bound=3.0, between_samples=False))
-    hard = core.layout.parts["relax"].stop - core.layout.parts["relax"].start
+    hard = core.derivation.rows.hard
     solver, system = DistanceToInfeasibility(core.design.limits, hard), core.design.system
     rng = np.random.default_rng(5)
     for _ in range(200):

@@ -142,7 +142,7 @@ def test_an_answer_that_is_used_has_the_margin_of_its_own_neighbourhood() -> Non
         if not decision.status.is_fallback:
             used += 1
             assert decision.part("shortfall")[0] <= 0
-            assert decision.part("strayed")[0] <= 0
+            assert decision.part("outside_trust_region")[0] <= 0
             assert np.abs(decision.u - decision.part("u_lin")).max() <= decision.part("trust").max() + 1e-12
     assert refused < 6
 

@@ -84,7 +84,7 @@ def test_rows_are_the_corrected_closed_forms_and_not_the_printed_ones() -> None:
     """A unit row G z ≥ d in z = dt·v is A v ≤ b with A = −G and b = −d/dt, up to a positive factor."""
     paper = paper_filter()
     rng = np.random.default_rng(10)
-    assert paper.row_names[: paper.duties] == ("disk", "passivity")
+    assert paper.row_names[: paper.constraints] == ("disk", "passivity")
     for _ in range(300):
         given = draw(rng)
         x1, x2, u, u_h, u_h_rate = given

@@ -1,4 +1,5 @@
 import gc
+import struct
 
 import casadi as ca
 import numpy as np
@@ -6,7 +7,7 @@ import pytest
 
 from passafe.workspace import BlockLayout, Workspace, dense_function
 
-LAYOUT = BlockLayout.of({"a": 2, "nothing": 0, "b": 3, "c": 6})
+LAYOUT = BlockLayout.of({"a": 2, "nothing": 0, "b": 3, "c": (2, 3)})
 
 
 def test_parts_lie_one_after_the_other() -> None:
@@ -21,6 +22,13 @@ def test_parts_lie_one_after_the_other() -> None:
     assert BlockLayout.of({}).size == 0
 
 
+def test_a_span_holds_neighbours_in_their_order() -> None:
+    assert LAYOUT.span(("a", "nothing", "b")) == slice(0, 5)
+    for names in (("a", "c"), ("b", "a")):
+        with pytest.raises(ValueError, match="allowed parts one after the other"):
+            LAYOUT.span(names)
+
+
 def test_parts_cannot_be_moved() -> None:
     with pytest.raises(TypeError):
         LAYOUT.parts["a"] = slice(0, 1)  # type: ignore[index]  # that it is refused is the point
@@ -28,7 +36,7 @@ def test_parts_cannot_be_moved() -> None:
 
 def test_parts_and_matrices_are_views() -> None:
     space = Workspace(LAYOUT)
-    matrix = space.matrix("c", (2, 3))
+    matrix = space.view("c")
     space.block[:] = np.arange(11.0)
 
     assert space.part("b").tolist() == [2, 3, 4]
@@ -36,7 +44,6 @@ def test_parts_and_matrices_are_views() -> None:
     assert matrix.flags.f_contiguous
     matrix[0, 1] = -1
     assert space.block[7] == -1
-    assert space.memory[7] == -1
 
 
 def test_a_bound_function_reads_and_writes_its_parts_and_nothing_else() -> None:
@@ -49,7 +56,7 @@ def test_a_bound_function_reads_and_writes_its_parts_and_nothing_else() -> None:
         space.part("b")[:] = [3, 4, 5]
         evaluate()
 
-        assert space.matrix("c", (2, 3)).tolist() == [
+        assert space.view("c").tolist() == [
             [3 * scale, 4 * scale, 5 * scale],
             [6 * scale, 8 * scale, 10 * scale],
         ]
@@ -115,3 +122,14 @@ def test_sparse_results_are_refused() -> None:
 
     with pytest.raises(ValueError, match="sparse a: got 2 numbers, allowed a dense part of 2"):
         Workspace(LAYOUT).bind(sparse, ["a"], ["a"])
+
+
+def test_writers_and_readers_take_the_numbers_of_one_part() -> None:
+    space = Workspace(LAYOUT)
+    space.writer("b")(3, 4, 5)
+
+    assert space.block[:5].tolist() == [0, 0, 3, 4, 5]
+    assert space.reader("b")() == (3.0, 4.0, 5.0)
+    with pytest.raises(struct.error):
+        space.writer("b")(3, 4)
+    assert space.reader("nothing")() == ()

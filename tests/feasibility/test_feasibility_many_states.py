@@ -26,7 +26,7 @@ def test_hard_rows_are_those_of_the_filter(name: str) -> None:
         hard = len(design.barriers)
         rows = many.rows(x[:, None], decision.part("u_lin")[None], decision.part("trust")[None], passive=False)
         kept = rows.G[0] @ np.array(decision.u) - rows.d[0]
-        extra = decision.part("cushion")[0] - 2e-6
+        extra = decision.part("tightening")[0] - 2e-6
         furthest = design.limits.reach
         near = np.abs(kept) < furthest  # beyond that, bounds are drawn in
 

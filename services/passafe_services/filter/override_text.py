@@ -38,9 +38,9 @@ class OverrideText:
             unit: Unit of u.
         """
         self._unit = unit
-        self._row_names, self._duties = core.row_names, core.duties
+        self._row_names = core.row_names
         self._distances = {chain.barrier.name: BarrierDistance(chain, robot) for chain in core.chains}
-        self._places = {name: i for i, name in enumerate(core.row_names[: core.duties])}
+        self._places = {name: i for i, name in enumerate(core.row_names[: core.constraints])}
 
     def causes(self, override: Override) -> tuple[str, ...]:
         """Return the names of the causes, the most important first; input limits share one name."""
@@ -83,11 +83,10 @@ class OverrideText:
         return f"{'obstacle' if distance.is_obstacle else 'barrier'} `{name}`"
 
     def _relaxation(self, decision: Decision) -> str:
-        relax = decision.part("relax")
+        relax, G = decision.answer.relax, decision.program.G
         order = [int(i) for i in np.argsort(-relax, kind="stable") if relax[i] > 0.0]
         amounts = [f"{relax[i]:.2g} {self._unit} of {self._label(self._row_names[i])}" for i in order]
-        G = decision.part("G").reshape((self._duties, -1), order="F")[: relax.size]
-        alone = float(np.linalg.norm(relax @ G)) <= BALANCED * float(relax.sum())
+        alone = float(np.linalg.norm(relax @ G[: relax.size])) <= BALANCED * float(relax.sum())
         return f"relaxed {_listed(amounts)}: {_conflict(len(order), alone=alone)}"
 
 

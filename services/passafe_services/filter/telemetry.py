@@ -17,6 +17,7 @@ from passafe_protocol.messages import (
 from passafe_protocol.topics import TOPIC_OF_BODY
 
 from passafe.decision import Decision, Status
+from passafe.decision_schema import Answer, Evaluation, Program, Request
 from passafe.design import FilterDesign
 from passafe.filter import SafetyPassivityFilter
 from passafe.infeasibility import DistanceToInfeasibility
@@ -81,11 +82,11 @@ class Telemetry:
     def __init__(self, core: SafetyPassivityFilter, explainer: Explainer) -> None:
         self._design: FilterDesign = core.design
         self._row_names = core.row_names
-        self._duties = core.duties
+        self._constraints = core.constraints
         self._explainer = explainer
-        self._hard = core.layout.parts["relax"].stop - core.layout.parts["relax"].start
+        self._hard = core.derivation.rows.hard
         self._distance = DistanceToInfeasibility(core.design.limits, self._hard)
-        self._has_eps = core.layout.parts["eps"].stop > core.layout.parts["eps"].start
+        self._has_eps = bool(core.layout.shapes["eps"][0])
         self._chains: list[tuple[str, slice]] = []
         start = 0
         for chain in core.chains:
@@ -95,31 +96,33 @@ class Telemetry:
     def message(self, record: TickRecord) -> FilterTick:
         """Return the message of one tick."""
         decision = record.decision
-        numbers, parts = decision.block.tolist(), decision.parts
+        numbers, parts = decision.block.tolist(), decision.layout.parts
 
         def vector(name: str) -> tuple[float, ...]:
             return tuple(numbers[parts[name]])
 
-        psi = vector("psi")
-        eps = vector("eps") if self._has_eps else (0.0,) * len(self._chains)
+        request, program = Request.of(vector), Program.of(vector)
+        answer, evaluation = Answer.of(vector), Evaluation.of(vector)
+        eps = program.eps if self._has_eps else (0.0,) * len(self._chains)
         override = self._explainer.override(decision)
         shares = {cause.row: cause.share for cause in override.causes}
-        relaxed = (*vector("relax"), *(0.0,) * (len(self._row_names) - self._hard))
+        relaxed = (*answer.relax, *(0.0,) * (len(self._row_names) - self._hard))
         return FilterTick(
             tick=record.tick,
             status=record.status,
             mode=self._design.mode.value,
             law=self._design.law.value,
             effective_plant_ns=record.effective_plant_ns,
-            x_hat=vector("x"),
-            u_h=vector("u_h"),
-            u_h_rate=vector("u_h_rate"),
-            u_nominal=vector("u_nominal"),
-            phi=vector("phi"),
-            v=vector("v"),
+            x_hat=request.x,
+            u_h=request.u_h,
+            u_h_rate=request.u_h_rate,
+            u_nominal=program.u_nominal,
+            phi=program.phi,
+            v=evaluation.v,
             u=decision.u,
             barriers=tuple(
-                BarrierReport(name, psi[place], margin) for (name, place), margin in zip(self._chains, eps, strict=True)
+                BarrierReport(name, evaluation.psi[place], margin)
+                for (name, place), margin in zip(self._chains, eps, strict=True)
             ),
             power_margin=decision.power_margin,
             tank_j=record.tank_j,
@@ -127,9 +130,9 @@ class Telemetry:
             rows=tuple(
                 RowReport(name, margin, dual, name in shares, shares.get(name, 0.0), less)
                 for i, (name, margin, dual, less) in enumerate(
-                    zip(self._row_names, vector("margins"), vector("lam"), relaxed, strict=True)
+                    zip(self._row_names, evaluation.margins, answer.lam, relaxed, strict=True)
                 )
-                if i < self._duties or name in shares  # limits only if they are active
+                if i < self._constraints or name in shares  # limits only if they are active
             ),
             certificate=Certificate(
                 decision.solver,

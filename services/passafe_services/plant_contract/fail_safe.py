@@ -1,6 +1,5 @@
 """Fail-safe rule for missing inputs: hold the last input for a limited time, then apply the model's fail-safe law."""
 
-from struct import Struct
 from typing import Final
 
 import casadi as ca
@@ -35,16 +34,15 @@ class FailSafe:
         bound = ca.DM(list(limits.magnitude))
         clipped = limits.clip(robot.fail_safe, ca.DM.zeros(system.m), -bound, bound)
         self._evaluate = self._space.bind(dense_function("fail_safe", [system.x], [clipped]), ["x"], ["u"])
-        self._give = Struct(f"{system.m}d").unpack_from
-        self._offset = system.n * 8
+        self._write_x, self._read_u = self._space.writer("x"), self._space.reader("u")
         self._period_ns = period_ns
         self._hold_ns = hold_ns
 
     def law(self, x: Vector) -> Vector:
         """Return the fail-safe law's input at a state, within the limits, m numbers."""
-        self._space.part("x")[:] = x
+        self._write_x(*x)
         self._evaluate()
-        return self._give(self._space.memory, self._offset)
+        return self._read_u()
 
     def without_input(
         self, u: Vector, input_since_ns: int, now_ns: int, x: Vector, hold_ns: int | None = None

@@ -3,7 +3,6 @@
 They use what an operator process can know: the newest state received and the model of the scenario.
 """
 
-from struct import Struct
 from typing import ClassVar
 
 import casadi as ca
@@ -65,18 +64,19 @@ class AdversaryOperator:
         n, m = push.numel_in(0), push.numel_in(1)
         self._space = Workspace(BlockLayout.of({"x": n, "u": m, "t": 1, "u_h": m}))
         self._evaluate = self._space.bind(push, ["x", "u", "t"], ["u_h"])
-        self._take = Struct(f"{n + m + 1}d").pack_into
-        self._give, self._offset = Struct(f"{m}d").unpack_from, 8 * (n + m + 1)
+        self._write_x, self._write_u, self._write_t = (self._space.writer(name) for name in ("x", "u", "t"))
+        self._read_u_h = self._space.reader("u_h")
         self._period_s = period_s
         self._rest: Vector = (0.0,) * m
         self._set_direction((strength, *self._rest[1:]))
 
     def observe(self, state: PlantState) -> None:
         """Update the direction for a state."""
-        memory = self._space.memory
-        self._take(memory, 0, *state.x, *state.u, state.plant_ns / 1e9)
+        self._write_x(*state.x)
+        self._write_u(*state.u)
+        self._write_t(state.plant_ns / 1e9)
         self._evaluate()
-        self._set_direction(self._give(memory, self._offset))
+        self._set_direction(self._read_u_h())
 
     def command(self, t_s: float) -> Command:
         """Return the command at plant time ``t_s`` ≥ 0."""

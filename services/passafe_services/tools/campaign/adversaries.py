@@ -98,10 +98,10 @@ def _tightest_hard(decided: BatchFilter, lanes: slice) -> Array | None:
     hard = decided.hard
     if not hard:
         return None
-    margins = decided.part("margins")[:hard, lanes]
+    margins = decided.evaluation.margins[:hard, lanes]
     tightest = (margins <= margins.min(axis=0) + ALIKE).argmax(axis=0)
     return decided.gradients[:, tightest, np.arange(lanes.start, lanes.stop)]
 
 
 def _passivity(decided: BatchFilter, lanes: slice) -> Array | None:
-    return decided.gradients[:, -1, lanes] if decided.duties > decided.hard else None
+    return decided.gradients[:, -1, lanes] if decided.constraints > decided.hard else None

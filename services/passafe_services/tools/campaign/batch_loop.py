@@ -59,11 +59,11 @@ class BatchLoop:
             singly: Whether the filter takes the decisions one by one.
         """
         t_s, first = self._ticks * self._dt_s, self._ticks == 0
-        decided, plants, count = self._decided, self._plants.lanes, self._count
+        decided, plants, count = self._decided, self._plants.batch, self._count
         for lanes, ask in self._crowds:
             self._u_h[:, lanes] = ask(t_s, None if first else decided)
-        decided.decide(self._x, self._u, self._u_h, 0.0, self._level_j, t_s, start=first, singly=singly)
-        u = decided.part("u_plus")[:, :count].copy()
+        decided.decide(self._x, self._u, self._u_h, 0.0, self._level_j, t_s, start=first, scalar=singly)
+        u = decided.evaluation.u_plus[:, :count].copy()
         self._overreach = np.maximum(self._overreach, self._beyond_limits(u, first=first))
         self._count_decisions()
         self._h_min = np.minimum(self._h_min, self._barriers.during(self._x, u, t_s))
@@ -99,9 +99,9 @@ class BatchLoop:
         decided, lanes = self._decided, np.arange(self._count)
         status = decided.status[: self._count]
         self._statuses[status, lanes] += 1
-        missing = (decided.part("shortfall")[0] > 0) | (decided.part("strayed")[0] > 0)
+        missing = (decided.assessment.shortfall[0] > 0) | (decided.assessment.outside_trust_region[0] > 0)
         self._unproven += missing[: self._count] & (status < Status.UNCERTIFIED)
-        self._singly += decided.singly[: self._count]
+        self._singly += decided.scalar[: self._count]
 
     def _beyond_limits(self, after: Array, *, first: bool) -> Array:
         """By how much inputs are beyond their limits, shape (lanes,)."""

@@ -72,7 +72,6 @@ class RunTrace:
         self._states = _Rows("plant_ns", "phase", "slack_ns", energy_in_j=(), energy_stored_j=(), x=n, u=m)
         self._sent = _Rows("at_ns", u=m)
         self._answered = _Rows("status", "at_ns", "state_age_ns", "command_age_ns", "decided", residuals=(3,))
-        self._residuals = Struct("3d").unpack_from, core.layout.parts["residuals"].start * 8
         self.taps: Mapping[Topic, Tap] = {STATE: self._keep_state, INPUT: self._keep_input, TICK: self._answer}
         self._asked: list[tuple[int, Decision]] = []
         if steered:
@@ -163,14 +162,16 @@ class RunTrace:
 
     def _answer(self, record: TickRecord) -> None:
         decision = record.decision
-        unpack, at = self._residuals
+        assessment = decision.assessment
         self._answered.packed += self._answered.pack(
             record.status,
             record.effective_plant_ns,
             record.state_age_ns,
             record.command_age_ns,
             decision.status,
-            *unpack(decision.block, at),  # type: ignore[arg-type] # an array is a buffer, half as dear as its view
+            assessment.primal,
+            assessment.dual,
+            assessment.gap,
         )
 
     def _ask_and_answer(self, record: TickRecord) -> None:

@@ -9,10 +9,13 @@ from numpy.typing import NDArray
 
 from passafe.barrier_chain import derive_chain
 from passafe.batch.batch_function import BatchFunction
-from passafe.derivation import CUSHION, TRUST, Derivation
+from passafe.decision_schema import Answer, Linearization, Program, Request
+from passafe.derivation import Derivation, first_tightening
 from passafe.design import FilterDesign, Law, Mode
 from passafe.limits import Limits
 from passafe.rows import TINY
+from passafe.stage import part_names
+from passafe.symbolic.trust_region import LEAST_TRUST
 from passafe.workspace import Array
 from passafe_services.tools.feasibility.errors import FeasibilityError
 
@@ -76,18 +79,18 @@ class BatchRows:
             raise FeasibilityError("filter.law", design.law.value, "sampled: the other's rows need the input before")
         both = replace(design, mode=Mode.BOTH)
         chains = tuple(derive_chain(design.system, barrier) for barrier in design.barriers)
-        self._derivation = Derivation(both, chains)
+        self._derivation = Derivation.of(both, chains)
         self.limits: Limits = design.limits
-        self.least_trust: Array = TRUST * np.array(design.limits.magnitude)
+        self.least_trust: Array = LEAST_TRUST * np.array(design.limits.magnitude)
         self.tolerance = design.tolerance.residual
         self._prepare = BatchFunction(self._derivation.prepare, by_casadi=True)
-        self._m, self._hard = design.system.m, self._derivation.hard
+        self._m, self._hard = design.system.m, self._derivation.rows.hard
         tank = design.passivity.tank
         self._constant = {
             "t": t_s,
             "tank": 0.0 if tank is None else tank.initial_j,
             "start": 1.0,
-            "cushion": CUSHION * design.tolerance.residual if design.between_samples else 0.0,
+            "tightening": first_tightening(design),
         }
         h = [chain.psi[0] for chain in chains]
         protecting = [psi for chain in chains for psi in chain.psi[:-1]]
@@ -114,19 +117,19 @@ class BatchRows:
         """
         count, m = x.shape[1], self._m
         given = self._constant | {"x": x, "u_lin": u_lin.T, "trust_asked": trust.T}
-        sizes = self._derivation.sizes_given
+        shapes = self._derivation.layout.shapes
         columns = [
-            np.broadcast_to(np.asarray(given.get(name, 0.0), dtype=np.float64), (size, count))
-            for name, size in sizes.items()
+            np.broadcast_to(np.asarray(given.get(name, 0.0), dtype=np.float64), (*shapes[name], count))
+            for name in part_names(Request, Linearization)
         ]
-        names = list(self._derivation.sizes_derived)
-        found = dict(zip(names, self._prepare(*columns), strict=True))
-        duties, k = self._derivation.duties, self._derivation.k
-        G = found["G"].reshape(k, duties, count).transpose(2, 1, 0)[:, :, :m]
-        # fmin and fmax swallow a NaN; the filter tells by its poison, too.
-        sound = found["poison"].T <= 1.0
-        d, u_ref = np.where(sound, found["d"].T, np.nan), found["u_ref"].T
-        chosen = duties if passive else self._hard
+        found = dict(zip(part_names(Program, Answer), self._prepare(*columns), strict=True))
+        program = Program.of(found.__getitem__)
+        constraints, k = shapes["G"]
+        G = program.G.reshape(k, constraints, count).transpose(2, 1, 0)[:, :, :m]
+        # fmin and fmax swallow a NaN; the filter sees it by its guard, too.
+        sound = program.nan_guard.T <= 1.0
+        d, u_ref = np.where(sound, program.d.T, np.nan), program.u_ref.T
+        chosen = constraints if passive else self._hard
         return _hardened(G[:, :chosen], d[:, :chosen], u_ref, FURTHEST * self.limits.reach)
 
 

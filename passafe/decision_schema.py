@@ -1,0 +1,139 @@
+"""The schema of a decision: the stages from a request to a certified answer, and the parts of each.
+
+Everything else follows from these declarations and from the shapes of a design's expressions: the arguments and results
+of the compiled functions, the places of the parts in a decision's block, and every view of them.
+
+Sizes: n states, m inputs, N rows of the whole program, C of them constraints, H of these hard; k = m, or m + 1 with a
+soft row. Inputs are in units of u.
+"""
+
+from passafe.certificate import Residuals
+from passafe.stage import Matrix, Stage, T
+
+
+class Request(Stage[T], frozen=True, eq=False, gc=False):
+    """Arguments of a decision.
+
+    Attributes:
+        x: State at which the input takes effect, n.
+        u: Input in force until then, m.
+        u_h: Operator's part of the input, m.
+        u_h_rate: Its time derivative, m, per second.
+        tank: Energy E in the tank, J, 1.
+        t: Plant time at which the input takes effect, s, 1.
+        start: 1 where there was no input before, else 0.
+    """
+
+    x: T
+    u: T
+    u_h: T
+    u_h_rate: T
+    tank: T
+    t: T
+    start: T
+
+
+class Linearization(Stage[T], frozen=True, eq=False, gc=False):
+    """Where rows that are not affine in u are replaced by tangents, and for which inputs their margins are good.
+
+    Attributes:
+        u_lin: Where tangents touch and about which margins are good, m.
+        trust_asked: Change of u_lin for which margins shall be good, m; 0 where the filter's functions choose it.
+        tightening: By how much constraints are kept beyond ε, 1.
+    """
+
+    u_lin: T
+    trust_asked: T
+    tightening: T
+
+
+class Program(Stage[T], frozen=True, eq=False, gc=False):
+    """The quadratic program min ½‖z‖² subject to G z ≥ d, and what it was made from.
+
+    Attributes:
+        u_nominal: û = u_fb(x) + u_h, m.
+        phi: Tracking term φ, m, per second.
+        u_ref: Input if v = 0, within the limits, m.
+        low: Least input that magnitude and rate allow, m.
+        high: Largest one, m.
+        trust: Change of u_lin for which margins are good, m.
+        eps: Margin ε of every enforced barrier between samples.
+        G: Rows of the constraints, of unit length, shape (C, k).
+        d: Their bounds, C.
+        largest_bound: max d, 1; where it is not positive, z = 0 is optimal.
+        nan_guard: 0 for ordinary numbers, NaN or infinite where an argument or a row is, 1.
+    """
+
+    u_nominal: T
+    phi: T
+    u_ref: T
+    low: T
+    high: T
+    trust: T
+    eps: T
+    G: Matrix[T]
+    d: T
+    largest_bound: T
+    nan_guard: T
+
+
+class NormTangents(Stage[T], frozen=True, eq=False, gc=False):
+    """Linear rows in the place of the limit of the norm.
+
+    Attributes:
+        cuts: Directions of unit length, one a row, shape (tangents, m); none without that limit.
+    """
+
+    cuts: Matrix[T]
+
+
+class Answer(Stage[T], frozen=True, eq=False, gc=False):
+    """An answer to the quadratic program; all zero before a solver is asked.
+
+    Attributes:
+        z: u⁺ − u_ref and, with a soft row, its slack times √ρ, k.
+        lam: Multipliers λ of all rows, N.
+        relax: By how much hard rows that contradict one another are not asked to be kept, H.
+        conflict: 1; positive where ``relax`` proves that the hard rows cannot be kept within the limits.
+    """
+
+    z: T
+    lam: T
+    relax: T
+    conflict: T
+
+
+class Evaluation(Stage[T], frozen=True, eq=False, gc=False):
+    """What follows from an answer.
+
+    Attributes:
+        margins: G z − d of all rows, limits included, N.
+        u_plus: u⁺, m.
+        v: (u⁺ − u)/dt − φ, m, per second.
+        psi: ψ₀ … ψ_r of every barrier at (x, u⁺), one barrier after the other.
+        h_u: Power margin at (x, u⁺), W, 1.
+    """
+
+    margins: T
+    u_plus: T
+    v: T
+    psi: T
+    h_u: T
+
+
+class Assessment(Residuals[T], frozen=True, eq=False, gc=False):
+    """The numbers by which an answer is accepted and graded, each a scalar.
+
+    Residuals come first.
+
+    Attributes:
+        norm_overreach: By how much it is longer than asked for; 0 without a limit of the norm.
+        slack: δ of the passivity row, W; 0 where there is none.
+        shortfall: By how much u⁺ misses what keeps barriers at and between samples; ≤ 0 if it does not.
+        outside_trust_region: By how much u⁺ is further from u_lin than margins are good for; ≤ 0 if it is not.
+    """
+
+    norm_overreach: T
+    slack: T
+    shortfall: T
+    outside_trust_region: T

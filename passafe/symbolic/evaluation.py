@@ -1,0 +1,71 @@
+"""What follows from an answer: the input that is sent, margins and barrier chains under it, and its assessment."""
+
+from collections.abc import Sequence
+
+import casadi as ca
+
+from passafe.barrier_chain import BarrierChain
+from passafe.certificate import certificate_residuals
+from passafe.decision_schema import Answer, Assessment, Evaluation, Linearization, NormTangents, Program, Request
+from passafe.design import FilterDesign
+from passafe.passivity import power_margin
+from passafe.symbolic.enforced_barriers import EnforcedBarriers
+from passafe.symbolic.trust_region import outside_trust_region
+from passafe.symbolic.whole_program import norm_asked, whole_rows
+
+
+def evaluate(
+    chains: Sequence[BarrierChain],
+    barriers: EnforcedBarriers,
+    request: Request[ca.SX],
+    linearization: Linearization[ca.SX],
+    program: Program[ca.SX],
+    tangents: NormTangents[ca.SX],
+    answer: Answer[ca.SX],
+    root: float,
+) -> tuple[Evaluation[ca.SX], Assessment[ca.SX]]:
+    """Return evaluation and assessment of an answer to the whole program.
+
+    Args:
+        chains: Chains of all barriers, enforced or not.
+        barriers: The enforced ones.
+        request: Symbols.
+        linearization: Symbols.
+        program: Symbols.
+        tangents: Symbols.
+        answer: Symbols.
+        root: √ρ of the soft row's slack; 0 without one.
+    """
+    design, m, hard = barriers.design, request.u.numel(), answer.relax.numel()
+    G, d = whole_rows(program, tangents.cuts, norm_asked(design.limits))
+    residuals = certificate_residuals(answer.z, answer.lam, G, ca.vertcat(d[:hard] - answer.relax, d[hard:]))
+    unclipped = program.u_ref + answer.z[:m]
+    u_plus = design.limits.clip(unclipped, request.u, program.low, program.high)
+    psi, h_u = _at(design, chains, u_plus)
+    evaluation = Evaluation(
+        margins=G @ answer.z - d,
+        u_plus=u_plus,
+        v=(u_plus - request.u) / design.dt_s - program.phi,
+        psi=psi,
+        h_u=h_u,
+    )
+    assessment = Assessment(
+        primal=residuals.primal + program.nan_guard,
+        dual=residuals.dual,
+        gap=residuals.gap,
+        norm_overreach=ca.SX(0) if design.limits.norm is None else ca.norm_2(unclipped) - norm_asked(design.limits),
+        slack=answer.z[m] / root if root else ca.SX(0),
+        shortfall=barriers.shortfall(u_plus, program.eps),
+        outside_trust_region=(
+            outside_trust_region(linearization, u_plus, program.trust) if barriers.has_margins else ca.SX(0)
+        ),
+    )
+    return evaluation, assessment
+
+
+def _at(design: FilterDesign, chains: Sequence[BarrierChain], u_plus: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Return ψ₀ … ψ_r of all chains and the power margin under an input."""
+    system = design.system
+    psi = ca.vertcat(ca.SX(0, 1), *(psi for chain in chains for psi in chain.psi))
+    psi, h_u = ca.substitute([psi, power_margin(system, design.passivity.V)], [system.u], [u_plus])
+    return psi, h_u
