@@ -2,8 +2,6 @@
 
 import re
 import shlex
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -13,8 +11,8 @@ from passafe_services.tools.experiment.load import load_study
 from typer.testing import CliRunner
 
 SMALL = {
-    "simulate": ["--duration", "1.5"],
-    "campaign": ["--rollouts", "2", "--duration", "0.05"],
+    "simulate": ["--duration", "1.0"],
+    "campaign": ["--rollouts", "2", "--duration", "0.05", "--workers", "1"],
     "feasibility": ["--cells", "3", "--samples", "5"],
     "review": [],
     "replay": [],
@@ -35,16 +33,17 @@ def test_command_has_the_options_shown(command: str) -> None:
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if lines_to_run(page)], ids=name_of)
-def test_commands_of_a_page_run_in_order(page: Path, tmp_path: Path) -> None:
+def test_commands_of_a_page_run_in_order(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
     for line in lines_to_run(page):
         words = shlex.split(line)[1:]
         if words[0] in LONG:
             continue
-        _simulate_what_is_read(words, tmp_path)
-        done = _run([*words, *SMALL[words[0]]], tmp_path)
+        _simulate_what_is_read(words)
+        result = CliRunner().invoke(app, [*words, *SMALL[words[0]]])
 
         off = "off" in words  # a run without the filter may break its properties
-        assert done.returncode in ({0, 1} if off else {0}), f"{line}\n{done.stdout}{done.stderr}"
+        assert result.exit_code in ({0, 1} if off else {0}), f"{line}\n{result.output}{result.exception}"
 
 
 def test_experiments_shown_are_shipped() -> None:
@@ -70,13 +69,8 @@ def test_every_command_is_in_the_reference() -> None:
             assert f"## passafe {found[1]}" in text_of(page)
 
 
-def _simulate_what_is_read(words: list[str], folder: Path) -> None:
+def _simulate_what_is_read(words: list[str]) -> None:
     """Make the log that a command reads, where the page's own command for it is a long one."""
-    if words[0] in {"review", "replay"} and not (folder / words[1]).exists():
-        done = _run(["simulate", "--duration", "1.5", "--out", words[1]], folder)
-        assert done.returncode == 0, done.stderr
-
-
-def _run(words: list[str], folder: Path) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-P", "-m", "passafe_services.cli", *words]
-    return subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=120, check=False)
+    if words[0] in {"review", "replay"} and not Path(words[1]).exists():
+        result = CliRunner().invoke(app, ["simulate", *SMALL["simulate"], "--out", words[1]])
+        assert result.exit_code == 0, result.output
