@@ -23,7 +23,7 @@ from passafe_services.tools.review.run_log import RunLog
 feed = Feed(load_scenario("table.toml"))
 for message in RunLog.read(Path(sys.argv[1])).of(PlantState):
     feed.push(message.header, message.body, 0)
-print(feed.worst["h_0"].value, feed.layout.h_unit, feed.displacements_m(feed.state))
+print(feed.run.worst["h_0"].value, feed.layout.h_unit, feed.displacements_m(feed.run.state))
 assert "table" in LivePage(feed, window_s=20.0).html()
 """
 

@@ -35,7 +35,21 @@ ALLOWED: dict[str, tuple[str, str]] = {
 }
 """Files in which a pattern may occur, and the reason."""
 
-CLEAN = ("docs", "examples", "docs_build", "README.md", "CONTRIBUTING.md", "CHANGELOG.md")
+CLEAN = (
+    "protocol",
+    "dashboard",
+    "wheel_build",
+    "docs",
+    "docs_build",
+    "examples",
+    "README.md",
+    "CONTRIBUTING.md",
+    "CHANGELOG.md",
+    "CITATION.cff",
+    "Makefile",
+    "mkdocs.yml",
+    "pyproject.toml",
+)
 """Folders and files that are held to it."""
 
 SUFFIXES = {".py", ".md", ".toml", ".proto", ".html", ".js", ".css", ".cff", ".yml"}
@@ -43,8 +57,9 @@ SUFFIXES = {".py", ".md", ".toml", ".proto", ".html", ".js", ".css", ".cff", ".y
 
 def _files(root: str) -> list[Path]:
     path = ROOT / root
-    found = [path] if path.is_file() else path.rglob("*")
-    return [one for one in found if one.suffix in SUFFIXES and "__pycache__" not in one.parts]
+    if path.is_file():
+        return [path]
+    return [one for one in path.rglob("*") if one.suffix in SUFFIXES and "__pycache__" not in one.parts]
 
 
 def _words(text: str) -> str:
