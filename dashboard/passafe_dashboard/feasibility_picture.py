@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
-from passafe_services.tools.feasibility.atlas import WHAT_IT_SAYS, Atlas
+from passafe_services.tools.feasibility.atlas import LIMITATION, Atlas
 from passafe_services.tools.feasibility.constraint_feasibility import Findings
 
 from passafe_dashboard.palette import INK
@@ -96,5 +96,5 @@ def _description(atlas: Atlas) -> str:
     return (
         f"At {at}plant time {atlas.plant_time_s:g} s: of {counts.states} cells {counts.inside} are in the set that "
         f"the rows protect; in {counts.hard} of these the hard rows can be kept, in {counts.passive} passivity "
-        f"too. {WHAT_IT_SAYS}"
+        f"too. {LIMITATION}"
     )

@@ -1,4 +1,4 @@
-"""The whole loop of a scenario in virtual time: the same nodes as live, in one process."""
+"""Simulation of a scenario's closed loop in virtual time: the same nodes as live, in one process."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -20,13 +20,13 @@ VIRTUAL_WALL_NS: Final = 1_000_000_000_000_000_000
 
 @dataclass(frozen=True, kw_only=True)
 class CompiledScenario:
-    """What of a scenario's plant and filter takes time to make and keeps no state.
+    """Parts of a scenario's plant and filter that are expensive to build and have no state.
 
-    Loops that run one after the other may share it, however their links, starts, operators and times differ, as long
-    as ``key_of`` is the same for their scenarios.
+    Loops that run one after the other may share it, whatever their links, initial states, operators and durations, if
+    ``key_of`` is the same for their scenarios.
 
     Attributes:
-        model: The plant's model.
+        model: Model of the plant.
         filter: The filter.
     """
 
@@ -38,8 +38,8 @@ class CompiledScenario:
         """Compile both.
 
         Raises:
-            ScenarioError: The model does not take its parameters or x0.
-            DesignError: Some part of the design cannot be used.
+            ScenarioError: The parameters or x0 do not fit the model.
+            DesignError: A part of the design is not valid.
         """
         model = PlantModel.of(scenario)
         return cls(model=model, filter=CompiledFilter.of(scenario, model.robot))
@@ -53,7 +53,7 @@ class CompiledScenario:
 
 
 def steps_of(scenario: Scenario) -> int:
-    """Return the steps of a lockstep run that covers the scenario's duration of plant time without delay."""
+    """Return the number of lockstep steps for the scenario's duration in plant time, without delay."""
     return round(scenario.duration_s * scenario.rate_hz) + round(scenario.plant.playout_s * scenario.rate_hz) + 1
 
 
@@ -64,13 +64,13 @@ def lockstep_loop(
     taps: Mapping[Topic, Tap] | None = None,
     compiled: CompiledScenario | None = None,
 ) -> Lockstep:
-    """Return the whole loop of a scenario in virtual time.
+    """Return the closed loop of a scenario in virtual time.
 
     Args:
-        scenario: What to run.
+        scenario: The scenario.
         observer: Called with every message, see ``Lockstep``.
-        taps: Called with what the nodes hand over, by topic, see ``Lockstep``.
-        compiled: The compiled scenario, if there is one already; no other loop may be running on it.
+        taps: Called with the outgoing items of the nodes, by topic, see ``Lockstep``.
+        compiled: Compiled scenario, if there is one already; no other loop may be using it.
     """
     epoch = 1
     compiled = CompiledScenario.of(scenario) if compiled is None else compiled

@@ -138,9 +138,9 @@ def test_a_tape_costs_no_telemetry_and_changes_nothing() -> None:
         made.append(_record)
         raise AssertionError("telemetry was made")
 
-    for seat in loop._seats:
-        if seat.name == "filter":
-            seat.node._decisions._telemetry.message = refuse  # type: ignore[attr-defined]
+    for slot in loop._slots:
+        if slot.name == "filter":
+            slot.node._decisions._telemetry.message = refuse  # type: ignore[attr-defined]
     loop.run(60)
 
     assert not made

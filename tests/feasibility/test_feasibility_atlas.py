@@ -121,7 +121,7 @@ def test_sums_count_what_is_inside_only(atlas: Atlas) -> None:
     sample = SampleSummary.of(atlas.found, (0.0, 0.0), (1.0, 1.0), 5)
     assert (sample.inside.of, sample.hard.of, sample.passive.of) == (64, counts.inside, counts.inside)
     assert sample.hard.kept == counts.hard
-    assert "does not say" in atlas.summary(sample).what_it_says
+    assert "do not imply" in atlas.summary(sample).limitation
 
 
 def test_every_cell_gives_one_answer() -> None:
@@ -164,7 +164,7 @@ def test_the_picture_names_every_answer_and_says_what_it_shows(atlas: Atlas) -> 
         assert word in words
     [description] = root.findall(f"{SVG}desc")
     assert "of 64 cells" in (description.text or "")
-    assert "does not say" in (description.text or "")
+    assert "do not imply" in (description.text or "")
     assert text == atlas_picture(atlas, across="x0 (position)", up="x1 (velocity)", same_scale=False)
 
 

@@ -61,7 +61,7 @@ def test_order_gaps_and_repetitions_are_per_source_and_session(tmp_path: Path) -
         *("plant 1 0", "plant 1 1", "plant 1 2", "plant 2 0", "plant 2 4"),
     ]
     count = log.counts["event"]
-    assert (count.received, count.repeated) == (8, 1)
+    assert (count.received, count.duplicates) == (8, 1)
     assert count.gaps == 1 + 2 + 3  # filter: 4, and 6 to 7; plant's second session: 1 to 3
     assert count.missed_at_start == 3
     assert count.sessions == 3

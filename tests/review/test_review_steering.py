@@ -87,9 +87,9 @@ def test_legs_end_where_the_next_target_begins() -> None:
 
 
 def test_effort_is_what_is_held_from_each_time_to_the_next() -> None:
-    asked = np.array([0.0, 0.5, 2.0]), np.array([[3.0, 1.0, 7.0], [4.0, 0.0, 7.0]])
-    withheld = asked[0], np.array([[0.0, 2.0, 9.0], [0.0, 0.0, 9.0]])
-    scores = Steering.of([HERE], 0.1, T_S, np.zeros((2, 8001)), asked=asked, withheld=withheld)
+    requested = np.array([0.0, 0.5, 2.0]), np.array([[3.0, 1.0, 7.0], [4.0, 0.0, 7.0]])
+    held_back = requested[0], np.array([[0.0, 2.0, 9.0], [0.0, 0.0, 9.0]])
+    scores = Steering.of([HERE], 0.1, T_S, np.zeros((2, 8001)), requested=requested, held_back=held_back)
 
     assert scores is not None
     assert scores.effort == pytest.approx(25 * 0.5 + 1 * 1.5)

@@ -164,7 +164,7 @@ def test_an_observer_changes_nothing_about_the_run() -> None:
         loop.run(steps_of(scenario))
         loop.finish()
 
-    states = [[link.counts for seat in loop._seats for link in seat.links] for loop in (seen, unseen)]
+    states = [[link.counts for slot in loop._slots for link in slot.links] for loop in (seen, unseen)]
     assert states[0] == states[1]
 
 
@@ -172,8 +172,8 @@ def test_what_the_operator_sees_is_late_too() -> None:
     scenario = load_scenario("notomista-cai-2020", {"links.plant-to-operator": {"delay_s": 0.1}})
     loop = lockstep_loop(scenario)
     loop.run(300)
-    operator = next(seat.node for seat in loop._seats if seat.name == "operator")
-    plant = next(seat.node for seat in loop._seats if seat.name == "plant")
+    operator = next(slot.node for slot in loop._slots if slot.name == "operator")
+    plant = next(slot.node for slot in loop._slots if slot.name == "plant")
 
     assert isinstance(operator._state, PlantState)
     assert plant.plant_ns - operator._state.plant_ns == 100_000_000

@@ -17,7 +17,7 @@ from passafe_services.cli.feasibility_options import box_of, grid_of, with_gain
 from passafe_services.cli.options import DEFAULT_SCENARIO, ScenarioOption, writable_folder
 from passafe_services.scenarios.design import design_of, robot_of
 from passafe_services.scenarios.load import load_scenario
-from passafe_services.tools.feasibility.atlas import WHAT_IT_SAYS, Atlas, AtlasSummary, SampleSummary
+from passafe_services.tools.feasibility.atlas import LIMITATION, Atlas, AtlasSummary, SampleSummary
 from passafe_services.tools.feasibility.constraint_feasibility import ConstraintFeasibility, Findings
 from passafe_services.tools.feasibility.grid import MOST_CELLS
 from passafe_services.tools.feasibility.share import Share, random_states
@@ -146,7 +146,7 @@ def _show(summary: AtlasSummary) -> None:
         table.add_row(name, _percent(kept, of), _with_interval(share) if share else "–")
     console = Console()
     console.print(table)
-    console.print(WHAT_IT_SAYS)
+    console.print(LIMITATION)
     unsettled = counts.unsettled + (sample.counts.unsettled if sample else 0)
     if unsettled:
         console.print(f"At {unsettled} of all these states a larger margin may exist than was found.")

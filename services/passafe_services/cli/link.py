@@ -92,7 +92,7 @@ def _lines(state: LinkState) -> str:
         "outage": state.dropped_outage,
         "copies": state.duplicated,
         "corrupted": state.corrupted,
-        "under way": state.in_flight,
+        "in flight": state.in_flight,
     }
     text = ", ".join(f"{name} {count}" for name, count in counts.items())
     return f"{state.link}: {settings_text(state)}\n    {text}"

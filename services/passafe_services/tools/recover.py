@@ -1,4 +1,4 @@
-"""Makes a whole log of a torn one."""
+"""Recovers a complete log from a truncated one."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,19 +9,19 @@ from passafe_services.log.log_file import LogFile
 from passafe_services.log.log_reader import LogReader
 
 RECOVERED_RECORD = "recovered"
-"""Metadata record that tells a recovered log from one whose writer finished it."""
+"""Metadata record that marks a recovered log."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Recovery:
-    """What ``recover`` kept.
+    """Result of a recovery.
 
     Attributes:
-        messages: Messages kept.
-        duration_s: From the first of them to the last, by log time, s.
-        channels: Messages kept, by channel topic.
-        was_finished: The file was whole already.
-        tear: Where and why reading stopped; empty if the file was whole.
+        messages: Number of messages kept.
+        duration_s: Log time from the first message to the last, s.
+        channels: Messages kept, by topic of the channel.
+        was_finished: Whether the file was already complete.
+        tear: Description of the damage at which reading stopped; empty if the file was complete.
     """
 
     messages: int
@@ -32,7 +32,7 @@ class Recovery:
 
 
 class _Copy:
-    """Copies records into a new file, whatever wrote them: schemas, channels and times stay as they are."""
+    """Copies records into a new file with unchanged schemas, channels and times."""
 
     def __init__(self, out: LogFile) -> None:
         self._mcap = out.mcap
@@ -42,7 +42,7 @@ class _Copy:
         self.first_ns: int | None = None
         self.last_ns: int | None = None
 
-    def take(self, record: McapRecord) -> None:
+    def add(self, record: McapRecord) -> None:
         match record:
             case Schema(id=number) if number not in self._schemas:
                 self._schemas[number] = self._mcap.register_schema(record.name, record.encoding, record.data)
@@ -53,7 +53,7 @@ class _Copy:
             case Metadata():
                 self._mcap.add_metadata(record.name, record.metadata)
             case _:
-                pass  # indexes and statistics are written anew
+                pass  # indexes and statistics are rewritten
 
     def _channel(self, record: Channel) -> None:
         schema = self._schemas[record.schema_id]
@@ -70,14 +70,14 @@ class _Copy:
 
 
 def recover(torn: Path, out: Path) -> Recovery:
-    """Copy everything readable of ``torn`` into a whole, valid file ``out``; ``torn`` stays as it is.
+    """Copy everything readable in ``torn`` into a complete file ``out``; ``torn`` is not changed.
 
     Args:
-        torn: A log whose writer was killed; a whole one is copied too.
-        out: The file to write; must not exist yet.
+        torn: A log whose writer was killed; a complete one is copied too.
+        out: The file to write; must not exist.
 
     Returns:
-        What was kept.
+        Result of the recovery.
 
     Raises:
         LogReadError: ``torn`` is missing, empty or no MCAP file.
@@ -88,7 +88,7 @@ def recover(torn: Path, out: Path) -> Recovery:
         copy = _Copy(file)
         with file.guarded():
             for record in reader.records():
-                copy.take(record)
+                copy.add(record)
             messages = sum(copy.counts.values())
             if not reader.finished:
                 file.mcap.add_metadata(RECOVERED_RECORD, {"tear": reader.tear, "messages": str(messages)})

@@ -1,4 +1,4 @@
-"""Steps the filter of a logged run again, from what it consumed, and compares every tick to the last bit."""
+"""Replays the filter of a logged run from the messages that it consumed, and compares every tick to the last bit."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -15,14 +15,14 @@ from passafe_services.tools.review.run_log import RunLog
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Replay:
-    """What a second stepping showed.
+    """Result of a replay.
 
     Attributes:
         ticks: Ticks compared.
-        identical: Of them, those whose message was the same to the last bit.
-        first_difference: Number and field of the first tick that was not; empty if there is none.
-        missing: Messages that the log does not hold, ticks or what they consumed; from the first of them on nothing
-            is compared. What a filter that was killed did last is in no log, and is not missed.
+        identical: Ticks whose message was the same to the last bit.
+        first_difference: Number and fields of the first tick that differs; empty without one.
+        missing: Missing messages, ticks or messages that they consumed; from the first one on nothing is compared.
+            The last step of a killed filter, which no log contains, does not count.
     """
 
     ticks: int
@@ -32,15 +32,15 @@ class Replay:
 
     @property
     def exact(self) -> bool:
-        """Whether every tick was compared and found the same."""
+        """True if every tick was compared and is identical."""
         return self.ticks > 0 and self.identical == self.ticks and not self.missing
 
 
 def replay_filter(log: RunLog) -> Replay:
-    """Step the filter of a run again.
+    """Replay the filter of a run.
 
     Returns:
-        How far the second stepping agrees with the log.
+        Agreement of the replay with the log.
     """
     sent = dict(_consumable(log))
     ticks = identical = missing = 0
@@ -49,32 +49,33 @@ def replay_filter(log: RunLog) -> Replay:
         node = filter_node(log.identity.scenario, log.identity.driver, epoch)
         session = list(found)
         expected, last = 0, session[-1]
-        # A step that made several inputs tells of each.
+        # A step with several inputs has a tick for each.
         for due_ns, step in groupby(session, key=lambda logged: logged.header.scheduled_ns):
-            told = list(step)
-            consumed = [each for logged in told for each in logged.body.consumed]
+            logged_ticks = list(step)
+            consumed = [each for logged in logged_ticks for each in logged.body.consumed]
             keys = [(each.topic, each.epoch, each.sequence) for each in consumed]
-            missing = told[-1].header.sequence + 1 - expected - len(told) + sum(key not in sent for key in keys)
-            expected = told[-1].header.sequence + 1
+            newest = logged_ticks[-1].header.sequence
+            missing = newest + 1 - expected - len(logged_ticks) + sum(key not in sent for key in keys)
+            expected = newest + 1
             if missing:
                 return Replay(ticks=ticks, identical=identical, first_difference=first_difference, missing=missing)
             inbox = [
                 Received(sent[key].header, sent[key].body, each.received_ns)
                 for key, each in zip(keys, consumed, strict=True)
             ]
-            again = [
+            replayed = [
                 body if isinstance(body, Record) else body()
                 for topic, body in node.step(due_ns, inbox)
                 if topic is TICK
             ]
-            if told[-1] is last:
-                del again[len(told) :]
-            for logged, made in zip_longest(told, again):
+            if logged_ticks[-1] is last:
+                del replayed[len(logged_ticks) :]
+            for logged, body in zip_longest(logged_ticks, replayed):
                 ticks += 1
-                if logged is not None and made == logged.body:
+                if logged is not None and body == logged.body:
                     identical += 1
                 elif not first_difference:
-                    first_difference = _difference(logged, made)
+                    first_difference = _difference(logged, body)
     return Replay(ticks=ticks, identical=identical, first_difference=first_difference, missing=missing)
 
 
@@ -85,12 +86,12 @@ def _consumable(log: RunLog) -> Iterator[tuple[tuple[str, int, int], LoggedMessa
             yield (topic, logged.header.epoch, logged.header.sequence), logged
 
 
-def _difference(logged: LoggedMessage[FilterTick] | None, again: Message | None) -> str:
+def _difference(logged: LoggedMessage[FilterTick] | None, replayed: Message | None) -> str:
     if logged is None:
-        return "a tick came out that the log does not hold"
+        return "the replay has a tick that the log does not contain"
     number = f"tick {logged.body.tick}"
-    if not isinstance(again, FilterTick):
-        return f"{number}: no tick came out"
+    if not isinstance(replayed, FilterTick):
+        return f"{number}: missing in the replay"
     shape = shape_of(FilterTick)
-    pairs = zip(shape.names, shape.read(logged.body), shape.read(again), strict=True)
+    pairs = zip(shape.names, shape.read(logged.body), shape.read(replayed), strict=True)
     return f"{number}: " + ", ".join(field for field, before, after in pairs if before != after)

@@ -1,4 +1,4 @@
-"""A finished map: what was found in every cell of a slice and at random states, as a table and in sums."""
+"""Feasibility atlas: the findings in every cell of a slice and at random states, as a table and as counts."""
 
 import csv
 from collections.abc import Sequence
@@ -11,21 +11,21 @@ from passafe_services.tools.feasibility.constraint_feasibility import Findings
 from passafe_services.tools.feasibility.grid import Grid
 from passafe_services.tools.feasibility.share import Share
 
-WHAT_IT_SAYS: Final = (
-    "Each state by itself, limits of the rate left out: that its rows can be kept does not say that those of the "
-    "states it leads to can."
+LIMITATION: Final = (
+    "Each state is evaluated on its own, without rate limits: feasible rows at a state do not imply feasible rows at "
+    "the states that follow."
 )
 
 
 class Counts(BaseModel):
-    """How many of a set of states answer each question with yes; the last three count states inside only.
+    """Counts of a set of states; the last three count states inside the protected set only.
 
     Attributes:
-        states: All of them.
-        inside: In the set that the rows protect.
-        hard: The hard rows can be kept.
-        passive: The hard rows and passivity can be kept.
-        unsettled: The search for a larger margin was ended early.
+        states: All states.
+        inside: States in the set that the rows protect.
+        hard: States with feasible hard rows.
+        passive: States with feasible hard rows and passivity.
+        unsettled: States at which the search for a larger margin ended early.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -38,7 +38,7 @@ class Counts(BaseModel):
 
     @classmethod
     def of(cls, found: Findings) -> "Counts":
-        """Count what was found."""
+        """Count the findings."""
         inside = found.inside
         return cls(
             states=inside.size,
@@ -50,16 +50,16 @@ class Counts(BaseModel):
 
 
 class SampleSummary(BaseModel):
-    """Random states of a box, and the shares that they show.
+    """Random states in a box, and the estimated shares.
 
     Attributes:
-        low: The box's least corner.
-        high: Its largest.
-        seed: Decides all states.
-        counts: How many.
+        low: Lower corner of the box.
+        high: Upper corner of the box.
+        seed: Seed of the states.
+        counts: Counts of the states.
         inside: Share of the box inside the set that the rows protect.
-        hard: Share of that set where the hard rows can be kept.
-        passive: Share of it where the hard rows and passivity can be kept.
+        hard: Share of that set with feasible hard rows.
+        passive: Share of that set with feasible hard rows and passivity.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -74,7 +74,7 @@ class SampleSummary(BaseModel):
 
     @classmethod
     def of(cls, found: Findings, low: Sequence[float], high: Sequence[float], seed: int) -> "SampleSummary":
-        """Sum up what was found at the states that ``random_states`` draws for these arguments."""
+        """Summarize the findings at the states that ``random_states`` draws for these arguments."""
         counts = Counts.of(found)
         return cls(
             low=tuple(low),
@@ -88,17 +88,17 @@ class SampleSummary(BaseModel):
 
 
 class AtlasSummary(BaseModel):
-    """What a map came to.
+    """Summary of an atlas.
 
     Attributes:
-        scenario: Name.
+        scenario: Name of the scenario.
         across: Coordinate from left to right.
         up: Coordinate from bottom to top.
-        fixed: The whole state from which only those two differ.
-        plant_time_s: Where moving barriers are.
-        slice: Cells of the map.
+        fixed: State whose other coordinates are fixed.
+        plant_time_s: Plant time at which moving barriers are evaluated, s.
+        slice: Counts of the cells.
         sample: Random states, if any.
-        what_it_says: What must not be read out of it.
+        limitation: Limitation of the method.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -110,18 +110,18 @@ class AtlasSummary(BaseModel):
     plant_time_s: float
     slice: Counts
     sample: SampleSummary | None
-    what_it_says: str = WHAT_IT_SAYS
+    limitation: str = LIMITATION
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Atlas:
-    """A finished map.
+    """Findings in every cell of a slice.
 
     Attributes:
-        scenario: Name.
-        grid: Its cells.
-        plant_time_s: Where moving barriers are.
-        found: What was found in every cell, row by row from the lowest.
+        scenario: Name of the scenario.
+        grid: The cells.
+        plant_time_s: Plant time at which moving barriers are evaluated, s.
+        found: Findings of every cell, row by row from the lowest.
     """
 
     scenario: str
@@ -130,7 +130,7 @@ class Atlas:
     found: Findings
 
     def summary(self, sample: SampleSummary | None) -> AtlasSummary:
-        """Return what it came to, with what random states show beside it."""
+        """Return the summary, with that of random states."""
         return AtlasSummary(
             scenario=self.scenario,
             across=self.grid.across.index,
@@ -142,7 +142,7 @@ class Atlas:
         )
 
     def write_csv(self, file: TextIO) -> None:
-        """Write one row a cell: its state, h, the protecting functions, margins in units of u, and the answers."""
+        """Write one row per cell: its state, h, the smallest ψ, margins in units of u, and the flags."""
         found = self.found
         columns = {
             **{f"x{i}": values for i, values in enumerate(found.states)},

@@ -1,4 +1,4 @@
-"""Which duties can be kept at which states: the three questions of the atlas."""
+"""Feasibility of the filter's rows at given states: protected set, hard rows, and hard rows with passivity."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -15,25 +15,24 @@ AT_ONCE: Final = 1000
 """States whose linear programs are solved together."""
 
 ROUNDS: Final = 6
-"""How often margins and tangents are put where the best input was found."""
+"""Largest number of re-linearizations at the best input."""
 
 SETTLED: Final = 1e-6
-"""Gain of margin below which another round is not worth while, relative to 1 + |margin|."""
+"""Gain of margin below which the search ends, relative to 1 + |margin|."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Findings:
-    """What was found at each of C states; every margin is that of an input that was found, evaluated there.
+    """Findings at each of C states; every margin is evaluated at an input that was found.
 
     Attributes:
         states: Shape (n, C).
         h: Smallest h.
-        protecting: Smallest of ψ₀ … ψ_{r−1}: the rows protect the set in which it is at or above zero.
-        hard_margin: Largest margin by which one input within the limits keeps all hard rows, units of u; negative:
-            by how much every input found misses one of them.
-        passive_margin: The same with the passivity row, without slack, among them.
-        tolerance: By how much a row may be missed, units of u.
-        unsettled: Whether the search ended before another round was not worth while.
+        protecting: Smallest of ψ₀ … ψ_{r−1}: the rows protect the set in which it is not negative.
+        hard_margin: Largest margin of an input within the limits for all hard rows, units of u; negative: violation.
+        passive_margin: Largest margin for the hard rows and the passivity row without slack, units of u.
+        tolerance: Tolerance of a row, units of u.
+        unsettled: Whether the search ended before it converged.
     """
 
     states: Array
@@ -46,22 +45,22 @@ class Findings:
 
     @property
     def inside(self) -> Kept:
-        """Question 1: whether the state is in the set that the rows protect."""
+        """Whether each state is in the set that the rows protect."""
         return self.protecting >= 0
 
     @property
     def hard_kept(self) -> Kept:
-        """Question 2: whether an input within the limits keeps the hard rows."""
+        """Whether an input within the limits satisfies the hard rows."""
         return self.hard_margin >= -self.tolerance
 
     @property
     def passive_kept(self) -> Kept:
-        """Question 3: whether an input within the limits keeps the hard rows and passivity."""
+        """Whether an input within the limits satisfies the hard rows and passivity."""
         return self.passive_margin >= -self.tolerance
 
     @classmethod
     def joined(cls, parts: list["Findings"]) -> "Findings":
-        """Return the findings of several sets of states, at least one, as one."""
+        """Concatenate the findings of several sets of states, at least one."""
         first, *_ = parts
         names = ("h", "protecting", "hard_margin", "passive_margin", "unsettled")
         merged = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
@@ -70,14 +69,14 @@ class Findings:
 
 
 class ConstraintFeasibility:
-    """Answers the three questions for the filter of one design."""
+    """Evaluates feasibility for the filter of one design."""
 
     def __init__(self, design: FilterDesign, t_s: float = 0.0) -> None:
         """Derive the rows; see ``BatchRows``."""
         self._many = BatchRows(design, t_s)
 
     def piecewise(self, states: Array) -> Iterator[Findings]:
-        """Yield the findings of ``AT_ONCE`` states after the other.
+        """Yield the findings of chunks of ``AT_ONCE`` states.
 
         Args:
             states: Shape (n, C).
@@ -98,18 +97,18 @@ class ConstraintFeasibility:
             states=states,
             h=h,
             protecting=protecting,
-            hard_margin=np.maximum(hard_margin, passive_margin),  # who keeps all rows keeps the hard ones
+            hard_margin=np.maximum(hard_margin, passive_margin),  # an input for all rows also satisfies the hard ones
             passive_margin=passive_margin,
             tolerance=self._many.tolerance,
             unsettled=passive_unsettled | hard_unsettled,
         )
 
     def _largest_margin(self, states: Array, *, passive: bool) -> tuple[Array, Kept]:
-        """Return the largest margin found, shape (C,), and whether more might be found.
+        """Return the largest margin found, shape (C,), and whether the search ended before it converged.
 
-        ε and tangents suit a neighbourhood of u_lin. The first is the whole box of inputs; every further one is the
-        least that the filter uses, about the best input so far. Each input is judged by the rows of its own
-        neighbourhood, whatever the program said that found it.
+        ε and tangents are valid in a neighbourhood of u_lin: first the whole box of inputs, then the smallest
+        neighbourhood that the filter uses, around the best input so far. Each input is evaluated with the rows of its
+        own neighbourhood, whatever margin its linear program claimed.
         """
         many = self._many
         count, m = states.shape[1], len(many.limits.magnitude)

@@ -1,4 +1,4 @@
-"""A slice of the state space: two coordinates vary over a grid of cells, the others stay where they are."""
+"""Slice of the state space: two coordinates vary over a grid of cells, the others are fixed."""
 
 from dataclasses import dataclass
 from math import isfinite
@@ -10,17 +10,17 @@ from passafe.workspace import Array
 from passafe_services.tools.feasibility.errors import FeasibilityError
 
 MOST_CELLS: Final = 1000
-"""Cells along one axis: a million states take minutes and more memory than a picture is worth."""
+"""Largest number of cells along one axis: a million states take minutes and much memory."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class GridCoordinate:
-    """One varied coordinate of the state.
+    """Varied coordinate of the state.
 
     Attributes:
-        index: Which, from 0.
-        low: Where its cells begin, in the coordinate's unit.
-        high: Where they end.
+        index: Index of the coordinate, from 0.
+        low: Lower end, in the unit of the coordinate.
+        high: Upper end, in the unit of the coordinate.
     """
 
     index: int
@@ -28,7 +28,7 @@ class GridCoordinate:
     high: float
 
     def __post_init__(self) -> None:
-        """Refuse an interval without room."""
+        """Refuse an empty interval."""
         if not (isfinite(self.low) and isfinite(self.high) and self.low < self.high):
             got = f"{self.low:g} to {self.high:g}"
             raise FeasibilityError(f"range of x{self.index}", got, "two finite numbers, the smaller one first")
@@ -36,13 +36,13 @@ class GridCoordinate:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Grid:
-    """Square cells, as many along one axis as along the other; each stands for the state at its centre.
+    """Grid of cells, equally many along both axes; each stands for the state at its centre.
 
     Attributes:
         across: Coordinate that varies from left to right.
         up: Coordinate that varies from bottom to top.
-        fixed: A whole state; its two varied coordinates are without effect, n numbers.
-        cells: How many along each axis.
+        fixed: State that fixes the other coordinates, n numbers; its two varied coordinates are ignored.
+        cells: Number of cells along each axis.
     """
 
     across: GridCoordinate
@@ -51,7 +51,7 @@ class Grid:
     cells: int
 
     def __post_init__(self) -> None:
-        """Refuse axes that are no two coordinates of the state."""
+        """Refuse axes that are not two different coordinates of the state."""
         for axis in (self.across, self.up):
             if not 0 <= axis.index < len(self.fixed):
                 allowed = f"x0 to x{len(self.fixed) - 1}, the states of the model"
@@ -62,7 +62,7 @@ class Grid:
             raise FeasibilityError("cells", self.cells, f"1 to {MOST_CELLS} along each axis")
 
     def edges(self, axis: GridCoordinate) -> Array:
-        """Return where cells begin and end along an axis, shape (cells + 1,)."""
+        """Return the edges of the cells along an axis, shape (cells + 1,)."""
         return np.linspace(axis.low, axis.high, self.cells + 1)
 
     def states(self) -> Array:

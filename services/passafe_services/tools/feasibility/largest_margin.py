@@ -1,10 +1,10 @@
-"""The input that keeps all rows by the largest margin: one linear program for many states.
+"""Input with the largest margin to all rows: one linear program for many states.
 
     max t  subject to  G u ≥ d + t,  u within magnitude and norm limits,
 
-separately for each state. The programs share nothing, so that one block-diagonal program solves all of them: that
-costs one call of the solver (HiGHS; Huangfu & Hall 2018) instead of thousands. t < 0 is by how much the rows would
-have to give way. A limit on the norm is cut off by tangents, each where the answer before was beyond it (Kelley 1960).
+separately for each state. The programs are independent, so one block-diagonal program solves all of them with one call
+of the solver (HiGHS; Huangfu & Hall 2018) instead of thousands. t < 0 is the violation of the rows. A limit on the norm
+is approximated by tangents, each added where the previous solution exceeded it (cutting planes, Kelley 1960).
 """
 
 from typing import Final
@@ -18,23 +18,23 @@ from passafe.workspace import Array
 from passafe_services.tools.feasibility.batch_rows import StateRows
 
 NORM_ROUNDS: Final = 40
-"""Tangents for each state at most; what is then still too long is shortened."""
+"""Largest number of tangents per state; an input that is then still too long is scaled."""
 
 TOO_LONG: Final = 1e-7
-"""Relative length beyond the limit from which another tangent is worth while."""
+"""Relative excess of the norm above which another tangent is added."""
 
 LARGEST_COEFFICIENT: Final = 1e15
-"""HiGHS takes larger numbers for infinity."""
+"""HiGHS treats larger numbers as infinity."""
 
 
 def largest_margin_inputs(rows: StateRows, limits: Limits) -> tuple[Array, Array]:
     """Return the inputs, shape (C, m), and the margins t that the program claims for them, shape (C,).
 
-    Inputs are within the limits. A t of a state whose rows are no numbers is minus infinity, without rows infinity.
+    Inputs are within the limits. The margin is −∞ for rows with NaN, +∞ without rows.
 
     Args:
-        rows: One set for each of C states.
-        limits: The rate limits among them are left out.
+        rows: One set of rows for each of C states.
+        limits: Input limits; rate limits are ignored.
     """
     count, number, m = rows.G.shape
     usable = np.isfinite(rows.G).all(axis=(1, 2)) & np.isfinite(rows.d).all(axis=1)
@@ -59,9 +59,9 @@ def largest_margin_inputs(rows: StateRows, limits: Limits) -> tuple[Array, Array
 
 def _solve(G: Array, d: Array, cuts: Array, limits: Limits) -> tuple[Array, Array]:
     count, _, m = G.shape
-    duties = np.concatenate((-G, np.ones((*d.shape, 1))), axis=2)
+    constraints = np.concatenate((-G, np.ones((*d.shape, 1))), axis=2)
     tangents = np.concatenate((cuts, np.zeros((*cuts.shape[:2], 1))), axis=2)
-    blocks = np.concatenate((duties, tangents), axis=1)
+    blocks = np.concatenate((constraints, tangents), axis=1)
     above = np.concatenate((-d, np.full(cuts.shape[:2], limits.norm or 0.0)), axis=1)
     magnitude = np.array(limits.magnitude)
     low, high = np.append(-magnitude, -LARGEST_COEFFICIENT), np.append(magnitude, LARGEST_COEFFICIENT)
@@ -73,14 +73,14 @@ def _solve(G: Array, d: Array, cuts: Array, limits: Limits) -> tuple[Array, Arra
         method="highs-ds",
         options={"primal_feasibility_tolerance": 1e-9, "dual_feasibility_tolerance": 1e-9},
     )
-    if found.x is None:  # the program always has a solution: t may be as low as it needs to be
+    if found.x is None:  # the program is always feasible, as t is unbounded below
         return np.zeros((count, m)), np.full(count, np.inf)
     answer = found.x.reshape(count, m + 1)
     return answer[:, :m], answer[:, m]
 
 
 def _block_diagonal(blocks: Array) -> csr_array:
-    """Return the matrix that has ``blocks``, shape (C, R, k), along its diagonal."""
+    """Return the block-diagonal matrix of ``blocks``, shape (C, R, k)."""
     count, height, k = blocks.shape
     columns = np.arange(count)[:, None, None] * k + np.arange(k)
     every = np.broadcast_to(columns, blocks.shape)

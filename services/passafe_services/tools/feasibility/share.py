@@ -1,4 +1,4 @@
-"""Shares of random states, with what a sample of that size can say about them."""
+"""Shares of random states with confidence intervals."""
 
 from collections.abc import Sequence
 from typing import Self
@@ -11,11 +11,11 @@ from passafe.workspace import Array
 
 
 class Share(BaseModel):
-    """A share of random states.
+    """Share of random states.
 
     Attributes:
-        kept: How many.
-        of: Of how many.
+        kept: Number of states counted.
+        of: Number of all states.
         low: Lower end of the 95 % Wilson interval (Wilson 1927).
         high: Its upper end.
     """
@@ -29,7 +29,7 @@ class Share(BaseModel):
 
     @classmethod
     def counted(cls, kept: int, of: int) -> Self:
-        """Return the share of a count; of nothing, it may be anything from 0 to 1."""
+        """Return the share of a count; without states, its interval is [0, 1]."""
         if of == 0:
             return cls(kept=0, of=0, low=0.0, high=1.0)
         interval = binomtest(kept, of).proportion_ci(confidence_level=0.95, method="wilson")
@@ -37,12 +37,12 @@ class Share(BaseModel):
 
 
 def random_states(low: Sequence[float], high: Sequence[float], count: int, seed: int) -> Array:
-    """Return states drawn evenly from a box, shape (n, count).
+    """Return states drawn uniformly from a box, shape (n, count).
 
     Args:
-        low: Its least corner, n numbers.
-        high: Its largest, n numbers.
-        count: How many.
-        seed: Decides all of them.
+        low: Lower corner, n numbers.
+        high: Upper corner, n numbers.
+        count: Number of states.
+        seed: Seed of the generator.
     """
     return np.random.default_rng(seed).uniform(low, high, (count, len(low))).T

@@ -1,1 +1,1 @@
-"""Reads a run's log and judges it."""
+"""Reviews the log of a run and gives a verdict."""

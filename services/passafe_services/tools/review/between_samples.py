@@ -1,4 +1,4 @@
-"""How near a run came to its limits, recomputed from the plant's states alone, also between samples."""
+"""Extrema of barriers, power margin and tank of a run, recomputed from the plant's states, also between samples."""
 
 from dataclasses import dataclass
 from typing import NamedTuple, Self
@@ -11,36 +11,36 @@ from passafe_services.tools.review.trajectory import Trajectory
 
 
 class Extremum(NamedTuple):
-    """A worst value and the plant time, s, at which it was taken."""
+    """Extreme value and the plant time, s, at which it occurred."""
 
     value: float
     at_s: float
 
     @classmethod
     def lowest(cls, values: FloatArray, t_s: FloatArray) -> Self:
-        """The smallest of at least one value; what is no number counts as −∞."""
+        """Return the smallest of at least one value; a NaN counts as −∞."""
         known = np.where(np.isnan(values), -np.inf, values)
         where = int(np.argmin(known))
         return cls(float(known[where]), float(t_s[where]))
 
     @classmethod
     def highest(cls, values: FloatArray, t_s: FloatArray) -> Self:
-        """The largest of at least one value; what is no number counts as +∞."""
+        """Return the largest of at least one value; a NaN counts as +∞."""
         lowest = cls.lowest(-values, t_s)
         return cls(-lowest.value, lowest.at_s)
 
 
 @dataclass(frozen=True, kw_only=True)
 class RecomputedMargins:
-    """How near a run came to its limits; ``None`` where there is nothing to take it from.
+    """Extrema of a run; ``None`` without data.
 
     Attributes:
         h_min: Smallest barrier value, at samples and between them.
-        h_min_barrier: Which barrier it is of, counted in the scenario's order.
-        h_min_at_samples: The same at samples only: what the filter could act on.
+        h_min_barrier: Index of its barrier in the scenario.
+        h_min_at_samples: Smallest barrier value at samples only, where the filter acts.
         power_margin_min: Smallest power margin h_u(x, u), W, at samples and between them.
-        power_margin_min_at_samples: The same at samples only.
-        tank_min_j: Smallest energy of the tank's ledger, J, at samples.
+        power_margin_min_at_samples: Smallest power margin at samples only, W.
+        tank_min_j: Smallest energy of the tank, J, at samples.
         u_norm_max: Largest ‖u‖₂ in force.
         mismatch_max: Largest ``Trajectory.mismatch``.
     """
@@ -56,11 +56,11 @@ class RecomputedMargins:
 
     @classmethod
     def of(cls, trajectory: Trajectory, evaluator: PlantEvaluator, passivity: PassivityConfig, points: int) -> Self:
-        """Recompute them, with ``points`` instants in every period between two samples."""
+        """Recompute the extrema, with ``points`` instants per period between samples."""
         if trajectory.samples == 0:
             return cls()
         t_s, x, u = trajectory.t_s, trajectory.x, trajectory.u
-        # A state of 1e200 overflows in x²; the extremum then says so, and a warning would say no more.
+        # A state of 1e200 overflows in x²; the extremum shows it, so a warning is redundant.
         with np.errstate(over="ignore", invalid="ignore"):
             at_samples = _Lowest.of(evaluator.h(x, t_s), t_s)
             power = Extremum.lowest(evaluator.power_margin(x, u), t_s)
@@ -80,10 +80,10 @@ class RecomputedMargins:
 
 
 def tank_ledger(trajectory: Trajectory, passivity: PassivityConfig) -> FloatArray:
-    """Energy of the tank, J, at every sample, from the plant's measured energies.
+    """Return the energy of the tank at every sample, J, from the plant's measured energies.
 
-    E ← min(E + ∫yᵀu − ΔV, E_max) from one sample to the next, beginning at ``tank_initial_j``. Between two
-    samples with messages missing it takes the sum at once.
+    E ← min(E + ∫yᵀu − ΔV, E_max) from one sample to the next, starting at ``tank_initial_j``. Across missing messages
+    the sum is added at once.
     """
     gained = np.diff(trajectory.energy_in_j, prepend=0.0) - np.diff(trajectory.energy_stored_j, prepend=0.0)
     ledger: list[float] = []
@@ -99,14 +99,14 @@ def tank_ledger(trajectory: Trajectory, passivity: PassivityConfig) -> FloatArra
 
 
 class _Lowest(NamedTuple):
-    """The smallest of several barriers' values, and whose it is."""
+    """Smallest value of several barriers and the index of its barrier."""
 
     h: Extremum
     barrier: int
 
     @classmethod
     def of(cls, h: FloatArray, t_s: FloatArray) -> "_Lowest | None":
-        """Take it from h of shape (barriers, N); ``None`` without barriers."""
+        """Return the smallest of h, shape (barriers, N); ``None`` without barriers."""
         if not h.shape[0]:
             return None
         lowest = [Extremum.lowest(values, t_s) for values in h]

@@ -1,4 +1,4 @@
-"""Puts the messages of one topic in order and counts what is missing among them."""
+"""Sorts the messages of one topic and counts missing ones."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ B = TypeVar("B", bound=Message)
 
 
 class LoggedMessage(NamedTuple, Generic[B]):
-    """One message of the log."""
+    """Message of a log."""
 
     header: Header
     body: B
@@ -18,30 +18,30 @@ class LoggedMessage(NamedTuple, Generic[B]):
 
 @dataclass(kw_only=True)
 class TopicCount:
-    """How much of one topic the log holds, over all its publishers.
+    """Message counts of one topic in a log, over all its publishers.
 
     Attributes:
-        received: Messages decoded, each counted once.
-        gaps: Sequence numbers missing between the first and the last of each publisher's session, and before the
-            first of a session that is not its publisher's first. How many a killed process sent last, nobody knows.
-        missed_at_start: Sequence numbers before the first of each publisher's first session.
-        sessions: Sessions, over all publishers: one that was started again has two.
-        repeated: Messages that were in the log more than once.
+        received: Distinct messages decoded.
+        gaps: Sequence numbers missing between the first and the last of each publisher's session, and before the first
+            of a session other than its publisher's first. The last messages of a killed process cannot be counted.
+        missed_at_start: Sequence numbers missing before the first of each publisher's first session.
+        sessions: Sessions of all publishers; a restarted publisher has several.
+        duplicates: Messages that were in the log more than once.
         undecodable: Messages that are not valid for their topic.
-        first_gap_wall_ns: Wall time of the message before the first gap.
+        first_gap_wall_ns: Wall time of the message before the first gap, ns.
     """
 
     received: int = 0
     gaps: int = 0
     missed_at_start: int = 0
-    repeated: int = 0
+    duplicates: int = 0
     undecodable: int = 0
     sessions: int = 0
     first_gap_wall_ns: int | None = None
 
 
 def in_order(found: Iterable[LoggedMessage[Message]], count: TopicCount) -> list[LoggedMessage[Message]]:
-    """Sort by source, session and sequence, drop repetitions, and count into ``count``."""
+    """Sort by source, session and sequence, drop duplicates, and add to ``count``."""
     ordered: list[LoggedMessage[Message]] = []
     last: Header | None = None
     for message in sorted(found, key=_session_and_sequence):
@@ -50,7 +50,7 @@ def in_order(found: Iterable[LoggedMessage[Message]], count: TopicCount) -> list
         if last is None or (last.source, last.epoch) != (header.source, header.epoch):
             count.sessions += 1
         elif header.sequence == last.sequence:
-            count.repeated += 1
+            count.duplicates += 1
             continue
         else:
             expected = last.sequence + 1

@@ -1,4 +1,4 @@
-"""The evaluator of a scenario from the core, over many samples at once."""
+"""Evaluator of a scenario's functions for many samples, from the expressions of the core."""
 
 from collections.abc import Sequence
 from functools import cache
@@ -15,16 +15,16 @@ from passafe_services.tools.review.plant_evaluator import FloatArray
 
 
 class CoreEvaluator:
-    """``PlantMathematics`` of one scenario, derived from the same expressions as the filter's rows.
+    """``PlantEvaluator`` of one scenario, derived from the same expressions as the filter's rows.
 
-    ``flow`` is exact for linear plants. For others it takes one extrapolated Runge–Kutta step, as the plant
-    does over a whole period, so its error over a part of one is below the plant's own.
+    ``flow`` is exact for linear plants. For others it takes one extrapolated Runge–Kutta step, as the plant does over a
+    whole period, so its error over part of a period is below that of the plant.
 
     Args:
         scenario: The scenario.
 
     Raises:
-        ScenarioError: Its model does not take its parameters or its x0.
+        ScenarioError: The parameters or x0 do not fit the model.
     """
 
     def __init__(self, scenario: Scenario) -> None:
@@ -37,15 +37,15 @@ class CoreEvaluator:
         self._flow = cache(self._derive_flow)
 
     def h(self, x: FloatArray, t_s: FloatArray) -> FloatArray:
-        """Barrier values, shape (barriers, N), for x of shape (n, N) and plant time t_s, s, of shape (N,)."""
+        """Return barrier values, shape (barriers, N), for x of shape (n, N) and plant time t_s, s, of shape (N,)."""
         return self._h(x, t_s.reshape(1, -1))[0]
 
     def power_margin(self, x: FloatArray, u: FloatArray) -> FloatArray:
-        """h_u(x, u), W, shape (N,), for x of shape (n, N) and u of shape (m, N)."""
+        """Return h_u(x, u), W, shape (N,), for x of shape (n, N) and u of shape (m, N)."""
         return self._margin(x, u)[0].reshape(-1)
 
     def flow(self, x: FloatArray, u: FloatArray, duration_s: float) -> FloatArray:
-        """State ``duration_s`` after x with u held, shape (n, N), for x (n, N) and u (m, N)."""
+        """Return the state ``duration_s`` after x with u held, shape (n, N), for x (n, N) and u (m, N)."""
         return self._flow(duration_s)(x, u)[0]
 
     def _derive_flow(self, duration_s: float) -> BatchFunction:

@@ -1,4 +1,4 @@
-"""What the filter sent and claimed, as arrays: from a log, or from a loop that is not logged."""
+"""Inputs and decisions of the filter as arrays, from a log or from a loop without one."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -14,15 +14,15 @@ from passafe_services.tools.review.plant_evaluator import FloatArray
 IntArray = NDArray[np.int64]
 
 ANSWERED: Final = (FilterStatus.PASSED, FilterStatus.MODIFIED, FilterStatus.RELAXED)
-"""Statuses that claim a certified answer; every other is a defined fallback and claims none."""
+"""Statuses that claim a certified solution; every other one is a defined fallback."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class SentInputs:
-    """Every input that was sent, in order.
+    """Inputs that the filter sent, in order.
 
     Attributes:
-        largest: Largest |u_i| of each, shape (K,).
+        largest: Largest |u_i| of each input, shape (K,).
         at_ns: Plant time at which each takes effect, ns, shape (K,).
     """
 
@@ -31,7 +31,7 @@ class SentInputs:
 
     @classmethod
     def of(cls, sent: Iterable[PlantInput]) -> Self:
-        """Take it from the messages."""
+        """Extract them from the messages."""
         inputs = list(sent)
         return cls(
             largest=np.array([_largest(one.u) for one in inputs], dtype=np.float64),
@@ -41,14 +41,14 @@ class SentInputs:
 
 @dataclass(frozen=True, kw_only=True)
 class Decisions:
-    """Every tick of the filter, in order.
+    """Ticks of the filter, in order.
 
     Attributes:
-        status: Its status, shape (K,).
-        residual: Largest of its certificate's residuals and gap; +∞ where the certificate was not accepted; shape (K,).
-        at_ns: Plant time of its decision, ns, shape (K,).
-        command_age_ns: Age of the newest command, ns, −1 where there was none; shape (K,).
-        state_age_ns: Age of the newest state, likewise.
+        status: Status, shape (K,).
+        residual: Largest of the certificate's residuals and gap; +∞ if the certificate was not accepted; shape (K,).
+        at_ns: Plant time of the decision, ns, shape (K,).
+        command_age_ns: Age of the newest command, ns, −1 without one; shape (K,).
+        state_age_ns: Age of the newest state, ns, −1 without one; shape (K,).
     """
 
     status: IntArray
@@ -59,7 +59,7 @@ class Decisions:
 
     @classmethod
     def of(cls, ticks: Sequence[FilterTick]) -> Self:
-        """Take it from the messages."""
+        """Extract them from the messages."""
         return cls(
             status=np.array([tick.status for tick in ticks], dtype=np.int64),
             residual=np.array([_residual(tick) for tick in ticks], dtype=np.float64),
@@ -70,12 +70,12 @@ class Decisions:
 
     @property
     def counts(self) -> dict[str, int]:
-        """Ticks of each status that occurs, in the order in which they first do."""
+        """Number of ticks of each status, in the order of first occurrence."""
         seen, first, counts = np.unique(self.status, return_index=True, return_counts=True)
         return {FilterStatus(int(seen[k])).name: int(counts[k]) for k in np.argsort(first)}
 
     def uncertified(self, limit: float) -> NDArray[np.bool_]:
-        """Which ticks claim an answer without a certificate within ``limit``, shape (K,)."""
+        """Return which ticks claim a solution without a certificate within ``limit``, shape (K,)."""
         kept = self.residual <= limit  # a NaN is not
         return np.isin(self.status, ANSWERED) & ~kept
 

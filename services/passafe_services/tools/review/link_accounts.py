@@ -1,12 +1,12 @@
-"""Whether every message of every link is accounted for, from three sources: the log, the events and the states.
+"""Accounts for every message of every link from three sources: logged messages, link events and link states.
 
-The log tells what was sent, LinkEvents what was done to single messages, and the last LinkState of a link what became
-of all of them. For every link and session of its reader
+The log contains the messages sent, LinkEvents the effects on single messages, and the last LinkState of a link the
+totals. For every link and session of its reader
 
-    sent − lost on the bus + duplicated = delivered + dropped + under way
+    sent − lost on the bus + duplicated = delivered + dropped + in flight
 
-must hold with the sent ones counted in the log, those dropped and duplicated counted among the events, and the rest
-from the state; and what two of the three tell must be the same.
+must hold with sent counted in the log, dropped and duplicated counted among the events, and the rest from the state;
+counts available from two sources must agree.
 """
 
 from collections import Counter
@@ -21,33 +21,33 @@ from pydantic import BaseModel, ConfigDict
 from passafe_services.tools.review.continuity import LoggedMessage
 from passafe_services.tools.review.run_log import RunLog
 
-Reader: TypeAlias = tuple[str, str, int | None]
+LinkSession: TypeAlias = tuple[str, str, int | None]
 """Link, process that reads it, and its session; ``None`` in lockstep, where a link outlives its reader's sessions."""
 
-Sent: TypeAlias = dict[tuple[str, int], set[int]]
-"""Numbers of the messages in the log, by sender and session."""
+SentNumbers: TypeAlias = dict[tuple[str, int], set[int]]
+"""Sequence numbers of the messages in the log, by sender and session."""
 
 
 class LinkAccount(BaseModel):
-    """What became of the messages of one link, in one session of the process that reads it, up to its last LinkState.
+    """Account of one link in one session of its reader, up to its last LinkState.
 
     Attributes:
         link: Name of the link.
-        reader: Process at whose inlet it sits.
-        epoch: Its session; ``None`` in lockstep, where a link outlives it.
-        final: The state is the one of the end; otherwise the reader was killed, and what came later is not counted.
-        sent: Messages from the first to the newest that the reader had of each session of a sender, by their numbers;
-            the log must hold them all.
-        lost_on_bus: Of them, those that never reached the reader.
+        reader: Process that reads it.
+        epoch: Session of the reader; ``None`` in lockstep, where a link outlives it.
+        final: Whether the state is the one at the end; otherwise the reader was killed, and later messages are missing.
+        sent: Messages from the first to the newest that the reader received of each session of a sender, by sequence
+            number; the log must contain them all.
+        lost_on_bus: SentNumbers messages that never reached the reader.
         entered: Messages that entered the link.
-        duplicated: Copies that it made.
-        corrupted: Messages and copies with a bit flipped; delivered or under way like others.
-        delivered: Messages and copies that came out.
-        dropped: Messages that never did, by cause.
-        in_flight: Messages and copies not come out yet.
-        refused_corrupted: Of those delivered, those that the decoder refused.
-        refused_duplicate: Of those delivered, those that the reader had before.
-        differences: Messages that two sources tell differently, by what they differ in; empty if all is exact.
+        duplicated: Copies made.
+        corrupted: Messages and copies with a flipped bit, delivered or in flight.
+        delivered: Messages and copies that left the link.
+        dropped: Messages dropped, by cause.
+        in_flight: Messages and copies still in the link.
+        refused_corrupted: Delivered messages that the decoder refused.
+        refused_duplicate: Delivered messages refused as duplicates.
+        differences: Differences between the counts of two sources, by kind; empty if all agree.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -70,21 +70,23 @@ class LinkAccount(BaseModel):
 
     @property
     def text(self) -> str:
-        """The account in one line."""
+        """Account in one line."""
         causes = ", ".join(f"{cause} {number}" for cause, number in self.dropped.items() if number)
         dropped = f"{sum(self.dropped.values())} dropped" + (f" ({causes})" if causes else "")
-        told = "".join(f"; differs in {what} by {number}" for what, number in self.differences.items())
+        differences = "".join(f"; differs in {what} by {number}" for what, number in self.differences.items())
         return (
             f"{self.link}: {self.sent} sent − {self.lost_on_bus} lost on the bus + {self.duplicated} copies = "
-            f"{self.delivered} delivered + {dropped} + {self.in_flight} under way{told}"
+            f"{self.delivered} delivered + {dropped} + {self.in_flight} in flight{differences}"
         )
 
     @classmethod
-    def of(cls, key: Reader, state: LinkState, events: Sequence[LoggedMessage[LinkEvent]], sent: Sent) -> Self:
-        """Make the account of one link.
+    def of(
+        cls, key: LinkSession, state: LinkState, events: Sequence[LoggedMessage[LinkEvent]], sent: SentNumbers
+    ) -> Self:
+        """Return the account of one link.
 
         Args:
-            key: Which link and reader.
+            key: Link, reader and session.
             state: Its last state.
             events: All LinkEvents of that process and session, of all its links, in order.
             sent: Messages of the link's topic in the log.
@@ -93,15 +95,15 @@ class LinkAccount(BaseModel):
         offered = sum(_span(source) for source in state.sources)
         lost_on_bus = offered - sum(source.received for source in state.sources)
         dropped = dict(zip(CAUSES, (state.dropped_loss, state.dropped_queue, state.dropped_outage), strict=True))
-        told, untold = _told(state, events)
-        came_out = state.delivered + sum(dropped.values()) + state.in_flight
+        logged_events, missing_events = _events_until(state, events)
+        accounted = state.delivered + sum(dropped.values()) + state.in_flight
         compared = {
             "messages missing in the log": offered - logged,
-            "events missing in the log": untold,
-            "events of messages that were not sent": sum(not _is_offered(event, state) for event in told),
+            "events missing in the log": missing_events,
+            "events of messages that were not sent": sum(not _is_offered(event, state) for event in logged_events),
             "entered and sent": abs(offered - lost_on_bus - state.entered),
-            "balance": abs(offered - lost_on_bus + state.duplicated - came_out),
-            **_compared(state, dropped, told),
+            "balance": abs(offered - lost_on_bus + state.duplicated - accounted),
+            **_compared(state, dropped, logged_events),
         }
         return cls(
             link=key[0],
@@ -123,10 +125,10 @@ class LinkAccount(BaseModel):
 
 
 def link_accounts(log: RunLog) -> list[LinkAccount]:
-    """Accounts of every link that the log tells a state of, in the order of the topic table, then by session."""
-    last: dict[Reader, LinkState] = {}
-    for told in log.of(LinkState):
-        last[_key(log, told.body.link, told)] = told.body
+    """Return the account of every link with a state in the log, in the order of the topic table, then by session."""
+    last: dict[LinkSession, LinkState] = {}
+    for state in log.of(LinkState):
+        last[_key(log, state.body.link, state)] = state.body
     events: dict[tuple[str, int | None], list[LoggedMessage[LinkEvent]]] = {}
     for event in log.of(LinkEvent):
         _, source, session = _key(log, event.body.link, event)
@@ -140,20 +142,20 @@ def link_accounts(log: RunLog) -> list[LinkAccount]:
     ]
 
 
-def _key(log: RunLog, link: str, told: LoggedMessage[LinkState] | LoggedMessage[LinkEvent]) -> Reader:
-    return link, told.header.source, told.header.epoch if log.identity.driver == "live" else None
+def _key(log: RunLog, link: str, message: LoggedMessage[LinkState] | LoggedMessage[LinkEvent]) -> LinkSession:
+    return link, message.header.source, message.header.epoch if log.identity.driver == "live" else None
 
 
-def _sent(log: RunLog, topic: Topic) -> Sent:
-    numbers: Sent = {}
+def _sent(log: RunLog, topic: Topic) -> SentNumbers:
+    numbers: SentNumbers = {}
     messages: Iterable[LoggedMessage[Message]] = log.messages.get(topic.name, ())
     for header, _ in messages:
         numbers.setdefault((header.source, header.epoch), set()).add(header.sequence)
     return numbers
 
 
-def _in_window(source: LinkSource, sent: Sent) -> set[int]:
-    """Of the messages in the log, those that the reader can have had of one session of a sender."""
+def _in_window(source: LinkSource, sent: SentNumbers) -> set[int]:
+    """Return the logged messages of one session of a sender that the reader can have received."""
     numbers = sent.get((source.source, source.epoch), set())
     return {number for number in numbers if source.first <= number <= source.newest}
 
@@ -166,25 +168,25 @@ def _is_offered(event: LinkEvent, state: LinkState) -> bool:
     return any(source.first <= event.sequence <= source.newest for source in state.sources)
 
 
-def _told(state: LinkState, events: Sequence[LoggedMessage[LinkEvent]]) -> tuple[list[LinkEvent], int]:
-    """The link's events up to its state, and how many are missing in the log up to the last of them."""
+def _events_until(state: LinkState, events: Sequence[LoggedMessage[LinkEvent]]) -> tuple[list[LinkEvent], int]:
+    """Return the link's events up to its state, and the number of events missing in the log up to the last of them."""
     wanted = state.dropped_loss + state.dropped_queue + state.dropped_outage + state.duplicated + state.corrupted
-    told: list[LinkEvent] = []
+    found: list[LinkEvent] = []
     missing = 0
     expected: dict[int, int] = {}  # next number, by session
     for header, event in events:
-        if len(told) == wanted:
+        if len(found) == wanted:
             break
         missing += header.sequence - expected.get(header.epoch, 0)
         expected[header.epoch] = header.sequence + 1
         if event.link == state.link:
-            told.append(event)
-    return told, missing
+            found.append(event)
+    return found, missing
 
 
-def _compared(state: LinkState, dropped: dict[str, int], told: Sequence[LinkEvent]) -> dict[str, int]:
-    """By how much the counts of the state differ from those of the events."""
-    counts = Counter((event.effect, event.cause) for event in told)
+def _compared(state: LinkState, dropped: dict[str, int], events: Sequence[LinkEvent]) -> dict[str, int]:
+    """Return the differences between the counts of the state and of the events."""
+    counts = Counter((event.effect, event.cause) for event in events)
     differences = {
         f"dropped by {cause}": abs(number - counts.pop(("dropped", cause), 0)) for cause, number in dropped.items()
     }

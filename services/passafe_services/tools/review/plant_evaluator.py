@@ -1,4 +1,4 @@
-"""What a review needs to know of the scenario's evaluator, to judge a run from its states alone."""
+"""Interface of the functions with which a review judges a run from its states."""
 
 from typing import Protocol, TypeAlias
 
@@ -9,16 +9,16 @@ FloatArray: TypeAlias = NDArray[np.float64]
 
 
 class PlantEvaluator(Protocol):
-    """Functions of one scenario, each over many samples at once; one column a sample."""
+    """Functions of one scenario, each for many samples at once, one column per sample."""
 
     def h(self, x: FloatArray, t_s: FloatArray) -> FloatArray:
-        """Barrier values in the scenario's order, shape (barriers, N), for x (n, N) and plant time t_s (N,)."""
+        """Return barrier values in the scenario's order, shape (barriers, N), for x (n, N) and plant time t_s (N,)."""
         ...
 
     def power_margin(self, x: FloatArray, u: FloatArray) -> FloatArray:
-        """Power margin h_u(x, u) = yᵀu − L_fV(x, u), shape (N,), for x (n, N) and u (m, N)."""
+        """Return the power margin h_u(x, u) = yᵀu − L_fV(x, u), shape (N,), for x (n, N) and u (m, N)."""
         ...
 
     def flow(self, x: FloatArray, u: FloatArray, duration_s: float) -> FloatArray:
-        """State ``duration_s`` after x with u held, shape (n, N), for x (n, N) and u (m, N)."""
+        """Return the state ``duration_s`` after x with u held, shape (n, N), for x (n, N) and u (m, N)."""
         ...

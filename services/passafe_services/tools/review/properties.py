@@ -1,4 +1,4 @@
-"""What a run must keep, and whether it did."""
+"""Properties that a run must have: safe, passive, bounded, certified, consistent and complete."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -18,18 +18,18 @@ CONTROL_TOPICS: Final = (COMMAND, INPUT, STATE, TICK)
 
 
 class Tolerances(BaseModel):
-    """How far below its limit a recomputed figure may lie and still count as kept.
+    """Tolerances of the recomputed values.
 
-    They cover what the recomputation adds (rounding, the sampled law's own margin between samples), are the
-    same for every scenario and mode, and are printed with the verdict.
+    They cover the errors of the recomputation (rounding, the sampled law's margin between samples), are the same for
+    every scenario and mode, and are printed with the verdict.
 
     Attributes:
-        h: Of a barrier value, in the barrier's own unit.
-        power_margin_w: Of the power margin, W.
-        tank_j: Of the tank's ledger, J.
-        input_relative: Of the bound of the input, relative to it.
-        mismatch_relative: Distance of a logged state from where the model goes, relative to 1 + ‖x‖∞.
-        certificate: Of each residual and the gap of a certificate, relative as the certificate states them.
+        h: Barrier value, in the unit of the barrier.
+        power_margin_w: Power margin, W.
+        tank_j: Energy of the tank, J.
+        input_relative: Bound of the input, relative.
+        mismatch_relative: Distance between a logged state and the model's prediction, relative to 1 + ‖x‖∞.
+        certificate: Each residual and the gap of a certificate, in their own relative units.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -43,14 +43,14 @@ class Tolerances(BaseModel):
 
 
 class Property(BaseModel):
-    """One thing that a run must keep.
+    """Property of a run and whether it holds.
 
     Attributes:
-        holds: Whether it did; ``None`` if the log holds nothing to judge it by.
-        required: Whether the scenario's mode asks for it; if not it is reported and decides nothing.
-        worst: The worst value found, of what ``requirement`` names.
-        at_s: Plant time of the worst value, s; of the first one where values are counted.
-        requirement: What is demanded, in words.
+        holds: Whether it holds; ``None`` if the log has no data for it.
+        required: Whether the scenario's mode requires it; if not, it is reported but does not affect the verdict.
+        worst: Worst value of the quantity in ``requirement``.
+        at_s: Plant time of the worst value, s; for counts, of the first occurrence.
+        requirement: The requirement in words.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -70,15 +70,15 @@ def judge_properties(
     margins: RecomputedMargins,
     tolerances: Tolerances,
 ) -> dict[str, Property]:
-    """Judge every property that is one of the run, not of its log, by name.
+    """Return every property of the run itself, not of its log, by name.
 
     Args:
-        scenario: What was run.
-        inputs: What the filter sent.
-        decisions: What it claimed.
-        trajectory: What the plant did.
-        margins: How near it came to its limits.
-        tolerances: What still counts as kept.
+        scenario: The scenario.
+        inputs: Inputs that the filter sent.
+        decisions: Decisions of the filter.
+        trajectory: Motion of the plant.
+        margins: Extrema of the run.
+        tolerances: Tolerances of the recomputed values.
     """
     return {
         "safe": _safe(margins, scenario, tolerances),
@@ -89,13 +89,13 @@ def judge_properties(
             margins.mismatch_max,
             tolerances.mismatch_relative,
             required=True,
-            what="distance of each state from where the model goes from the state before, relative",
+            what="distance of each state from the model's prediction from the previous state, relative",
         ),
     }
 
 
 def judge_completeness(log: RunLog, trajectory: Trajectory) -> Property:
-    """Judge whether a log shows the whole run."""
+    """Return the property that the log contains the whole run."""
     missing = sum(log.counts[topic.name].gaps for topic in CONTROL_TOPICS)
     return Property(
         holds=missing == 0 and log.finished and _shows_the_start(log, trajectory),
@@ -166,15 +166,15 @@ def _certified(decisions: Decisions, limit: float, *, required: bool) -> Propert
         required=required,
         worst=float(count) if judged else None,
         at_s=float(decisions.at_ns[uncertified.argmax()] / NS_PER_S) if count else None,
-        requirement=f"ticks that claim an answer without a certificate accepted within {limit:g} = 0",
+        requirement=f"ticks that claim a solution without a certificate accepted within {limit:g} = 0",
     )
 
 
 def judge_links(accounts: Sequence[LinkAccount]) -> Property:
-    """Judge whether the log accounts for every message of every link; required of logs that tell of their links.
+    """Return the property that every message of every link is accounted for; required if the log has link states.
 
     Args:
-        accounts: What the log tells of each link; none if it is older than they are.
+        accounts: Account of each link; empty for logs without link states.
     """
     worst = max((max(account.differences.values(), default=0) for account in accounts), default=None)
     return Property(
@@ -182,19 +182,19 @@ def judge_links(accounts: Sequence[LinkAccount]) -> Property:
         required=bool(accounts),
         worst=None if worst is None else float(worst),
         at_s=None,
-        requirement="messages of a link that its states, its events and the log tell differently = 0",
+        requirement="differences between the states, the events and the logged messages of a link = 0",
     )
 
 
 def _shows_the_start(log: RunLog, trajectory: Trajectory) -> bool:
-    """Whether the log has the plant before its first input, or at the latest one period after it."""
+    """Check that the log starts before the plant's first input, or at most one period after it."""
     states = log.of(PlantState)
     waited = bool(states) and states[0].body.phase is PlantPhase.WAITING
     return trajectory.samples > 0 and (waited or bool(trajectory.t_s[0] <= log.identity.scenario.dt_s))
 
 
 def _first_gap_s(log: RunLog) -> float | None:
-    """Plant time of the last state before the first gap, s."""
+    """Return the plant time of the last state before the first gap, s."""
     walls = [log.counts[topic.name].first_gap_wall_ns for topic in CONTROL_TOPICS]
     first_ns = min((wall_ns for wall_ns in walls if wall_ns is not None), default=None)
     if first_ns is None:

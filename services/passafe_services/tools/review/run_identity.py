@@ -1,4 +1,4 @@
-"""What run a log is of: scenario, driver and versions."""
+"""Identity of the run in a log: scenario, driver and versions."""
 
 import json
 from collections.abc import Mapping
@@ -12,27 +12,27 @@ from passafe_services.log.log_writer import DRIVER_RECORD, SCENARIO_RECORD, VERS
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.review.errors import ScenarioRecordError
 
-Driver = Literal["live", "lockstep"]
+DriverName = Literal["live", "lockstep"]
 
 
 class RunIdentity(BaseModel):
-    """What run a log is of.
+    """Identity of the run in a log.
 
     Attributes:
-        scenario: The effective configuration.
-        driver: What ran the nodes.
-        versions: Version of passafe and of what it computed with, by name.
+        scenario: Effective scenario.
+        driver: Driver of the nodes.
+        versions: Versions of passafe and its numerical dependencies, by name.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     scenario: Json[Scenario]
-    driver: Driver
+    driver: DriverName
     versions: Json[dict[str, str]]
 
 
 def identify(path: Path, metadata: Mapping[str, Mapping[str, str]], info: ScenarioInfo | None) -> RunIdentity:
-    """Say what run a log is of: from its metadata, else from the ScenarioInfo that was published.
+    """Return the identity of the run in a log: from its metadata, else from the published ScenarioInfo.
 
     Args:
         path: The log.
@@ -40,7 +40,7 @@ def identify(path: Path, metadata: Mapping[str, Mapping[str, str]], info: Scenar
         info: The first ScenarioInfo in it, if there is one.
 
     Raises:
-        ScenarioRecordError: The log does not say it, or not in a way that this build reads.
+        ScenarioRecordError: The log has no scenario, or one that this build cannot read.
     """
     if SCENARIO_RECORD in metadata:
         fields = {

@@ -1,4 +1,4 @@
-"""A run's log in memory: decoded messages, what is missing among them, and what the run was."""
+"""Log of a run in memory: decoded messages, counts of missing ones, and the identity of the run."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -24,7 +24,7 @@ B = TypeVar("B", bound=Message)
 
 @dataclass
 class _Contents:
-    """What the file holds, before it is put in order."""
+    """Contents of the file in the order of its records."""
 
     metadata: dict[str, dict[str, str]] = field(default_factory=dict)
     messages: dict[str, list[LoggedMessage[Message]]] = field(default_factory=dict)  # by the topic's name
@@ -38,16 +38,16 @@ class _Contents:
 
 @dataclass(frozen=True, kw_only=True)
 class RunLog:
-    """The log of one run.
+    """Log of one run.
 
     Attributes:
         path: The file.
-        finished: Its writer finished it and nothing was torn off, also not before a recovery.
-        tear: Where and why reading stopped; empty if the end was reached.
+        finished: Whether its writer finished it, also before a recovery.
+        tear: Description of the damage at which reading stopped; empty if the end was reached.
         identity: Scenario, driver and versions of the run.
-        counts: How much of each topic there is, by the topic's name; every topic is there.
-        foreign_keys: Channels that are none of passafe's.
-        messages: Its messages by the topic's name; see ``of``.
+        counts: Message counts of every topic, by its name.
+        foreign_keys: Channels that do not belong to passafe.
+        messages: Messages by name of the topic; see ``of``.
     """
 
     path: Path
@@ -59,14 +59,14 @@ class RunLog:
     messages: Mapping[str, list[LoggedMessage[Message]]] = field(repr=False)
 
     def of(self, body: type[B]) -> list[LoggedMessage[B]]:
-        """Every message with this body, by source and session, each in order of sequence."""
+        """Return every message with this body, by source and session, each in order of sequence."""
         topic = TOPIC_OF_BODY[cast("type[Message]", body)]
-        # The codec gives every message of a topic that topic's body.
+        # The codec decodes every message of a topic into the body type of that topic.
         return cast("list[LoggedMessage[B]]", self.messages.get(topic.name, []))
 
     @classmethod
     def read(cls, path: Path) -> Self:
-        """Read a finished or torn log; of a torn one, what comes before the tear.
+        """Read a log; of a truncated one, the part before the damage.
 
         Raises:
             LogReadError: The file is missing, empty or no MCAP file.
@@ -110,7 +110,7 @@ def _contents(reader: LogReader) -> _Contents:
             case Metadata():
                 contents.metadata[record.name] = record.metadata
             case _:
-                pass  # schemas: the codec knows them; indexes and statistics: not needed
+                pass  # schemas are known to the codec; indexes and statistics are not needed
     return contents
 
 

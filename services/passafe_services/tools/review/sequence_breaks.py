@@ -1,4 +1,4 @@
-"""When a plant ran out of inputs, and when it was armed again."""
+"""Sequence breaks of a run: intervals in which the plant had no input of the filter."""
 
 from collections.abc import Iterable, Sequence
 from itertools import groupby
@@ -12,16 +12,16 @@ RUNNING, FAIL_SAFE, WAITING = PlantPhase.RUNNING, PlantPhase.FAIL_SAFE, PlantPha
 
 
 class SequenceBreak(NamedTuple):
-    """A stretch of time in which a plant that had run applied no input of the filter.
+    """Interval in which a running plant applied no input of the filter.
 
-    Times are those of the first state that shows it; ``None`` where no state of the log does.
+    Times are those of the first state after the change; ``None`` if no state of the log shows it.
 
     Attributes:
         at_s: Plant time at which an input was missing, s.
-        wall_ns: Wall time then, Unix, ns.
-        fail_safe_wall_ns: Wall time at which the fail-safe law was in force.
-        resumed_wall_ns: Wall time at which an input was applied again.
-        resumed_s: Plant time then, s.
+        wall_ns: Wall time of the same state, Unix, ns.
+        fail_safe_wall_ns: Wall time at which the fail-safe law was in force, ns.
+        resumed_wall_ns: Wall time at which an input was applied again, ns.
+        resumed_s: Plant time of the same state, s.
     """
 
     at_s: float
@@ -31,12 +31,12 @@ class SequenceBreak(NamedTuple):
     resumed_s: float | None
 
     def length_s(self, end_s: float) -> float:
-        """How long it was, s; one that the log does not see the end of lasts until its own end at ``end_s``."""
+        """Return its length, s; without an end in the log, until the end of the log at ``end_s``."""
         return (end_s if self.resumed_s is None else self.resumed_s) - self.at_s
 
 
 def sequence_breaks(states: Sequence[LoggedMessage[PlantState]]) -> list[SequenceBreak]:
-    """Every disarming in a log, in order.
+    """Return the sequence breaks of a log, in order.
 
     Args:
         states: All its plant states, by session and in order of sequence.

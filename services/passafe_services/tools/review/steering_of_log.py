@@ -1,4 +1,4 @@
-"""Scores of a run in which a simulated person steered."""
+"""Steering metrics of a run in which a simulated person steered."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -17,9 +17,9 @@ from passafe_services.tools.review.trajectory import NS_PER_S, Trajectory
 
 
 def steering_of(log: RunLog, trajectory: Trajectory, evaluator: PlantEvaluator) -> Steering | None:
-    """Return the scores; ``None`` where no simulated person steered, or not yet.
+    """Return the metrics; ``None`` without a simulated person, or before its first target.
 
-    Of a plant that started again its last session is scored.
+    Of a restarted plant, the last session is evaluated.
 
     Args:
         log: The log.
@@ -34,56 +34,56 @@ def steering_of(log: RunLog, trajectory: Trajectory, evaluator: PlantEvaluator) 
 
 @dataclass(frozen=True, kw_only=True)
 class Requests:
-    """What was asked of the filter and what it withheld, over plant time.
+    """Request of the operator and the part that the filter held back, over plant time.
 
     Attributes:
         at_s: Plant times, s, increasing, shape (K,).
-        asked: u_h from each of them until the next, shape (m, K).
-        withheld: û − u, likewise.
+        requested: u_h from each time until the next, shape (m, K).
+        held_back: û − u from each time until the next, shape (m, K).
     """
 
     at_s: FloatArray
-    asked: FloatArray
-    withheld: FloatArray
+    requested: FloatArray
+    held_back: FloatArray
 
     @classmethod
     def of(cls, ticks: Iterable[tuple[int, Vector, Vector, Vector]]) -> Self | None:
-        """Take it from plant time, ns, u_h, û and u of every tick; ``None`` without any."""
+        """Extract them from (plant time in ns, u_h, û, u) of every tick; ``None`` without ticks."""
         known = sorted((tick for tick in ticks if tick[0] >= 0), key=itemgetter(0))
         if not known:
             return None
-        at_ns, asked, nominal, sent = zip(*known, strict=True)
-        columns = [np.array(vectors).reshape(len(known), -1).T for vectors in (asked, nominal, sent)]
+        at_ns, requested, nominal, sent = zip(*known, strict=True)
+        columns = [np.array(vectors).reshape(len(known), -1).T for vectors in (requested, nominal, sent)]
         return cls(
             at_s=np.array([time_ns / NS_PER_S for time_ns in at_ns]),
-            asked=columns[0],
-            withheld=columns[1] - columns[2],
+            requested=columns[0],
+            held_back=columns[1] - columns[2],
         )
 
 
 def steering_from(
     scenario: Scenario, trajectory: Trajectory, evaluator: PlantEvaluator, requests: Requests | None
 ) -> Steering | None:
-    """Return the scores of a run, logged or not; ``None`` where no simulated person steered, or not yet.
+    """Return the metrics of a run, logged or not; ``None`` without a simulated person, or before its first target.
 
     Args:
-        scenario: What was run.
+        scenario: The scenario.
         trajectory: Motion of the plant.
         evaluator: Functions of the scenario.
-        requests: What the filter was asked for, as far as that is known.
+        requests: Requests and what was held back, if known.
     """
     person = scenario.operator.source
     if not isinstance(person, HumanSource) or not trajectory.samples:
         return None
     last = trajectory.session == trajectory.session[-1]
     t_s, x = trajectory.t_s[last], trajectory.x[:, last]
-    with np.errstate(over="ignore", invalid="ignore"):  # a run that diverged has scores like it
+    with np.errstate(over="ignore", invalid="ignore"):  # the metrics of a diverged run may overflow
         return Steering.of(
             person.targets,
             person.tolerance_m,
             t_s,
             x[: len(person.targets[0].position)],
             h=evaluator.h(x, t_s),
-            asked=None if requests is None else (requests.at_s, requests.asked),
-            withheld=None if requests is None else (requests.at_s, requests.withheld),
+            requested=None if requests is None else (requests.at_s, requests.requested),
+            held_back=None if requests is None else (requests.at_s, requests.held_back),
         )

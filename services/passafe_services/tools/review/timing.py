@@ -1,4 +1,4 @@
-"""How punctual a run was, from the times in its headers."""
+"""Timing of a run, from the times in its headers."""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -21,7 +21,7 @@ IntArray = NDArray[np.int64]
 
 
 class Percentiles(BaseModel):
-    """Percentiles of a duration, in the unit that the field's name says."""
+    """Percentiles of a duration, in the unit of the field's name."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -32,7 +32,7 @@ class Percentiles(BaseModel):
 
     @classmethod
     def of(cls, durations_ns: IntArray, unit_ns: float) -> Self | None:
-        """Percentiles in units of ``unit_ns``, interpolated linearly; ``None`` of no duration."""
+        """Return percentiles in units of ``unit_ns``, interpolated linearly; ``None`` without durations."""
         if durations_ns.size == 0:
             return None
         p50, p99, p99_9, largest = np.percentile(durations_ns, [50, 99, 99.9, 100]) / unit_ns
@@ -43,22 +43,21 @@ class Lateness(Percentiles):
     """Lateness of one process's steps, µs.
 
     Attributes:
-        within_1_ms: Share of the steps that were due which began within 1 ms of their time; one that was left out to
-            catch up did not.
+        within_1_ms: Share of the due steps that began within 1 ms of their time; skipped steps did not.
     """
 
     within_1_ms: float = 0.0
 
 
 class Timing(BaseModel):
-    """How punctual a run was. What only a real clock can tell is ``None`` for a lockstep log.
+    """Timing of a run; quantities of real time are ``None`` for a lockstep log.
 
     Attributes:
-        solve_us: From the beginning of a filter step to its input being handed to the bus, decoding included.
-        late_us: How long after its time a step began, by process.
-        command_age_ms: Age of the newest operator command at each filter tick, by arrival at the filter.
-        operator_to_plant_ms: From an operator command being sent to the first plant step that applied an
-            input made from it, play-out included, by the senders' wall clocks.
+        solve_us: Time from the beginning of a filter step until its input is handed to the bus, decoding included.
+        late_us: Lateness of the steps, by process.
+        command_age_ms: Age of the newest operator command at each filter tick, from its arrival at the filter.
+        operator_to_plant_ms: Latency from sending a command to the first plant step that applied an input based on it,
+            play-out included, by the senders' wall clocks.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -70,7 +69,7 @@ class Timing(BaseModel):
 
     @classmethod
     def of(cls, log: RunLog) -> Self:
-        """Take it from a run's log."""
+        """Return the timing of a run from its log."""
         live = log.identity.driver == "live"
         return cls(
             solve_us=_solve_us(log.of(PlantInput)) if live else None,
@@ -81,19 +80,19 @@ class Timing(BaseModel):
 
 
 def steps_skipped(ticks: Sequence[LoggedMessage[FilterTick]], period_ns: float) -> int:
-    """Filter steps that were skipped to catch up: holes in the times at which steps were due.
+    """Return the number of skipped filter steps: gaps in the times at which steps were due.
 
-    Counted between ticks that follow one another, so that a message missing in the log counts for nothing.
+    Counted between successive ticks only, so that messages missing in the log do not count.
     """
-    return _left_out([tick.header for tick in ticks], period_ns)
+    return _skipped([tick.header for tick in ticks], period_ns)
 
 
-def _left_out(headers: Sequence[Header], period_ns: float) -> int:
-    left_out = 0
+def _skipped(headers: Sequence[Header], period_ns: float) -> int:
+    skipped = 0
     for a, b in pairwise(headers):
         if (a.source, a.epoch, a.sequence + 1) == (b.source, b.epoch, b.sequence):
-            left_out += max(round((b.scheduled_ns - a.scheduled_ns) / period_ns) - 1, 0)
-    return left_out
+            skipped += max(round((b.scheduled_ns - a.scheduled_ns) / period_ns) - 1, 0)
+    return skipped
 
 
 def _solve_us(inputs: Sequence[LoggedMessage[PlantInput]]) -> Percentiles | None:
@@ -113,7 +112,7 @@ def _late_us(log: RunLog) -> dict[str, Lateness]:
         late_ns = _ns([header.started_ns - header.scheduled_ns for header in steps])
         lateness = Lateness.of(late_ns, NS_PER_US)
         if lateness is not None:
-            due = late_ns.size + _left_out(sent, log.identity.scenario.dt_s * NS_PER_S)
+            due = late_ns.size + _skipped(sent, log.identity.scenario.dt_s * NS_PER_S)
             share = float(np.count_nonzero(late_ns <= NS_PER_MS)) / due
             found[process] = lateness.model_copy(update={"within_1_ms": share})
     return found

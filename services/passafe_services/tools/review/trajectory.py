@@ -1,4 +1,4 @@
-"""What the plant did, as arrays: states, the inputs in force, and the states between two samples."""
+"""Trajectory of the plant as arrays: states, inputs in force, and states between samples."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -15,11 +15,11 @@ NS_PER_S: Final = 1e9
 
 
 class Instants(NamedTuple):
-    """Instants between samples, one column an instant.
+    """Instants between samples, one column per instant.
 
     Attributes:
         t_s: Plant time, s, shape (K,).
-        x: State then, shape (n, K).
+        x: State, shape (n, K).
         u: Input in force, shape (m, K).
     """
 
@@ -30,7 +30,7 @@ class Instants(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class Trajectory:
-    """Every sample of the plant's motion, one column a sample; states before its time began are left out.
+    """Samples of the plant's motion, one column per sample; states before its first input are omitted.
 
     Attributes:
         t_s: Plant time, s, shape (N,).
@@ -38,8 +38,8 @@ class Trajectory:
         u: Input in force from this sample until the next, shape (m, N).
         energy_in_j: ∫ yᵀu dt since plant time 0, J, shape (N,).
         energy_stored_j: V(x), J, shape (N,).
-        session: Number of the plant's session, shape (N,): a restarted plant begins anew.
-        period_s: Time until the next sample where that one is in the log, else 0; shape (N,).
+        session: Number of the plant's session, shape (N,).
+        period_s: Time until the next sample if that is in the log, else 0, s; shape (N,).
     """
 
     t_s: FloatArray
@@ -52,7 +52,7 @@ class Trajectory:
 
     @classmethod
     def of(cls, states: Sequence[LoggedMessage[PlantState]]) -> Self:
-        """Take it from the logged states, given by session and in order of sequence."""
+        """Return the trajectory of logged states, given by session and in order of sequence."""
         moving = [state for state in states if state.body.phase is not PlantPhase.WAITING]
         epochs = np.array([state.header.epoch for state in moving], dtype=np.uint64)
         sequences = np.array([state.header.sequence for state in moving], dtype=np.uint64)
@@ -78,7 +78,7 @@ class Trajectory:
         energy_in_j: FloatArray,
         energy_stored_j: FloatArray,
     ) -> Self:
-        """Take it from the samples of one session in which none is missing, those before its time began left out.
+        """Return the trajectory of one session without missing samples, from its first input on.
 
         Args:
             plant_ns: Plant time, ns, shape (N,).
@@ -99,14 +99,14 @@ class Trajectory:
 
     @property
     def samples(self) -> int:
-        """N."""
+        """Number of samples N."""
         return len(self.t_s)
 
     def between(self, evaluator: PlantEvaluator, points: int) -> Iterator[Instants]:
         """Yield the instants at j/points of every period, j = 1 … points.
 
-        The last one of a period, j = points, is the limit from the left: the state is the next sample's, the
-        input still this one's.
+        The last one of a period, j = points, is the limit from the left: the state of the next sample with the input
+        of this one.
         """
         for period_s in np.unique(self.period_s[self.period_s > 0]):
             begun = self.period_s == period_s
@@ -116,7 +116,7 @@ class Trajectory:
                 yield Instants(t_s + offset_s, evaluator.flow(x, u, offset_s), u)
 
     def mismatch(self, evaluator: PlantEvaluator) -> tuple[FloatArray, FloatArray]:
-        """How far each logged state is from where the model goes from the one before.
+        """Return the distance between each logged state and the model's prediction from the previous one.
 
         Returns:
             ‖x_{k+1} − flow(x_k, u_k)‖∞ / (1 + ‖x_{k+1}‖∞), shape (K,), and the plant times of x_{k+1}, s.

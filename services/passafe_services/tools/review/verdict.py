@@ -1,4 +1,4 @@
-"""The verdict on one run: what ``passafe review --json`` prints."""
+"""Verdict on one run, as printed by ``passafe review --json``."""
 
 from collections.abc import Mapping
 from typing import Final, Literal, Self
@@ -20,7 +20,7 @@ from passafe_services.tools.review.properties import (
     judge_links,
     judge_properties,
 )
-from passafe_services.tools.review.run_identity import Driver
+from passafe_services.tools.review.run_identity import DriverName
 from passafe_services.tools.review.run_log import RunLog
 from passafe_services.tools.review.sequence_breaks import sequence_breaks
 from passafe_services.tools.review.steering import Steering
@@ -29,63 +29,62 @@ from passafe_services.tools.review.timing import Percentiles, Timing, steps_skip
 from passafe_services.tools.review.trajectory import NS_PER_S, Trajectory
 
 POINTS_PER_PERIOD: Final = 10
-"""Instants judged in every period, besides the samples themselves."""
+"""Instants evaluated in every period, besides the samples."""
 
 CONTROL_LOOP: Final = {"operator": COMMAND, "filter": TICK, "plant": STATE}
-"""What each process of the loop publishes in every step."""
+"""Topic that each process of the loop publishes in every step."""
 
 EVIDENCE: Final = ("complete", "links-reconciled")
-"""Properties of the log rather than of the robot: without them nothing is shown to be broken, nor kept."""
+"""Properties of the log rather than of the robot: without them a run neither holds nor fails."""
 
 Outcome = Literal["holds", "fails", "unproven"]
 
 
 class Verdict(BaseModel):
-    """Everything a review finds in one log; figures that the log does not give are ``None``.
+    """Result of the review of one log; values that the log does not contain are ``None``.
 
-    ``h_min`` and ``power_margin_min`` are recomputed from the plant's states and the inputs in force, at
-    every sample and at ``points_per_period`` instants between it and the next; what the filter said of
-    itself is not read for them.
+    ``h_min`` and ``power_margin_min`` are recomputed from the plant's states and the inputs in force, at every sample
+    and at ``points_per_period`` instants between samples; filter telemetry is not trusted for them.
 
     Attributes:
         scenario: Name of the scenario.
         mode: Mode of the filter: off, safe, passive or both.
         law: Law of the filter: sampled or continuous.
-        driver: What ran the nodes: live or lockstep.
-        finished: The log is whole.
+        driver: DriverName of the nodes: live or lockstep.
+        finished: Whether the log is complete.
         duration_s: Plant time from the first sample to the last, s.
         ticks: Filter ticks in the log.
         steps_skipped: Filter steps skipped to catch up.
-        sessions: Sessions of operator, filter and plant; more than one where it was started again.
-        sequence_breaks: How often the plant ran out of inputs.
-        without_input_s: How long it was without, s of plant time.
+        sessions: Sessions of operator, filter and plant; more than one after restarts.
+        sequence_breaks: Number of sequence breaks.
+        without_input_s: Total plant time without input, s.
         gaps: Messages missing between others, by topic.
         missed_at_start: Messages missing before the first one, by topic.
         undecodable: Messages in the log that are not valid for their topic, by topic.
         h_min: Smallest barrier value.
-        h_min_barrier: Name of the barrier that it is of.
-        h_min_at_samples: The same at samples only.
+        h_min_barrier: Name of its barrier.
+        h_min_at_samples: Smallest barrier value at samples only.
         power_margin_min: Smallest power margin h_u(x, u), W.
-        power_margin_min_at_samples: The same at samples only.
-        tank_min_j: Smallest energy of the tank's ledger, J, at samples.
+        power_margin_min_at_samples: Smallest power margin at samples only, W.
+        tank_min_j: Smallest energy of the tank, J, at samples.
         u_norm_max: Largest ‖u‖₂ in force.
-        status_counts: Ticks by the filter's status.
-        solve_us_p50: Filter step from its beginning to its input being sent, messages decoded, solved and
-            certified; median, µs; live logs only.
-        solve_us_p99: The same, 99th percentile.
-        late_us_p50: How long after its time a filter step began, median, µs; live logs only.
-        late_us_p99: The same, 99th percentile.
+        status_counts: Number of ticks by status of the filter.
+        solve_us_p50: Time from the beginning of a filter step until its input is sent, decoding and certificate
+            included; median, µs; live logs only.
+        solve_us_p99: The same, 99th percentile, µs.
+        late_us_p50: Lateness of filter steps, median, µs; live logs only.
+        late_us_p99: The same, 99th percentile, µs.
         command_age_ms_p50: Age of the newest operator command at a filter tick, median, ms.
-        command_age_ms_p99: The same, 99th percentile.
-        timing: More percentiles of these, of every process, and of the way from operator to plant.
+        command_age_ms_p99: The same, 99th percentile, ms.
+        timing: Further percentiles, of every process and of the latency from operator to plant.
         final_x: Last state of the plant.
-        steering: How well the robot was steered; ``None`` where no simulated person did.
-        links: What became of the messages of every link, by session of the process that reads it.
-        points_per_period: Instants judged in every period, besides the samples.
-        tolerances: What still counts as kept.
-        properties: What the run must keep, by name.
-        verdict: ``holds`` if every required property does; ``fails`` if the log shows one that does not;
-            ``unproven`` if it shows none, but does not show the whole run either.
+        steering: Steering metrics; ``None`` without a simulated person.
+        links: Account of every link, by session of its reader.
+        points_per_period: Instants evaluated in every period, besides the samples.
+        tolerances: Tolerances of the recomputed values.
+        properties: Properties of the run, by name.
+        verdict: ``holds`` if every required property holds; ``fails`` if the log shows that one does not;
+            ``unproven`` if it shows none that fails, but not the whole run either.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -93,7 +92,7 @@ class Verdict(BaseModel):
     scenario: str
     mode: str
     law: str
-    driver: Driver
+    driver: DriverName
     finished: bool
     duration_s: float
     ticks: int
@@ -141,11 +140,11 @@ class Verdict(BaseModel):
         Args:
             log: Its log.
             evaluator: Functions of the log's scenario.
-            tolerances: What still counts as kept; the defaults if not given.
-            points_per_period: Instants to judge between two samples, the end of the period among them.
+            tolerances: Tolerances of the recomputed values; the defaults if not given.
+            points_per_period: Instants to evaluate per period, its end included.
 
         Raises:
-            MismatchedLogError: The states in the log have not as many numbers as the scenario's.
+            MismatchedLogError: The states in the log do not have the dimension of the scenario.
         """
         scenario = log.identity.scenario
         tolerances = Tolerances() if tolerances is None else tolerances
@@ -204,10 +203,10 @@ class Verdict(BaseModel):
 
 
 def trajectory_of(log: RunLog) -> Trajectory:
-    """Motion of the plant in a log.
+    """Return the trajectory of the plant in a log.
 
     Raises:
-        MismatchedLogError: Its states have not as many numbers as the scenario's.
+        MismatchedLogError: The states do not have the dimension of the scenario.
     """
     states = log.of(PlantState)
     allowed = len(log.identity.scenario.plant.x0)
@@ -220,12 +219,12 @@ def trajectory_of(log: RunLog) -> Trajectory:
 
 
 def barrier_named(scenario: Scenario, number: int | None) -> str | None:
-    """Return the name of a barrier of a scenario by its number, counted in the order of the file."""
+    """Return the name of a barrier of a scenario by its index in the file."""
     return None if number is None else scenario.barriers[number].name
 
 
 def decide(properties: Mapping[str, Property]) -> Outcome:
-    """Outcome of a run from its properties; see ``Verdict.verdict``."""
+    """Return the outcome of a run from its properties; see ``Verdict.verdict``."""
     required = {name: entry for name, entry in properties.items() if entry.required}
     if any(entry.holds is False for name, entry in required.items() if name not in EVIDENCE):
         return "fails"
