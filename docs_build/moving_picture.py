@@ -75,7 +75,7 @@ class Run:
 
 
 class Panel:
-    """One mode: the robot seen from above, and two lamps that say what has been kept so far."""
+    """One mode: the robot seen from above, and two lines of text: safe so far, passive so far."""
 
     def __init__(self, axes: Axes, title: str, run: Run) -> None:
         self._run = run
@@ -140,7 +140,7 @@ def main(arguments: list[str]) -> int:
 def _simulated(mode: str, folder: Path) -> Path:
     log = folder / f"{mode}.mcap"
     command = [sys.executable, "-P", "-m", "passafe_services.cli", "simulate", "--mode", mode, "--out", str(log)]
-    # A run without the filter breaks its properties: the exit code says so, and that is what is drawn.
+    # A run without the filter violates its properties, which is what the picture shows: no check of the exit code.
     subprocess.run(command, check=False, stdout=subprocess.DEVNULL)  # noqa: S603 - ours
     return log
 

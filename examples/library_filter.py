@@ -17,7 +17,7 @@ acceleration = (u - DAMPING_NS_PER_M * velocity) / MASS_KG
 cart = System(x=x, u=u, f=ca.vertcat(velocity, acceleration), y=velocity)
 
 # One barrier per buffer. The cart is safe where every h(x) ≥ 0. Force shows in the second derivative of h, so a
-# barrier needs two class-K functions, which say how fast h may shrink, and a third for the continuous law.
+# barrier needs two class-K functions, which bound how fast h may shrink, and a third for the continuous law.
 gains = (Linear(gain=4.0), Linear(gain=4.0), Linear(gain=4.0))
 buffers = (
     Barrier(name="left buffer", h=RAIL_M + position, class_k=gains),
