@@ -9,7 +9,7 @@ DEMO ?=
 PYTHONS ?= python3.12 python3.13
 CAMPAIGN ?= $(basename $(notdir $(wildcard services/passafe_services/scenarios/*.toml)))
 
-.PHONY: help demo test check fast proto lock docs site pictures bench campaign atlas delay-atlas mutation wheel wheel-test clean
+.PHONY: help demo test check fast proto lock docs site pictures bench campaign atlas delay-atlas worker-kills mutation wheel wheel-test clean
 
 help:  ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 13
@@ -70,6 +70,9 @@ atlas: $(STAMP)  ## the pictures of docs/feasibility.md
 		$(BIN)/passafe feasibility --fix x2=-1 --fix x3=-1 --gain $$gain --out runs/atlas/gain-$$gain && \
 		cp runs/atlas/gain-$$gain/notomista-cai-2020.svg docs/pictures/feasibility-gain-$$gain.svg || exit 1; \
 	done
+
+worker-kills: $(STAMP)  ## kills 500 workers of sweeps at random moments; a quarter of an hour
+	$(BIN)/python tests/runs/worker_kills.py --kills 500
 
 mutation: $(STAMP)  ## changes the core one thing at a time: does a test notice? an hour or two; resumes where it was interrupted
 	$(BIN)/python benchmarks/mutation.py

@@ -10,9 +10,9 @@ from typing import Annotated
 
 import typer
 from passafe_services.scenarios.load import load_scenario, shipped_scenarios
+from passafe_services.tools.campaign.campaign_job import BATCH, BATCH_SCALAR
 from passafe_services.tools.campaign.rollout import Rollouts
 from passafe_services.tools.campaign.rollout_result import RolloutResult
-from passafe_services.tools.campaign.workers import BATCH, BATCH_SINGLY
 from report import AsJson, Ratio, Report, Smallest, spread
 from threadpoolctl import threadpool_limits
 from timing import in_turn
@@ -29,7 +29,7 @@ def main(
     as_json: AsJson = False,
 ) -> None:
     """Measure µs a tick of every scenario."""
-    scalar, batch = BATCH_SINGLY, BATCH
+    scalar, batch = BATCH_SCALAR, BATCH
     names = scenarios or shipped_scenarios()
     if smallest:
         ticks, rounds, scalar, batch, names = 5, 1, 2, 10, names[:1]
@@ -46,7 +46,7 @@ def main(
 def measure(name: str, ticks: int, rounds: int, scalar: int, batch: int, report: Report) -> tuple[str, ...]:
     """Return the table's row of one scenario; report its ratio, and results that differ between the two."""
     scenario = load_scenario(name)
-    rollouts = {is_scalar: Rollouts(scenario, singly=is_scalar) for is_scalar in (True, False)}
+    rollouts = {is_scalar: Rollouts(scenario, scalar=is_scalar) for is_scalar in (True, False)}
     found: dict[bool, list[RolloutResult]] = {}
 
     def tick_us(*, is_scalar: bool) -> float:
@@ -60,7 +60,7 @@ def measure(name: str, ticks: int, rounds: int, scalar: int, batch: int, report:
         if not abs(alone.h_min - batched.h_min) <= AGREEMENT:
             report.failures.append(f"{name}: lowest h of a rollout: got {batched.h_min}, allowed {alone.h_min}")
     report.ratios.append(Ratio.of_rounds(f"{name}: scalar", scalar_us, "batch", batch_us))
-    share = sum(result.decided_singly for result in found[False]) / sum(result.ticks for result in found[False])
+    share = sum(result.decided_scalar for result in found[False]) / sum(result.ticks for result in found[False])
     return name, spread(scalar_us), spread(batch_us, 2), f"{share:.2%}"
 
 

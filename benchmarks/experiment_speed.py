@@ -14,7 +14,9 @@ import typer
 from passafe_services.scenarios.load import load_scenario
 from passafe_services.tools.experiment.load import Study, experiment_from
 from passafe_services.tools.experiment.plan import Plan
-from passafe_services.tools.experiment.worker_pool import local_processes, results
+from passafe_services.tools.experiment.study_job import CHUNK, StudyJob, chunk_size
+from passafe_services.tools.runs.sweep import sweep as run_sweep
+from passafe_services.tools.runs.worker_processes import worker_processes
 from report import AsJson, Ratio, Report, Smallest, spread
 from timing import in_turn
 
@@ -60,7 +62,7 @@ def sweep(scenario: str, runs: int, duration_s: float, rate_hz: float) -> Study:
     """Return a study of so many runs, each over a bad network of its own."""
     links = {"delay_s": 0.1, "jitter_s": 0.01, "loss": 0.05}
     content = {
-        "schema_version": 1,
+        "schema_version": 2,
         "name": "speed",
         "title": "Speed of a sweep",
         "scenario": scenario,
@@ -78,11 +80,12 @@ def speed(study: Study, workers: int) -> Speed:
     """Return how fast a sweep is."""
     plan = Plan(study.experiment)
     begin_s = perf_counter()
-    with local_processes(workers) as pool:
-        at_s = [perf_counter() - begin_s for _ in results(plan, study, pool, lambda: False)]
-        chunks = workers * pool.portion
-    steady = range(2 * chunks, len(at_s))
-    return Speed(linear_regression(at_s[2 * chunks :], steady).slope, at_s[chunks - 1])
+    with worker_processes(StudyJob.of(study), workers) as pool:
+        chunks = run_sweep(plan, pool, partial(chunk_size, workers=workers))
+        at_s = [perf_counter() - begin_s for chunk in chunks for _ in chunk]
+    first = workers * CHUNK
+    steady = range(2 * first, len(at_s))
+    return Speed(linear_regression(at_s[2 * first :], steady).slope, at_s[first - 1])
 
 
 if __name__ == "__main__":

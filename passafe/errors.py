@@ -26,7 +26,6 @@
         * ``SeriesError``: a series for the report that does not fit together
         * ``FeasibilityError``: a map that cannot be made
         * ``NoSafeStartError``: a box of starts without a safe one
-        * ``CampaignResultsError``: a file of outcomes that a campaign cannot resume from
         * ``ResultsFileError``: a file of results that a sweep cannot resume from
         * ``SchedulerError``: a cluster that cannot be used
         * ``LiveRunError``: a live run without a log

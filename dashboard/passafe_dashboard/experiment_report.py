@@ -26,13 +26,13 @@ def write_experiment_report(
         agreement: Metrics of runs that were made live too.
         folder: An existing folder.
     """
-    worst = plan.experiment.worst.figure
+    worst = plan.experiment.worst.metric
     lines = [
         KeptLine(
             cell=plan.cells[log.result.run.cell].describe(),
             seed=log.result.run.seed,
             file=str(log.path.relative_to(folder)),
-            metric=f"{worst} {number(None if log.result.figures is None else log.result.figures.number(worst))}",
+            metric=f"{worst} {number(None if log.result.metrics is None else log.result.metrics.number(worst))}",
         )
         for log in kept
     ]

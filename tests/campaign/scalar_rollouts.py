@@ -103,7 +103,7 @@ def rollout(scenario: Scenario, seed: int, duration_s: float) -> RolloutResult:
         ticks=len(xs),
         statuses=dict(statuses),
         between_samples_unproven=unproven,
-        decided_singly=len(xs),
+        decided_scalar=len(xs),
     )
 
 

@@ -1,14 +1,14 @@
-"""Rollouts in lock step are what each would be alone."""
+"""Rollouts of a batch are what each would be alone."""
 
 import numpy as np
 import pytest
 from passafe_services.scenarios.load import load_scenario, shipped_scenarios
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.campaign.adversaries import ADVERSARIES
+from passafe_services.tools.campaign.campaign_job import BATCH, CampaignJob
 from passafe_services.tools.campaign.lowest_barrier import LowestBarrier
 from passafe_services.tools.campaign.rollout import Rollouts
 from passafe_services.tools.campaign.rollout_result import RolloutResult
-from passafe_services.tools.campaign.workers import BATCH, _batches
 from passafe_services.tools.review.core_evaluator import CoreEvaluator
 from scalar_rollouts import rollout
 
@@ -41,19 +41,19 @@ def test_a_rollout_is_the_one_that_is_made_tick_by_tick(name: str) -> None:
         assert_same(got, rollout(scenario, got.seed, DURATION_S))
 
 
-def test_a_nonlinear_plant_that_needs_substeps_rolls_as_it_does_tick_by_tick() -> None:
+def test_a_nonlinear_plant_rolls_as_it_does_tick_by_tick() -> None:
     scenario = load_scenario("notomista-cai-2020", NONLINEAR)
     for got in Rollouts(scenario).run(range(5), DURATION_S):
         assert_same(got, rollout(scenario, got.seed, DURATION_S))
 
 
 @pytest.mark.parametrize("overrides", [{}, NONLINEAR, {"filter.mode": "off"}, {"filter.mode": "passive"}])
-def test_with_every_decision_taken_singly_it_is_the_same(overrides: dict[str, object]) -> None:
+def test_with_scalar_decisions_it_is_the_same(overrides: dict[str, object]) -> None:
     scenario = load_scenario("notomista-cai-2020", overrides)
-    at_once, singly = (Rollouts(scenario, singly=each).run(range(5), 0.3) for each in (False, True))
-    for one, other in zip(at_once, singly, strict=True):
+    at_once, scalar = (Rollouts(scenario, scalar=each).run(range(5), 0.3) for each in (False, True))
+    for one, other in zip(at_once, scalar, strict=True):
         assert_same(one, other)
-        assert other.decided_singly == other.ticks > one.decided_singly
+        assert other.decided_scalar == other.ticks > one.decided_scalar
 
 
 @pytest.mark.parametrize("name", ["tight-limits", "moving-disk"])
@@ -98,11 +98,8 @@ def test_without_a_barrier_there_is_no_lowest_h() -> None:
 
 
 @pytest.mark.parametrize(
-    ("seeds", "workers", "sizes"),
-    [(0, 2, []), (1, 2, [1]), (100, 2, [50, 50]), (BATCH, 1, [BATCH]), (2500, 2, [625] * 4), (10_000, 2, [1000] * 10)],
+    ("seeds", "workers", "size"),
+    [(1, 2, 1), (7, 2, 4), (100, 2, 50), (BATCH, 1, BATCH), (2500, 2, 625), (10_000, 2, 1000)],
 )
-def test_batches_are_as_many_for_one_worker_as_for_another(seeds: int, workers: int, sizes: list[int]) -> None:
-    batches = _batches(range(seeds), workers, BATCH)
-
-    assert [len(batch) for batch in batches] == sizes
-    assert [seed for batch in batches for seed in batch] == list(range(seeds))
+def test_batches_are_as_many_for_one_worker_as_for_another(seeds: int, workers: int, size: int) -> None:
+    assert CampaignJob.of(load_scenario("notomista-cai-2020"), 1.0).batch_size(seeds, workers) == size

@@ -8,12 +8,15 @@ import pytest
 from passafe_services.scenarios.design import design_of, robot_of
 from passafe_services.scenarios.load import load_scenario, shipped_scenarios
 from passafe_services.tools.campaign.adversaries import ADVERSARIES, STRENGTH
-from passafe_services.tools.campaign.errors import CampaignResultsError, NoSafeStartError
-from passafe_services.tools.campaign.results_file import CampaignHeading, CampaignResultsFile
+from passafe_services.tools.campaign.campaign_job import CampaignJob, campaign_results
+from passafe_services.tools.campaign.errors import NoSafeStartError
 from passafe_services.tools.campaign.rollout import Rollouts
 from passafe_services.tools.campaign.rollout_result import RolloutResult
 from passafe_services.tools.campaign.summary import CampaignSummary
-from passafe_services.tools.campaign.workers import outcomes
+from passafe_services.tools.runs.errors import ResultsFileError
+from passafe_services.tools.runs.summary import Spread
+from passafe_services.tools.runs.sweep import FixedPlan, sweep
+from passafe_services.tools.runs.worker_processes import worker_processes
 
 from passafe import SafetyPassivityFilter
 from passafe.batch.batch_filter import BatchFilter
@@ -32,7 +35,7 @@ def outcome(seed: int, **changes: object) -> RolloutResult:
         "ticks": 10,
         "statuses": {"PASSED": 8, "MODIFIED": 2},
         "between_samples_unproven": 0,
-        "decided_singly": 1,
+        "decided_scalar": 1,
     }
     return RolloutResult.model_validate(parts | changes)
 
@@ -53,7 +56,7 @@ def test_every_shipped_scenario_holds_against_every_adversary(rollouts: Rollouts
         assert result.overreach <= 1e-12
         assert result.between_samples_unproven == 0
         assert result.ticks == sum(result.statuses.values()) == round(SLICE_S * rollouts.scenario.rate_hz)
-        assert 1 <= result.decided_singly < result.ticks / 2
+        assert 1 <= result.decided_scalar < result.ticks / 2
 
 
 def test_a_seed_decides_everything() -> None:
@@ -71,10 +74,10 @@ def test_without_the_filter_the_campaign_sees_what_happens() -> None:
 
     assert not summary.holds
     assert summary.unsafe > 0
-    assert summary.h_min.value < -0.5
+    assert summary.worst["h_min"].value < -0.5
 
 
-def test_the_adversary_against_h_finds_what_is_wrong_without_a_margin() -> None:
+def test_the_adversary_against_h_finds_the_hole_between_samples() -> None:
     """At 50 Hz the rows alone leave a hole between samples; the margin closes it."""
     slow: dict[str, object] = {"rate_hz": 50.0, "filter.k_i": 20.0}
     with_margin, without = (
@@ -91,7 +94,7 @@ def test_a_box_without_a_safe_start_is_refused() -> None:
 
 
 def decided(x: tuple[float, ...], count: int) -> BatchFilter:
-    """The reference scenario's filter at rest in one state, in every lane."""
+    """The reference scenario's filter at rest in one state, in every element."""
     scenario = load_scenario(NAME)
     many = BatchFilter(SafetyPassivityFilter(design_of(scenario, robot_of(scenario))), count)
     zero = np.zeros((2, count))
@@ -134,7 +137,7 @@ def test_rows_that_are_equally_tight_are_pushed_in_their_order(monkeypatch: pyte
 
 
 @pytest.mark.parametrize("mode", ["off", "safe", "passive"])
-def test_adversaries_without_the_row_that_they_want_take_the_first_axis(mode: str) -> None:
+def test_adversaries_without_their_row_take_the_first_axis(mode: str) -> None:
     scenario = load_scenario(NAME, {"filter.mode": mode})
     many = BatchFilter(SafetyPassivityFilter(design_of(scenario, robot_of(scenario))), 1)
     zero = np.zeros((2, 1))
@@ -148,11 +151,22 @@ def test_adversaries_without_the_row_that_they_want_take_the_first_axis(mode: st
 
 
 def test_worker_processes_give_what_one_process_gives() -> None:
-    scenario = load_scenario(NAME)
+    job = CampaignJob.of(load_scenario(NAME), 0.2)
 
-    one, two = ([*chain.from_iterable(outcomes(scenario, range(7), 0.2, workers))] for workers in (1, 2))
+    with worker_processes(job, 2) as pool:
+        two = [*chain.from_iterable(sweep(FixedPlan(range(7)), pool, lambda _: job.batch_size(7, 2)))]
 
-    assert sorted(two, key=lambda outcome: outcome.seed) == one
+    assert sorted(two, key=lambda result: result.seed) == job.compile()(range(7))
+
+
+def test_a_box_without_a_safe_start_ends_the_campaign() -> None:
+    inside = {"plant.start_low": [-0.1, -0.1, 0.0, 0.0], "plant.start_high": [0.1, 0.1, 0.0, 0.0]}
+    job = CampaignJob.of(load_scenario(NAME, inside), 0.1)
+
+    with worker_processes(job, 1) as pool, pytest.raises(NoSafeStartError, match=r"plant\.start_low") as caught:
+        list(sweep(FixedPlan([0]), pool, lambda _: 1))
+
+    assert caught.value.field == "plant.start_low, plant.start_high"
 
 
 def test_the_summary_names_the_seed_of_each_worst() -> None:
@@ -165,11 +179,12 @@ def test_the_summary_names_the_seed_of_each_worst() -> None:
         ],
     )
 
-    assert (summary.h_min.seed, summary.tank_min_j.seed, summary.overreach.seed) == (1, 2, 2)
+    assert {name: worst.seed for name, worst in summary.worst.items()} == {"h_min": 1, "tank_min_j": 2, "overreach": 2}
+    assert summary.metrics["h_min"] == Spread(min=0.01, median=0.1, max=0.1)
     assert (summary.rollouts, summary.ticks) == (3, 30)
     assert summary.statuses == {"PASSED": 25, "MODIFIED": 4, "INFEASIBLE": 1}
     assert summary.rollouts_with["INFEASIBLE"] == 1
-    assert summary.decided_singly == 3
+    assert summary.decided_scalar == 3
     assert summary.holds
 
 
@@ -180,23 +195,27 @@ def test_one_bad_rollout_is_enough(changes: dict[str, object]) -> None:
     assert not CampaignSummary.of(NAME, [outcome(0), outcome(1, **changes)]).holds
 
 
-def test_an_interrupted_campaign_goes_on(tmp_path: Path) -> None:
-    path, heading = tmp_path / "a.jsonl", CampaignHeading(scenario=load_scenario(NAME), duration_s=1.0)
-    assert len(list(CampaignResultsFile(path, heading).add(iter([[outcome(0)], [outcome(1), outcome(3)]])))) == 2
-    with path.open("a", encoding="utf-8") as file:
-        file.write('{"seed": 2, "adv')  # killed while it wrote
-
-    again = CampaignResultsFile(path, heading)
-    assert sorted(again.outcomes) == [0, 1, 3]
-    list(again.add(iter([[outcome(2)]])))
-    assert sorted(CampaignResultsFile(path, heading).outcomes) == [0, 1, 2, 3]
-
-
-def test_another_campaign_s_outcomes_are_not_mixed_in(tmp_path: Path) -> None:
+def test_an_interrupted_campaign_resumes(tmp_path: Path) -> None:
     path, scenario = tmp_path / "a.jsonl", load_scenario(NAME)
-    CampaignResultsFile(path, CampaignHeading(scenario=scenario, duration_s=1.0))
-    with pytest.raises(CampaignResultsError, match="another scenario, duration"):
-        CampaignResultsFile(path, CampaignHeading(scenario=scenario, duration_s=2.0))
-    path.write_text("nonsense\n", encoding="utf-8")
-    with pytest.raises(CampaignResultsError, match="no campaign"):
-        CampaignResultsFile(path, CampaignHeading(scenario=scenario, duration_s=1.0))
+    assert len(list(campaign_results(path, scenario, 1.0).add([[outcome(0)], [outcome(1), outcome(3)]]))) == 2
+
+    again = campaign_results(path, scenario, 1.0)
+
+    assert again.results == {seed: outcome(seed) for seed in (0, 1, 3)}
+
+
+@pytest.mark.parametrize(("overrides", "duration_s"), [({}, 2.0), ({"rate_hz": 500.0}, 1.0)])
+def test_results_of_another_campaign_are_refused(
+    overrides: dict[str, object], duration_s: float, tmp_path: Path
+) -> None:
+    campaign_results(tmp_path / "a.jsonl", load_scenario(NAME), 1.0)
+
+    with pytest.raises(ResultsFileError, match="results of another campaign or version"):
+        campaign_results(tmp_path / "a.jsonl", load_scenario(NAME, overrides), duration_s)
+
+
+def test_a_rollout_without_a_barrier_is_read_again(tmp_path: Path) -> None:
+    path, scenario = tmp_path / "a.jsonl", load_scenario(NAME, {"filter.barriers": []})
+    list(campaign_results(path, scenario, 1.0).add([[outcome(0, h_min=float("inf"))]]))
+
+    assert campaign_results(path, scenario, 1.0).results[0].h_min == float("inf")

@@ -9,11 +9,12 @@ import pytest
 from passafe_dashboard.pictures.line_chart import LineChart, line_chart_picture
 from passafe_dashboard.reports.experiment_charts import boundary_charts, charts_of
 from passafe_dashboard.reports.experiment_page import KeptLine, experiment_page
+from passafe_services.tools.experiment.cells import Run
 from passafe_services.tools.experiment.live_agreement import Agreement
 from passafe_services.tools.experiment.load import experiment_from
 from passafe_services.tools.experiment.metrics import Metrics
 from passafe_services.tools.experiment.plan import Plan
-from passafe_services.tools.experiment.runs import Result, Run
+from passafe_services.tools.experiment.run_result import RunResult
 from passafe_services.tools.experiment.summary import ExperimentSummary
 
 DELAY = {"name": "delay_s", "key": "links.plant-to-filter.delay_s", "values": [0.0, 0.1, 0.2]}
@@ -22,7 +23,7 @@ HOLD = {"name": "hold_s", "kind": "bisect", "key": "plant.hold_s", "low": 0.0, "
 LOW = {"name": "r", "kind": "uniform", "key": "plant.x0.0", "low": 2.0, "high": 3.0}
 
 
-def figures(h_min: float) -> Metrics:
+def metrics(h_min: float) -> Metrics:
     numbers = {name: 0 for name, field in Metrics.model_fields.items() if field.annotation in {int, float}}
     none = dict.fromkeys(Metrics.model_fields)
     made: dict[str, Any] = {"h_min": h_min, "tank_min_j": 1.0, "status_counts": {}, "properties": {}}
@@ -38,13 +39,13 @@ def h_of(run: Run) -> float:
 
 
 def finished(*axes: dict[str, Any], count: int = 2) -> tuple[Plan, ExperimentSummary]:
-    content = {"schema_version": 1, "name": "made-up", "title": "Made <up>", "scenario": "notomista-cai-2020"}
+    content = {"schema_version": 2, "name": "made-up", "title": "Made <up>", "scenario": "notomista-cai-2020"}
     content |= {"variants": {"off": {}, "both": {}}, "axes": axes, "seeds": {"count": count}}
     plan = Plan(experiment_from(content, "made-up"))
     waiting = list(plan.first())
     while waiting:
         run = waiting.pop()
-        waiting += plan.after(Result(run=run, figures=figures(h_of(run) + 0.01 * run.seed), wall_s=0.1))
+        waiting += plan.after(RunResult(run=run, metrics=metrics(h_of(run) + 0.01 * run.seed), wall_s=0.1))
     return plan, ExperimentSummary.of(plan)
 
 

@@ -110,7 +110,6 @@ def test_planned_link_changes_shown_are_accepted() -> None:
     assert len(scenario.link_changes) == 1
 
 
-@pytest.mark.xfail(reason="experiment files of schema version 2 are on their way")
 def test_the_example_experiments_run() -> None:
     whole, axis = (tomllib.loads(text) for text in blocks(OWN_EXPERIMENT, "toml"))
     [tutorial] = (tomllib.loads(text) for text in blocks(DOCS / "tutorial.md", "toml"))

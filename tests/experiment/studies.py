@@ -13,7 +13,7 @@ DELAY = {"name": "delay_s", "keys": BOTH_WAYS, "values": [0.0, 0.01]}
 def study(
     scenario: str = NAME, duration_s: float = 0.1, *, overrides: Mapping[str, object] | None = None, **fields: object
 ) -> Study:
-    content = {"schema_version": 1, "name": "small", "title": "Small", "scenario": scenario}
+    content = {"schema_version": 2, "name": "small", "title": "Small", "scenario": scenario}
     fields["overrides"] = {"duration_s": duration_s, **(overrides or {})}
     return Study(
         experiment=experiment_from(content | fields, "small.toml"),

@@ -42,7 +42,7 @@ def test_what_never_fails_and_what_never_holds_are_told() -> None:
     assert everywhere.tried == nowhere.tried == 5
 
 
-def test_of_two_failures_the_first_is_found_and_the_answer_is_called_not_monotone() -> None:
+def test_of_two_failures_the_first_is_found_and_is_not_monotone() -> None:
     found = search(axis(scan=9), lambda value: value < 0.32 or 0.55 < value < 0.72)
 
     assert found.holds_up_to == pytest.approx(0.32, abs=0.01)
@@ -50,7 +50,7 @@ def test_of_two_failures_the_first_is_found_and_the_answer_is_called_not_monoton
     assert "not monotone" in found.describe()
 
 
-def test_failing_at_the_lowest_value_and_holding_beyond_is_not_monotone() -> None:
+def test_failing_only_at_the_lowest_value_is_not_monotone() -> None:
     found = search(axis(), lambda value: value > 0.5)
 
     assert (found.holds_up_to, found.fails_from, found.monotone) == (None, 0.0, False)

@@ -14,7 +14,7 @@ from pyarrow import parquet
 
 EXAMPLES = Path(__file__).parents[2] / "services" / "passafe_services" / "tools" / "experiment" / "examples"
 SMALL = """
-schema_version = 1
+schema_version = 2
 name = "small"
 title = "Small & <plain>"
 scenario = "notomista-cai-2020"

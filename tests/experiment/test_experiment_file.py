@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 from passafe_services.scenarios.errors import ScenarioError
 from passafe_services.tools.experiment.axes import ChoiceAxis, LogUniformAxis, UniformAxis
+from passafe_services.tools.experiment.cells import cells_of, run_of
 from passafe_services.tools.experiment.check import check
 from passafe_services.tools.experiment.errors import ExperimentError, UnknownExperimentError, UnreadableExperimentError
 from passafe_services.tools.experiment.load import experiment_from, load_study, shipped_experiments
-from passafe_services.tools.experiment.runs import cells_of, run_of
 from passafe_services.tools.experiment.schema import Experiment
 from studies import DELAY, NAME, study
 
-LEAST = {"schema_version": 1, "name": "small", "title": "Small", "scenario": NAME}
+LEAST = {"schema_version": 2, "name": "small", "title": "Small", "scenario": NAME}
 BISECTED = {"name": "d", "kind": "bisect", "key": "plant.hold_s", "low": 0.0, "high": 1.0, "steps": 3}
 
 
@@ -37,7 +37,7 @@ def test_a_linked_axis_sets_all_its_keys_and_may_scale_them() -> None:
     assert both.overrides_of("base", {"delay_s": 0.2}) == {"a.x": 0.2, "b.y": 0.1}
 
 
-def test_axes_come_after_the_variant_and_that_after_the_experiment() -> None:
+def test_axes_override_the_variant_and_that_the_experiment() -> None:
     layered = experiment(
         overrides={"a": 1, "b": 1, "c": 1}, variants={"v": {"b": 2, "c": 2}}, axes=[{"key": "c", "values": [3]}]
     )
@@ -45,7 +45,7 @@ def test_axes_come_after_the_variant_and_that_after_the_experiment() -> None:
     assert layered.overrides_of("v", {"c": 3}) == {"a": 1, "b": 2, "c": 3}
 
 
-def test_cells_are_every_combination_and_random_values_are_the_seeds_own() -> None:
+def test_cells_are_every_combination_of_listed_values() -> None:
     axes = [DELAY, {"key": "k", "values": [1, 2, 3]}, {"key": "r", "kind": "uniform", "low": 0, "high": 1}]
     swept = experiment(axes=axes, variants={"off": {}, "both": {}}, seeds={"first": 5, "count": 3})
     cells = cells_of(swept)
@@ -110,11 +110,11 @@ def test_another_seed_or_name_of_an_axis_draws_other_values() -> None:
         ({"overrides": {"filter": {"mode": "off"}}}, "dotted names in quotes"),
         ({"variants": {"off": {"filter": {"mode": "off"}}}}, "dotted names in quotes"),
         ({"variants": {}}, "variants"),
-        ({"criteria": {"a": {"figure": "beauty", "at_least": 0}}}, "figure: got 'beauty', allowed one of duration_s"),
-        ({"criteria": {"a": {"figure": "h_max", "at_least": 0}}}, "did you mean h_min?"),
+        ({"criteria": {"a": {"metric": "beauty", "at_least": 0}}}, "metric: got 'beauty', allowed one of duration_s"),
+        ({"criteria": {"a": {"metric": "h_max", "at_least": 0}}}, "did you mean h_min?"),
         ({"sedes": {"count": 2}}, "did you mean seeds?"),
-        ({"criteria": {"a": {"figure": "h_min"}}}, "at_least, at_most: got both or neither"),
-        ({"criteria": {"a": {"figure": "tracking_max", "at_most": 1}}}, "tracking = true"),
+        ({"criteria": {"a": {"metric": "h_min"}}}, "at_least, at_most: got both or neither"),
+        ({"criteria": {"a": {"metric": "tracking_max", "at_most": 1}}}, "tracking = true"),
         ({"worst_by": "beauty"}, "worst_by: got 'beauty', allowed one of safe, solvent"),
     ],
 )
@@ -127,9 +127,9 @@ def test_nonsense_names_field_value_and_what_is_allowed(fields: dict[str, Any], 
     assert " allowed " in str(refusal.value)
 
 
-def test_files_are_found_by_name_or_path_and_their_scenario_beside_them(tmp_path: Path) -> None:
+def test_files_are_found_by_name_or_path(tmp_path: Path) -> None:
     (tmp_path / "mine.toml").write_text(
-        'schema_version = 1\nname = "mine"\ntitle = "Mine"\nscenario = "own.json"\n', encoding="utf-8"
+        'schema_version = 2\nname = "mine"\ntitle = "Mine"\nscenario = "own.json"\n', encoding="utf-8"
     )
     with pytest.raises(ScenarioError, match=r"own\.json"):
         load_study(str(tmp_path / "mine.toml"))
@@ -158,7 +158,7 @@ def test_no_file_and_a_torn_file_are_told(tmp_path: Path) -> None:
         ({"overrides": {"filter.barriers.disc.radius": 1.0}}, "filter.barriers.disc.radius: got 'disc', allowed disk"),
     ],
 )
-def test_a_value_that_no_scenario_may_hold_is_told_before_anything_runs(fields: dict[str, Any], told: str) -> None:
+def test_a_refused_scenario_value_is_reported_before_any_run(fields: dict[str, Any], told: str) -> None:
     with pytest.raises(ScenarioError) as refusal:
         check(study(**fields))
 

@@ -9,11 +9,11 @@ from passafe_services.log.log_writer import LogWriter, run_metadata
 from passafe_services.recorder.lockstep_log import LockstepLog
 from passafe_services.scenarios.info import versions
 from passafe_services.scenarios.schema import Scenario
+from passafe_services.tools.experiment.cells import Cell, cells_of, run_of
 from passafe_services.tools.experiment.errors import LiveRunError
 from passafe_services.tools.experiment.live_agreement import DRAWS, TOLERANCES, compare, draws_of, until
 from passafe_services.tools.experiment.metrics import Metrics
 from passafe_services.tools.experiment.runner import StudyRunner
-from passafe_services.tools.experiment.runs import Cell, cells_of, run_of
 from passafe_services.tools.review.core_evaluator import CoreEvaluator
 from passafe_services.tools.review.run_log import RunLog
 from passafe_services.tools.review.timing import Lateness
@@ -25,25 +25,25 @@ DELAY = {"links.plant-to-filter.delay_s": 0.02, "links.filter-to-plant.delay_s":
 
 def scenario(duration_s: float = 0.3, **overrides: object) -> tuple[StudyRunner, Scenario]:
     swept = study(duration_s=duration_s, overrides=DELAY | overrides)
-    bench = StudyRunner(swept)
-    return bench, bench.scenario_of(run_of(swept.experiment, cells_of(swept.experiment)[0], 0))
+    runner = StudyRunner(swept)
+    return runner, runner.scenario_of(run_of(swept.experiment, cells_of(swept.experiment)[0], 0))
 
 
 @pytest.fixture(scope="module")
 def same(tmp_path_factory: pytest.TempPathFactory) -> tuple[Verdict, Metrics]:
-    """A verdict on a log, and the figures, of the same run in lockstep."""
-    bench, chosen = scenario()
+    """A verdict on a log, and the metrics, of the same run in lockstep."""
+    runner, chosen = scenario()
     path = tmp_path_factory.mktemp("log") / "run.mcap"
     metadata = run_metadata(scenario_json=chosen.model_dump_json(), versions=versions(), driver="lockstep")
     with LogWriter(path, metadata) as log:
-        bench.play(chosen, LockstepLog(log))
+        runner.trace(chosen, LockstepLog(log))
     verdict = Verdict.of(until(RunLog.read(path), chosen.duration_s), CoreEvaluator(chosen))
-    return verdict, bench.figures(chosen, until_its_end=True)
+    return verdict, runner.metrics(chosen, until_its_end=True)
 
 
-def test_the_same_run_agrees_in_every_figure_without_any_difference(same: tuple[Verdict, Metrics]) -> None:
+def test_the_same_run_agrees_in_every_metric_exactly(same: tuple[Verdict, Metrics]) -> None:
     found = compare("cell", same[0], [same[1]])
-    compared = {one.figure.partition(":")[0] for one in found}
+    compared = {one.metric.partition(":")[0] for one in found}
 
     assert [one for one in found if not one.agrees or one.difference] == []
     assert compared == {*TOLERANCES, "holds", "lateness_ms"}
@@ -51,7 +51,7 @@ def test_the_same_run_agrees_in_every_figure_without_any_difference(same: tuple[
 
 
 @pytest.mark.parametrize(
-    ("changes", "figure", "difference"),
+    ("changes", "metric", "difference"),
     [
         ({"h_min": -0.5}, "h_min", None),
         ({"tank_min_j": 0.5}, "tank_min_j", 0.5),
@@ -61,41 +61,41 @@ def test_the_same_run_agrees_in_every_figure_without_any_difference(same: tuple[
         ({"h_min": None}, "h_min", float("inf")),
     ],
 )
-def test_a_figure_that_is_off_is_told_with_by_how_much(
-    changes: dict[str, Any], figure: str, difference: float | None, same: tuple[Verdict, Metrics]
+def test_a_metric_that_is_off_is_told_with_by_how_much(
+    changes: dict[str, Any], metric: str, difference: float | None, same: tuple[Verdict, Metrics]
 ) -> None:
-    found = {one.figure: one for one in compare("cell", same[0].model_copy(update=changes), [same[1]])}
+    found = {one.metric: one for one in compare("cell", same[0].model_copy(update=changes), [same[1]])}
 
-    assert found[figure].difference > 0
-    assert difference is None or found[figure].difference == pytest.approx(difference, rel=1e-2)
-    assert found[figure].agrees == (found[figure].difference <= found[figure].tolerance)
-    if figure != "status_share:STALE":
-        assert not found[figure].agrees
+    assert found[metric].difference > 0
+    assert difference is None or found[metric].difference == pytest.approx(difference, rel=1e-2)
+    assert found[metric].agrees == (found[metric].difference <= found[metric].tolerance)
+    if metric != "status_share:STALE":
+        assert not found[metric].agrees
 
 
-def test_where_links_are_random_a_live_run_must_lie_within_what_several_draws_show(
+def test_with_random_links_a_live_run_must_lie_within_the_draws(
     same: tuple[Verdict, Metrics],
 ) -> None:
     low, high = (same[1].model_copy(update={"u_norm_max": value}) for value in (10.0, 40.0))
     within, outside = (same[0].model_copy(update={"u_norm_max": value}) for value in (25.0, 42.5))
 
-    [one] = [one for one in compare("cell", within, [high, low]) if one.figure == "u_norm_max"]
-    [other] = [one for one in compare("cell", outside, [high, low]) if one.figure == "u_norm_max"]
+    [one] = [one for one in compare("cell", within, [high, low]) if one.metric == "u_norm_max"]
+    [other] = [one for one in compare("cell", outside, [high, low]) if one.metric == "u_norm_max"]
 
     assert (one.low, one.high, one.difference, one.agrees) == (10.0, 40.0, 0.0, True)
     assert (other.difference, other.agrees) == (2.5, False)
 
 
-def test_a_machine_that_was_later_than_the_tolerances_allow_for_is_told(same: tuple[Verdict, Metrics]) -> None:
+def test_a_machine_later_than_the_tolerances_allow_is_reported(same: tuple[Verdict, Metrics]) -> None:
     late = Lateness(p50=10.0, p99=100.0, p99_9=1000.0, max=7000.0)
     timing = same[0].timing.model_copy(update={"late_us": {"filter": late}})
 
     [*_, lateness] = compare("cell", same[0].model_copy(update={"timing": timing}), [same[1]])
 
-    assert (lateness.figure, lateness.live, lateness.agrees) == ("lateness_ms", 7.0, False)
+    assert (lateness.metric, lateness.live, lateness.agrees) == ("lateness_ms", 7.0, False)
 
 
-def test_only_random_links_are_drawn_again_and_with_seeds_of_their_own() -> None:
+def test_only_random_links_are_drawn_again() -> None:
     _, delayed = scenario()
     _, lossy = scenario(**{"links.plant-to-filter.loss": 0.1})
 
@@ -114,13 +114,13 @@ def test_cells_are_spread_evenly() -> None:
 
 
 @pytest.mark.live
-def test_a_live_run_is_compared_with_lockstep_in_every_figure(tmp_path: Path) -> None:
+def test_a_live_run_is_compared_with_lockstep_in_every_metric(tmp_path: Path) -> None:
     """How close they are depends on the machine; that the robot did the same does not."""
     # A play-out time in which a busy machine does not let the plant run out of inputs.
-    bench, chosen = scenario(duration_s=2.0, **{"plant.playout_s": 0.3})
+    runner, chosen = scenario(duration_s=2.0, **{"plant.playout_s": 0.3})
     verdict = run_live(chosen, tmp_path)
-    lockstep = [bench.figures(one, until_its_end=True) for one in draws_of(chosen)]
-    found = {one.figure: one for one in compare("cell", verdict, lockstep)}
+    lockstep = [runner.metrics(one, until_its_end=True) for one in draws_of(chosen)]
+    found = {one.metric: one for one in compare("cell", verdict, lockstep)}
 
     assert verdict.driver == "live"
     assert verdict.duration_s == pytest.approx(2.0, abs=0.01)

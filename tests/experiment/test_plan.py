@@ -5,9 +5,10 @@ from random import Random
 from typing import Any
 
 import pytest
+from passafe_services.tools.experiment.cells import Run
 from passafe_services.tools.experiment.metrics import Metrics
 from passafe_services.tools.experiment.plan import Plan
-from passafe_services.tools.experiment.runs import Result, Run
+from passafe_services.tools.experiment.run_result import RunResult
 from passafe_services.tools.experiment.schema import Experiment
 from passafe_services.tools.experiment.summary import ExperimentSummary
 from studies import DELAY, study
@@ -21,8 +22,8 @@ EMPTY: dict[str, Any] = {
 }
 
 
-def result(run: Run, **figures: object) -> Result:
-    return Result(run=run, figures=Metrics.model_validate(EMPTY | figures), wall_s=0.1)
+def result(run: Run, **metrics: object) -> RunResult:
+    return RunResult(run=run, metrics=Metrics.model_validate(EMPTY | metrics), wall_s=0.1)
 
 
 def bisected() -> Experiment:
@@ -56,7 +57,7 @@ def test_a_grid_wants_every_run_once_and_nothing_more() -> None:
     assert [plan.after(result(run)) for run in runs] == [[]] * 12
 
 
-def test_runs_that_share_what_is_derived_and_their_reference_come_one_after_the_other() -> None:
+def test_runs_that_share_a_reference_follow_one_another() -> None:
     experiment = study(axes=[DELAY], seeds={"count": 2}, variants={"b": {}, "a": {}}).experiment
 
     order = [(run.variant, run.seed, run.values["delay_s"]) for run in Plan(experiment).first()]
@@ -73,7 +74,7 @@ def test_results_in_any_order_lead_to_the_same_runs(seed: int) -> None:
     assert len(shuffled) == len(ordered)
 
 
-def test_one_seed_that_fails_is_enough_and_each_cell_has_its_own_boundary() -> None:
+def test_one_failing_seed_is_enough_to_break_a_cell() -> None:
     plan = Plan(bisected())
     done = work(plan, lambda _: None)
     first, second = (found.boundaries["safe"] for found in ExperimentSummary.of(plan).boundaries)

@@ -1,21 +1,20 @@
-"""From results to files: records that are gone on with, tables, summaries, logs of single runs."""
+"""From results to files: resumption, tables, summaries, logs of single runs."""
 
-import json
 from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
 import pytest
-from passafe_services.tools.experiment.errors import ResultsFileError
 from passafe_services.tools.experiment.kept_logs import chosen, write_log
 from passafe_services.tools.experiment.load import Study
 from passafe_services.tools.experiment.plan import Plan
-from passafe_services.tools.experiment.results_file import ResultsFile
+from passafe_services.tools.experiment.run_result import experiment_results
 from passafe_services.tools.experiment.runner import StudyRunner
 from passafe_services.tools.experiment.summary import ExperimentSummary
 from passafe_services.tools.experiment.tables import boundaries_table, cells_table, runs_table, write_tables
 from passafe_services.tools.feasibility.share import Share
 from passafe_services.tools.review.run_log import RunLog
+from passafe_services.tools.runs.errors import ResultsFileError
 from pyarrow import csv, parquet
 from studies import DELAY, study
 
@@ -30,10 +29,10 @@ def swept(**fields: object) -> Study:
 
 
 def done(one: Study) -> Plan:
-    plan, bench = Plan(one.experiment), StudyRunner(one)
+    plan, runner = Plan(one.experiment), StudyRunner(one)
     waiting = list(plan.first())
     while waiting:
-        waiting += plan.after(bench.result(waiting.pop(0)))
+        waiting += plan.after(runner.result(waiting.pop(0)))
     return plan
 
 
@@ -43,50 +42,33 @@ def finished() -> tuple[Study, Plan]:
     return one, done(one)
 
 
-def test_an_interrupted_sweep_goes_on_where_it_was(finished: tuple[Study, Plan], tmp_path: Path) -> None:
-    one, plan = finished
-    path, all_results = tmp_path / "r.jsonl", list(plan.results.values())
-    assert len(list(ResultsFile(path, one).add(all_results[:3]))) == 3
-    with path.open("a", encoding="utf-8") as file:
-        file.write('{"run": {"cell": 0, "var')  # killed while it wrote
-
-    again = ResultsFile(path, one)
-    assert list(again.results.values()) == all_results[:3]
-    list(again.add(all_results[3:]))
-    assert ResultsFile(path, one).results == plan.results
-
-
-def test_more_seeds_may_be_asked_for_and_other_words_used(finished: tuple[Study, Plan], tmp_path: Path) -> None:
+def test_more_seeds_and_another_title_resume_the_same_results(finished: tuple[Study, Plan], tmp_path: Path) -> None:
     one, plan = finished
     path = tmp_path / "r.jsonl"
-    list(ResultsFile(path, one).add(plan.results.values()))
+    list(experiment_results(path, one).add([list(plan.results.values())]))
     more = swept(seeds={"count": 5}, title="In other words")
 
-    assert len(list(Plan(more.experiment, ResultsFile(path, more).results).first())) == 4 * 5 - 4 * 2
+    again = experiment_results(path, more)
+
+    assert again.results == plan.results
+    assert len(list(Plan(more.experiment, again.results).first())) == 4 * 5 - 4 * 2
 
 
 @pytest.mark.parametrize("other", [{"tracking": True}, {"axes": []}, {"start": "random"}, {"variants": {"both": {}}}])
-def test_another_experiment_s_results_are_not_mixed_in(other: dict[str, Any], tmp_path: Path) -> None:
-    ResultsFile(tmp_path / "r.jsonl", swept())
+def test_results_of_another_experiment_are_refused(other: dict[str, Any], tmp_path: Path) -> None:
+    experiment_results(tmp_path / "r.jsonl", swept())
 
-    with pytest.raises(ResultsFileError, match="another experiment, scenario or version"):
-        ResultsFile(tmp_path / "r.jsonl", swept(**other))
+    with pytest.raises(ResultsFileError, match="results of another experiment or version"):
+        experiment_results(tmp_path / "r.jsonl", swept(**other))
 
 
-def test_a_changed_scenario_or_version_and_other_files_are_told(tmp_path: Path) -> None:
-    path, one = tmp_path / "r.jsonl", swept()
-    ResultsFile(path, one)
+def test_results_of_a_changed_scenario_are_refused(tmp_path: Path) -> None:
+    one = swept()
+    experiment_results(tmp_path / "r.jsonl", one)
     changed = one.model_copy(update={"scenario": one.scenario | {"rate_hz": 500.0}})
-    with pytest.raises(ResultsFileError, match="another experiment, scenario or version"):
-        ResultsFile(path, changed)
-    heading = json.loads(path.read_text(encoding="utf-8"))
-    heading["versions"]["numpy"] = "0.1"
-    path.write_text(json.dumps(heading) + "\n", encoding="utf-8")
-    with pytest.raises(ResultsFileError, match="version"):
-        ResultsFile(path, one)
-    path.write_text("nonsense\n", encoding="utf-8")
-    with pytest.raises(ResultsFileError, match="no results"):
-        ResultsFile(path, one)
+
+    with pytest.raises(ResultsFileError, match="results of another experiment or version"):
+        experiment_results(tmp_path / "r.jsonl", changed)
 
 
 def test_one_row_a_run_the_same_as_csv_and_as_parquet(finished: tuple[Study, Plan], tmp_path: Path) -> None:
@@ -100,14 +82,14 @@ def test_one_row_a_run_the_same_as_csv_and_as_parquet(finished: tuple[Study, Pla
     assert columns["delay_s"].to_pylist() == [0.0, 0.0, 0.01, 0.01] * 2
     assert columns["seed"].to_pylist() == [0, 1] * 4
     assert text["h_min"].to_pylist() == columns["h_min"].to_pylist()
-    by_key = {(r.run.variant, r.run.values["delay_s"], r.run.seed): r.figures for r in plan.results.values()}
+    by_key = {(r.run.variant, r.run.values["delay_s"], r.run.seed): r.metrics for r in plan.results.values()}
     for row in columns.to_pylist():
-        figures = by_key[row["variant"], row["delay_s"], row["seed"]]
-        assert figures is not None
-        assert row["h_min"] == figures.h_min
-        assert row["final_x0"] == (figures.final_x or ())[0]
-        assert row["ticks_PASSED"] == figures.status_counts.get("PASSED", 0)
-        assert row["holds_safe"] == figures.properties["safe"]
+        metrics = by_key[row["variant"], row["delay_s"], row["seed"]]
+        assert metrics is not None
+        assert row["h_min"] == metrics.h_min
+        assert row["final_x0"] == (metrics.final_x or ())[0]
+        assert row["ticks_PASSED"] == metrics.status_counts.get("PASSED", 0)
+        assert row["holds_safe"] == metrics.properties["safe"]
         assert row["keeps_safe"] == (row["h_min"] >= 0)
         assert row["error"] == ""
 
@@ -133,13 +115,13 @@ def test_cells_have_spread_share_and_its_interval(finished: tuple[Study, Plan]) 
     assert rows[2]["breaks_safe_high"] == pytest.approx(1.959964**2 / (2 + 1.959964**2), rel=1e-6)
 
 
-def test_runs_that_could_not_be_run_break_everything_and_are_counted() -> None:
+def test_runs_that_end_with_an_error_break_every_criterion() -> None:
     plan = done(swept(axes=[{"key": "plant.parameters.sigma", "values": [1.0, -1.0]}], seeds={"count": 1}))
     summary = ExperimentSummary.of(plan)
 
     assert (summary.runs, summary.errors) == (4, 2)
     broken = summary.cells[1]
-    assert (broken.errors, broken.figures["h_min"]) == (1, None)
+    assert (broken.errors, broken.metrics["h_min"]) == (1, None)
     assert broken.breaking["safe"] == broken.breaking["verdict"] == Share.counted(1, 1)
     assert "sigma" in runs_table(plan).to_pylist()[1]["error"]
 
@@ -160,7 +142,7 @@ def test_values_of_every_kind_are_columns() -> None:
 def test_boundaries_are_a_row_for_each_cell_and_criterion() -> None:
     # The closer to the disk an unprotected robot begins, the deeper it gets.
     axis = {"name": "x", "kind": "bisect", "key": "plant.x0.0", "low": 1.0, "high": 2.0, "tolerance": 0.1}
-    criteria = {"deep": {"figure": "h_min", "at_most": -0.3}, "solvent": {"figure": "tank_min_j", "at_least": 0.0}}
+    criteria = {"deep": {"metric": "h_min", "at_most": -0.3}, "solvent": {"metric": "tank_min_j", "at_least": 0.0}}
     summary = ExperimentSummary.of(
         done(swept(axes=[axis], variants={"off": {"filter.mode": "off"}}, criteria=criteria))
     )
@@ -172,15 +154,13 @@ def test_boundaries_are_a_row_for_each_cell_and_criterion() -> None:
     assert [cell.probe for cell in summary.cells] == sorted(cell.probe or 0 for cell in summary.cells)
 
 
-def test_the_worst_run_of_each_cell_is_written_down_and_is_the_same_run(
-    finished: tuple[Study, Plan], tmp_path: Path
-) -> None:
+def test_the_kept_log_of_the_worst_run_is_the_same_run(finished: tuple[Study, Plan], tmp_path: Path) -> None:
     one, plan = finished
     worst = chosen(plan, "worst", 20)
 
     assert [result.run.cell for result in worst[:2]] in ([0, 1], [1, 0])  # unprotected: the worst of all
     assert sorted(result.run.cell for result in worst) == [0, 1, 2, 3]
-    kept = write_log(one, worst[0], tmp_path)
+    kept = write_log(StudyRunner(one), worst[0], tmp_path)
     assert kept.differing == ()
     assert RunLog.read(kept.path).identity.scenario.filter.mode == "off"
 
@@ -188,17 +168,17 @@ def test_the_worst_run_of_each_cell_is_written_down_and_is_the_same_run(
 def test_a_log_of_another_run_is_found_out(finished: tuple[Study, Plan], tmp_path: Path) -> None:
     one, plan = finished
     [first, *_] = chosen(plan, "worst", 1)
-    assert first.figures is not None
-    doctored = first.model_copy(update={"figures": first.figures.model_copy(update={"h_min": 0.5, "ticks": 1})})
+    assert first.metrics is not None
+    doctored = first.model_copy(update={"metrics": first.metrics.model_copy(update={"h_min": 0.5, "ticks": 1})})
 
-    assert write_log(one, doctored, tmp_path).differing == ("h_min", "ticks")
+    assert write_log(StudyRunner(one), doctored, tmp_path).differing == ("h_min", "ticks")
 
 
-def test_of_failed_runs_no_more_than_asked_for_are_kept_the_worst_first(finished: tuple[Study, Plan]) -> None:
+def test_the_worst_of_failed_runs_are_kept(finished: tuple[Study, Plan]) -> None:
     _, plan = finished
     failed = chosen(plan, "failed", 20)
 
     assert [result.run.variant for result in failed] == ["off"] * 4
     assert chosen(plan, "failed", 2) == failed[:2]
-    assert [r.figures.h_min for r in failed if r.figures] == sorted(r.figures.h_min or 0 for r in failed if r.figures)
+    assert [r.metrics.h_min for r in failed if r.metrics] == sorted(r.metrics.h_min or 0 for r in failed if r.metrics)
     assert chosen(plan, "none", 20) == []

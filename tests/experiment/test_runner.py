@@ -1,4 +1,4 @@
-"""Single runs: the figures are the review's, and depend on nothing but what was asked for."""
+"""Single runs: the metrics are the review's, and depend on nothing but what was asked for."""
 
 from itertools import pairwise
 from pathlib import Path
@@ -12,12 +12,13 @@ from passafe_services.recorder.lockstep_log import LockstepLog
 from passafe_services.scenarios.info import versions
 from passafe_services.scenarios.load import load_scenario
 from passafe_services.simulation import lockstep_loop
+from passafe_services.tools.experiment.cells import cells_of, run_of
 from passafe_services.tools.experiment.kept_logs import REVIEWED
 from passafe_services.tools.experiment.load import Study
 from passafe_services.tools.experiment.metrics import NUMERIC, Metrics
+from passafe_services.tools.experiment.run_result import RunResult
 from passafe_services.tools.experiment.run_trace import RunTrace
 from passafe_services.tools.experiment.runner import StudyRunner
-from passafe_services.tools.experiment.runs import Result, cells_of, run_of
 from passafe_services.tools.review.core_evaluator import CoreEvaluator
 from passafe_services.tools.review.run_log import RunLog
 from passafe_services.tools.review.verdict import Verdict, trajectory_of
@@ -29,63 +30,65 @@ BAD_LINKS = {
 }
 
 
-def results(swept: Study, bench: StudyRunner | None = None) -> list[Result]:
-    bench = bench or StudyRunner(swept)
+def results(swept: Study, runner: StudyRunner | None = None) -> list[RunResult]:
+    runner = runner or StudyRunner(swept)
     cells = cells_of(swept.experiment)
-    return [bench.result(run_of(swept.experiment, cell, seed)) for cell in cells for seed in swept.experiment.seeds.all]
+    return [
+        runner.result(run_of(swept.experiment, cell, seed)) for cell in cells for seed in swept.experiment.seeds.all
+    ]
 
 
-def figures(swept: Study) -> Metrics:
+def metrics(swept: Study) -> Metrics:
     [result] = results(swept)
-    assert result.figures is not None, result.error
-    return result.figures
+    assert result.metrics is not None, result.error
+    return result.metrics
 
 
 @pytest.mark.parametrize("scenario", [NAME, "walls-and-disks", "moving-disk", "lagged-point", "human-steers"])
 @pytest.mark.parametrize("mode", ["off", "both"])
-def test_every_figure_is_what_a_review_of_the_same_run_s_log_says(scenario: str, mode: str, tmp_path: Path) -> None:
+def test_every_metric_is_that_of_a_review_of_the_run_s_log(scenario: str, mode: str, tmp_path: Path) -> None:
     swept = study(scenario, 0.3, overrides=BAD_LINKS | {"filter.mode": mode})
     [result] = results(swept)
-    bench, path = StudyRunner(swept), tmp_path / "run.mcap"
-    effective = bench.scenario_of(result.run)
+    runner, path = StudyRunner(swept), tmp_path / "run.mcap"
+    effective = runner.scenario_of(result.run)
     metadata = run_metadata(scenario_json=effective.model_dump_json(), versions=versions(), driver="lockstep")
     with LogWriter(path, metadata) as log:
-        bench.play(effective, LockstepLog(log))
+        runner.trace(effective, LockstepLog(log))
     verdict = Verdict.of(RunLog.read(path), CoreEvaluator(effective))
 
-    assert result.figures is not None
-    assert {name: getattr(result.figures, name) for name in REVIEWED} == {
+    assert result.metrics is not None
+    assert {name: getattr(result.metrics, name) for name in REVIEWED} == {
         name: getattr(verdict, name) for name in REVIEWED
     }
     held = {name: entry.holds for name, entry in verdict.properties.items()}
     assert held.pop("links-reconciled")  # of a log, not of a run
-    assert result.figures.properties == held
-    assert result.figures.held_s + result.figures.fail_safe_s == pytest.approx(verdict.without_input_s)
+    assert result.metrics.properties == held
+    assert result.metrics.held_s + result.metrics.fail_safe_s == pytest.approx(verdict.without_input_s)
     assert held["complete"]
-    assert (result.figures.steering is not None) == (scenario == "human-steers")
+    assert (result.metrics.steering is not None) == (scenario == "human-steers")
 
 
 def test_a_run_does_not_depend_on_those_before_it() -> None:
     swept = study(overrides=BAD_LINKS, axes=[DELAY | {"keys": ["plant.playout_s"]}], seeds={"count": 3}, tracking=True)
-    bench = StudyRunner(swept)
-    first = results(swept, bench)
+    runner = StudyRunner(swept)
+    first = results(swept, runner)
 
-    again = results(swept, bench)[::-1] + results(swept)[::-1]
+    again = results(swept, runner)[::-1] + results(swept)[::-1]
 
-    assert [one.figures for one in again] == [one.figures for one in first[::-1]] * 2
-    assert len({str(one.figures) for one in first}) == 6
+    assert [one.metrics for one in again] == [one.metrics for one in first[::-1]] * 2
+    assert len({str(one.metrics) for one in first}) == 6
 
 
-def test_the_run_lasts_as_long_in_plant_time_however_late_it_begins() -> None:
-    late = figures(study(overrides=dict.fromkeys(BOTH_WAYS, 0.3)))
+def test_a_run_lasts_as_long_however_late_it_begins() -> None:
+    late = metrics(study(overrides=dict.fromkeys(BOTH_WAYS, 0.3)))
 
     assert late.duration_s == pytest.approx(0.1)
     assert late.properties["complete"] is True
     assert late.verdict == "holds"
 
 
-def test_a_robot_that_no_input_reaches_never_starts_and_proves_nothing() -> None:
-    lost = figures(study(overrides={"links.filter-to-plant.loss": 1.0}))
+def test_a_robot_that_no_input_reaches_proves_nothing() -> None:
+    lost = metrics(study(overrides={"links.filter-to-plant.loss": 1.0}))
 
     assert (lost.duration_s, lost.h_min, lost.final_x, lost.verdict) == (0.0, None, None, "unproven")
     assert lost.properties["complete"] is False
@@ -93,18 +96,18 @@ def test_a_robot_that_no_input_reaches_never_starts_and_proves_nothing() -> None
 
 def test_time_in_hold_and_fail_safe_is_what_the_plant_was_in() -> None:
     swept = study(duration_s=0.5, overrides={"links.filter-to-plant.loss": 0.9, "plant.hold_s": 0.005})
-    bench = StudyRunner(swept)
-    scenario = bench.scenario_of(run_of(swept.experiment, cells_of(swept.experiment)[0], 0))
+    runner = StudyRunner(swept)
+    scenario = runner.scenario_of(run_of(swept.experiment, cells_of(swept.experiment)[0], 0))
     phases: list[PlantPhase] = []
 
     def observe(_topic: object, _header: object, body: object) -> None:
         if isinstance(body, PlantState):
             phases.append(body.phase)
 
-    tape = bench.play(scenario, observe)
-    found = bench.figures(scenario)
+    trace = runner.trace(scenario, observe)
+    found = runner.metrics(scenario)
 
-    assert tape.plant_ns == 500_000_000
+    assert trace.plant_ns == 500_000_000
     moving = [phase for phase in phases if phase is not PlantPhase.WAITING][:-1]
     assert found.fail_safe_s == pytest.approx(moving.count(PlantPhase.FAIL_SAFE) * 1e-3)
     assert found.held_s == pytest.approx(moving.count(PlantPhase.HOLDING) * 1e-3)
@@ -114,25 +117,25 @@ def test_time_in_hold_and_fail_safe_is_what_the_plant_was_in() -> None:
     assert found.unserved_share == pytest.approx((found.held_s + found.fail_safe_s) / found.duration_s)
 
 
-def test_the_tape_holds_what_a_log_holds(tmp_path: Path) -> None:
+def test_the_trace_holds_what_a_log_holds(tmp_path: Path) -> None:
     scenario = load_scenario(NAME, BAD_LINKS | {"duration_s": 0.1})
-    bench, path = StudyRunner(study()), tmp_path / "run.mcap"
+    runner, path = StudyRunner(study()), tmp_path / "run.mcap"
     metadata = run_metadata(scenario_json=scenario.model_dump_json(), versions=versions(), driver="lockstep")
     with LogWriter(path, metadata) as log:
-        tape = bench.play(scenario, LockstepLog(log))
-    logged, taped = trajectory_of(RunLog.read(path)), tape.trajectory()
+        trace = runner.trace(scenario, LockstepLog(log))
+    logged, traced = trajectory_of(RunLog.read(path)), trace.trajectory()
 
     for name in ("t_s", "x", "u", "energy_in_j", "energy_stored_j", "session", "period_s"):
-        assert np.array_equal(getattr(logged, name), getattr(taped, name)), name
+        assert np.array_equal(getattr(logged, name), getattr(traced, name)), name
 
 
-def test_a_tape_costs_no_telemetry_and_changes_nothing() -> None:
+def test_a_trace_costs_no_telemetry_and_changes_nothing() -> None:
     scenario = load_scenario(NAME, {"duration_s": 0.05})
-    bench = StudyRunner(study())
-    kit = bench._kit(scenario)
-    tape = RunTrace(kit.compiled.filter.core)
+    runner = StudyRunner(study())
+    compiled = runner._compiled_for(scenario)
+    trace = RunTrace(compiled.compiled.filter.core)
     made: list[object] = []
-    loop = lockstep_loop(scenario, taps=tape.taps, compiled=kit.compiled)
+    loop = lockstep_loop(scenario, taps=trace.taps, compiled=compiled.compiled)
 
     def refuse(_record: object) -> object:
         made.append(_record)
@@ -144,24 +147,24 @@ def test_a_tape_costs_no_telemetry_and_changes_nothing() -> None:
     loop.run(60)
 
     assert not made
-    assert tape.answers().status.size == 60
+    assert trace.answers().status.size == 60
 
 
-def test_tracking_is_the_distance_from_the_same_run_without_links() -> None:
+def test_tracking_is_the_distance_from_the_run_without_links() -> None:
     clean, late = results(study(duration_s=0.5, axes=[DELAY | {"values": [0.0, 0.1]}], tracking=True))
 
-    assert clean.figures is not None
-    assert late.figures is not None
-    assert clean.figures.tracking_max == clean.figures.final_error == 0.0
-    assert 0.0 < (late.figures.tracking_rms or 0) < (late.figures.tracking_max or 0) < 0.5
+    assert clean.metrics is not None
+    assert late.metrics is not None
+    assert clean.metrics.tracking_max == clean.metrics.final_error == 0.0
+    assert 0.0 < (late.metrics.tracking_rms or 0) < (late.metrics.tracking_max or 0) < 0.5
 
 
-def test_random_starts_are_safe_seeded_and_the_same_in_every_mode() -> None:
+def test_random_starts_are_safe_and_the_same_in_every_mode() -> None:
     modes = {mode: {"filter.mode": mode} for mode in ("off", "safe", "both")}
     swept = study(start="random", variants=modes, seeds={"count": 2}, axes=[DELAY])
-    bench, cells = StudyRunner(swept), cells_of(swept.experiment)
+    runner, cells = StudyRunner(swept), cells_of(swept.experiment)
     starts = {
-        seed: {bench.scenario_of(run_of(swept.experiment, cell, seed)).plant.x0 for cell in cells} for seed in (0, 1)
+        seed: {runner.scenario_of(run_of(swept.experiment, cell, seed)).plant.x0 for cell in cells} for seed in (0, 1)
     }
 
     assert len(starts[0]) == len(starts[1]) == 1
@@ -170,7 +173,7 @@ def test_random_starts_are_safe_seeded_and_the_same_in_every_mode() -> None:
         assert np.hypot(*x0[:2]) > 1.0
 
 
-def test_every_seed_has_links_of_its_own_unless_the_file_names_one() -> None:
+def test_every_seed_has_links_of_its_own_unless_one_is_named() -> None:
     link = "links.plant-to-filter"
     swept, fixed = study(overrides={f"{link}.loss": 0.5}), study(overrides={f"{link}.loss": 0.5, f"{link}.seed": 77})
 
@@ -193,7 +196,7 @@ def test_every_seed_has_links_of_its_own_unless_the_file_names_one() -> None:
 def test_a_run_that_cannot_be_run_says_why(overrides: dict[str, Any], told: str) -> None:
     [result] = results(study(start="random", overrides=overrides))
 
-    assert result.figures is None
+    assert result.metrics is None
     assert told in result.error
     assert "\n" not in result.error
 
@@ -201,13 +204,13 @@ def test_a_run_that_cannot_be_run_says_why(overrides: dict[str, Any], told: str)
 def test_a_result_survives_its_line_in_a_file() -> None:
     [result] = results(study(overrides={"filter.barriers": []}))
 
-    assert result.figures is not None
-    assert result.figures.h_min is None
-    assert Result.model_validate_json(result.model_dump_json()) == result
+    assert result.metrics is not None
+    assert result.metrics.h_min is None
+    assert RunResult.model_validate_json(result.model_dump_json()) == result
 
 
-def test_scores_of_steering_are_figures_like_others() -> None:
-    steered, scripted = figures(study("human-steers", 3.0)), figures(study())
+def test_scores_of_steering_are_metrics_like_others() -> None:
+    steered, scripted = metrics(study("human-steers", 3.0)), metrics(study())
 
     assert steered.steering is not None
     assert steered.number("steering_overshoot") == steered.steering.overshoot

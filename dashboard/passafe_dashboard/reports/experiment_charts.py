@@ -6,8 +6,9 @@ from typing import Final
 
 from passafe_services.tools.experiment.axes import BisectAxis, GridAxis, RandomAxis
 from passafe_services.tools.experiment.bisection import Boundary
+from passafe_services.tools.experiment.cells import displayed
 from passafe_services.tools.experiment.plan import Plan
-from passafe_services.tools.experiment.runs import Result, shown
+from passafe_services.tools.experiment.run_result import RunResult
 from passafe_services.tools.experiment.schema import Criterion, Experiment
 from passafe_services.tools.experiment.summary import CellBoundaries, CellSummary, ExperimentSummary, in_order
 from pydantic import JsonValue
@@ -58,8 +59,8 @@ def _spread_charts(experiment: Experiment, summary: ExperimentSummary) -> list[L
     return [
         LineChart(
             x_label=f"{over.name}{where}",
-            y_label=criterion.figure,
-            curves=tuple(_spread_curve(found, criterion.figure, over, experiment) for found in _by_variant(cells)),
+            y_label=criterion.metric,
+            curves=tuple(_spread_curve(found, criterion.metric, over, experiment) for found in _by_variant(cells)),
             limit=_limit(criterion),
             limit_label=f"limit of {name}",
         )
@@ -82,9 +83,9 @@ def _scatter_charts(plan: Plan) -> Iterator[LineChart]:
                 yield _scatter_chart(axis, name, criterion, curves)
 
 
-def _points(runs: Sequence[Result], axis: RandomAxis, criterion: Criterion) -> list[tuple[float, float]]:
+def _points(runs: Sequence[RunResult], axis: RandomAxis, criterion: Criterion) -> list[tuple[float, float]]:
     found = [
-        (one.run.values[axis.name], None if one.figures is None else one.figures.number(criterion.figure))
+        (one.run.values[axis.name], None if one.metrics is None else one.metrics.number(criterion.metric))
         for one in runs
     ]
     known = [(_number(x), y) for x, y in found if _is_number(x) and y is not None and isfinite(y)]
@@ -94,7 +95,7 @@ def _points(runs: Sequence[Result], axis: RandomAxis, criterion: Criterion) -> l
 def _scatter_chart(axis: RandomAxis, name: str, criterion: Criterion, curves: Sequence[Curve]) -> LineChart:
     return LineChart(
         x_label=axis.name,
-        y_label=criterion.figure,
+        y_label=criterion.metric,
         curves=tuple(curves),
         limit=_limit(criterion),
         limit_label=f"limit of {name}",
@@ -114,7 +115,7 @@ def _panels(
     """Return the cells by the values of the other axes, in words."""
     found: dict[str, list[CellSummary | CellBoundaries]] = {}
     for one in cells:
-        others = [f"{name} = {shown(value)}" for name, value in one.cell.values.items() if name != over.name]
+        others = [f"{name} = {displayed(value)}" for name, value in one.cell.values.items() if name != over.name]
         found.setdefault(f", where {', '.join(others)}" if others else "", []).append(one)
     return found
 
@@ -154,11 +155,11 @@ def _height(boundary: Boundary, axis: BisectAxis) -> float:
 
 
 def _spread_curve(
-    cells: Sequence[CellSummary | CellBoundaries], figure: str, over: GridAxis, experiment: Experiment
+    cells: Sequence[CellSummary | CellBoundaries], metric: str, over: GridAxis, experiment: Experiment
 ) -> Curve:
     points = []
     for one in cells:
-        spread = one.figures[figure] if isinstance(one, CellSummary) else None
+        spread = one.metrics[metric] if isinstance(one, CellSummary) else None
         if spread is not None and all(map(isfinite, (spread.min, spread.median, spread.max))):
             points.append((_number(one.cell.values[over.name]), spread))
     points.sort(key=lambda point: point[0])

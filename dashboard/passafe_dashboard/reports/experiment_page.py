@@ -5,9 +5,9 @@ from collections.abc import Sequence
 from typing import Final, NamedTuple
 
 from passafe_services.scenarios.info import versions
+from passafe_services.tools.experiment.cells import Cell, displayed
 from passafe_services.tools.experiment.live_agreement import Agreement
 from passafe_services.tools.experiment.plan import Plan
-from passafe_services.tools.experiment.runs import Cell, shown
 from passafe_services.tools.experiment.summary import CellSummary, ExperimentSummary
 from passafe_services.tools.feasibility.share import Share
 
@@ -52,7 +52,7 @@ def experiment_page(
         experiment=experiment,
         summary=summary,
         criteria={name: str(criterion) for name, criterion in experiment.criteria.items()},
-        figures=list(dict.fromkeys(criterion.figure for criterion in experiment.criteria.values())),
+        figures=list(dict.fromkeys(criterion.metric for criterion in experiment.criteria.values())),
         cells=summary.cells[:MOST_ROWS],
         left_out=max(0, len(summary.cells) - MOST_ROWS),
         cell_values=_values,
@@ -76,13 +76,13 @@ def _image_of(chart: LineChart) -> ChartImage:
 
 
 def _values(cell: Cell) -> list[str]:
-    return [cell.variant, *(shown(value) for value in cell.values.values())]
+    return [cell.variant, *(displayed(value) for value in cell.values.values())]
 
 
 def _percent(share: Share) -> str:
     return f"{100 * share.kept / share.of:.3g} % ({100 * share.low:.3g} to {100 * share.high:.3g})"
 
 
-def _spread(cell: CellSummary, figure: str) -> str:
-    spread = cell.figures[figure]
+def _spread(cell: CellSummary, metric: str) -> str:
+    spread = cell.metrics[metric]
     return "unknown" if spread is None else f"{number(spread.min)} / {number(spread.median)} / {number(spread.max)}"

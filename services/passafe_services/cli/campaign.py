@@ -10,12 +10,16 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from passafe_services.cli.options import WorkersOption, writable_folder
+from passafe_services.cli.sweep import exit_if_interrupted, workers_for
 from passafe_services.loop.realtime import available_processors
+from passafe_services.loop.stop import Stop, stop_requests
 from passafe_services.scenarios.design import design_of, robot_of
 from passafe_services.scenarios.load import load_scenario
-from passafe_services.tools.campaign.results_file import CampaignHeading, CampaignResultsFile
+from passafe_services.tools.campaign.campaign_job import CampaignJob, campaign_results
+from passafe_services.tools.campaign.rollout_result import RolloutResult
 from passafe_services.tools.campaign.summary import CampaignSummary
-from passafe_services.tools.campaign.workers import outcomes
+from passafe_services.tools.runs.results_file import ResultsFile
+from passafe_services.tools.runs.sweep import FixedPlan, sweep
 
 
 def campaign(
@@ -33,7 +37,7 @@ def campaign(
         float, typer.Option("--duration", "-d", metavar="SECONDS", min=0.01, help="Plant time of each rollout.")
     ] = 10.0,
     workers: WorkersOption = 0,
-    singly: Annotated[
+    scalar: Annotated[
         bool, typer.Option("--scalar", help="Decide every tick by the scalar filter instead of in batches; slow.")
     ] = False,
 ) -> None:
@@ -53,27 +57,42 @@ def campaign(
         design_of(scenario, robot_of(scenario))  # refused before any worker starts
     folder = writable_folder(out)
     seeds = range(first_seed, first_seed + rollouts)
+    console = Console(highlight=False, soft_wrap=True)
     summaries = []
     lowest_h = TextColumn("h ≥ {task.fields[h]}")
     bar = Progress(TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), lowest_h, TimeRemainingColumn())
-    with bar:
+    with stop_requests(lifeline=False) as stop, bar:
         for scenario in loaded:
-            records = CampaignResultsFile(
-                folder / f"{scenario.name}.jsonl", CampaignHeading(scenario=scenario, duration_s=duration)
-            )
-            known = [records.outcomes[seed] for seed in seeds if seed in records.outcomes]
-            lowest = min((outcome.h_min for outcome in known), default=float("inf"))
-            task = bar.add_task(scenario.name, total=rollouts, completed=len(known), h=f"{lowest:.3g}")
-            missing = [seed for seed in seeds if seed not in records.outcomes]
-            processes = workers or available_processors()
-            for batch in records.add(outcomes(scenario, missing, duration, processes, singly=singly)):
-                lowest = min(lowest, *(outcome.h_min for outcome in batch))
-                bar.update(task, advance=len(batch), h=f"{lowest:.3g}")
-            summary = CampaignSummary.of(scenario.name, [records.outcomes[seed] for seed in seeds])
+            file = campaign_results(folder / f"{scenario.name}.jsonl", scenario, duration)
+            _run(CampaignJob.of(scenario, duration, scalar=scalar), file, seeds, workers, bar, stop)
+            exit_if_interrupted(stop, len(file.results), folder, console)
+            summary = CampaignSummary.of(scenario.name, [file.results[seed] for seed in seeds])
             (folder / f"{scenario.name}.summary.json").write_text(summary.model_dump_json(indent=2), encoding="utf-8")
             summaries.append(summary)
     show(summaries)
     raise typer.Exit(0 if all(summary.holds for summary in summaries) else 1)
+
+
+def _run(
+    job: CampaignJob,
+    file: ResultsFile[int, RolloutResult],
+    seeds: range,
+    workers: int,
+    bar: Progress,
+    stop: Stop,
+) -> None:
+    """Run the rollouts that are missing, write them down, and show how far it is."""
+    known = [file.results[seed].h_min for seed in seeds if seed in file.results]
+    missing = [seed for seed in seeds if seed not in file.results]
+    lowest = min(known, default=float("inf"))
+    task = bar.add_task(file.path.stem, total=len(seeds), completed=len(known), h=f"{lowest:.3g}")
+    if not missing:
+        return
+    with workers_for(job, min(workers or available_processors(), len(missing))) as pool:
+        size = job.batch_size(len(missing), pool.count)
+        for batch in file.add(sweep(FixedPlan(missing), pool, lambda _: size, stop.is_requested)):
+            lowest = min(lowest, *(result.h_min for result in batch))
+            bar.update(task, advance=len(batch), h=f"{lowest:.3g}")
 
 
 def show(summaries: list[CampaignSummary]) -> None:
@@ -81,13 +100,13 @@ def show(summaries: list[CampaignSummary]) -> None:
     table = Table("", *(summary.scenario for summary in summaries), title="Worst of all rollouts", title_justify="left")
     rows: dict[str, Callable[[CampaignSummary], str]] = {
         "rollouts": lambda of: f"{of.rollouts}",
-        "lowest h": lambda of: f"{of.h_min.value:.3g} (seed {of.h_min.seed})",
-        "lowest tank, J": lambda of: f"{of.tank_min_j.value:.3g} (seed {of.tank_min_j.seed})",
-        "beyond limits": lambda of: f"{max(of.overreach.value, 0.0):.3g}",
+        "lowest h": lambda of: f"{of.worst['h_min'].value:.3g} (seed {of.worst['h_min'].seed})",
+        "lowest tank, J": lambda of: f"{of.worst['tank_min_j'].value:.3g} (seed {of.worst['tank_min_j'].seed})",
+        "beyond limits": lambda of: f"{max(of.worst['overreach'].value, 0.0):.3g}",
         "ticks": lambda of: f"{of.ticks}",
         **{name: _count_of(name) for name in ("RELAXED", "INFEASIBLE", "UNCERTIFIED")},
         "without margin": lambda of: f"{of.between_samples_unproven}",
-        "decided one by one": lambda of: f"{of.decided_singly / of.ticks:.2%}",
+        "decided one by one": lambda of: f"{of.decided_scalar / of.ticks:.2%}",
         "holds": lambda of: "yes" if of.holds else "[bold red]NO[/]",
     }
     for name, figure in rows.items():

@@ -1,12 +1,8 @@
 """``passafe experiment``: sweep a scenario in virtual time."""
 
-from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
-from contextlib import contextmanager
 from functools import partial
-from multiprocessing import get_context
 from pathlib import Path
-from typing import Annotated, Final
+from typing import Annotated
 
 import typer
 from rich.console import Console
@@ -15,19 +11,20 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from passafe_services.cli.experiment_live import live_beside_lockstep, show_agreement
 from passafe_services.cli.experiment_report import show, show_kept, write_report
 from passafe_services.cli.options import WorkersOption, writable_folder
+from passafe_services.cli.sweep import exit_if_interrupted, workers_for
 from passafe_services.loop.realtime import available_processors
 from passafe_services.loop.stop import Stop, stop_requests
+from passafe_services.tools.experiment.cells import Run, RunKey
 from passafe_services.tools.experiment.check import check
-from passafe_services.tools.experiment.kept_logs import Keep, KeptLog, chosen, write_log
+from passafe_services.tools.experiment.kept_logs import Keep, KeptLog, LogJob, chosen
 from passafe_services.tools.experiment.load import Study, load_study
 from passafe_services.tools.experiment.plan import Plan
-from passafe_services.tools.experiment.results_file import ResultsFile
-from passafe_services.tools.experiment.runs import Result
+from passafe_services.tools.experiment.run_result import RunResult, experiment_results
+from passafe_services.tools.experiment.study_job import StudyJob, chunk_size
 from passafe_services.tools.experiment.summary import ExperimentSummary
-from passafe_services.tools.experiment.worker_pool import WorkerPool, dask_cluster, local_processes, results
-
-INTERRUPTED: Final = 130
-"""Exit code after Ctrl-C, as shells have it."""
+from passafe_services.tools.runs.results_file import ResultsFile
+from passafe_services.tools.runs.sweep import FixedPlan, sweep
+from passafe_services.tools.runs.workers import Workers
 
 
 def experiment(
@@ -70,16 +67,15 @@ def experiment(
     study = _study(file, seeds)
     check(study)
     folder = writable_folder(out)
-    records = ResultsFile(folder / "results.jsonl", study)
-    plan = Plan(study.experiment, records.results)
+    file_of_results = experiment_results(folder / "results.jsonl", study)
+    plan = Plan(study.experiment, file_of_results.results)
     console = Console(highlight=False, soft_wrap=True)
     with stop_requests(lifeline=False) as stop:
-        with _crew(workers, scheduler) as crew:
-            _sweep(plan, study, records, crew, stop)
-        if stop.reason is not None:
-            console.print(f"interrupted after {len(plan.results)} runs; the same command resumes in {folder}")
-            raise typer.Exit(INTERRUPTED)
-        kept = _kept(plan, study, keep, keep_most, folder, workers)
+        with workers_for(StudyJob.of(study), workers, scheduler) as pool:
+            _run(plan, file_of_results, pool, stop)
+        exit_if_interrupted(stop, len(plan.results), folder, console)
+        kept = _keep(chosen(plan, keep, keep_most), study, folder, workers, stop)
+        exit_if_interrupted(stop, len(plan.results), folder, console)
     agreement = live_beside_lockstep(plan, study, live, folder / "live", console) if live else []
     summary = ExperimentSummary.of(plan)
     write_report(plan, summary, kept, agreement, folder)
@@ -100,18 +96,7 @@ def _study(file: str, seeds: int | None) -> Study:
     return study.model_copy(update={"experiment": study.experiment.model_copy(update={"seeds": asked})})
 
 
-@contextmanager
-def _crew(workers: int, scheduler: str | None) -> Iterator[WorkerPool]:
-    chosen_crew = local_processes(_processes(workers)) if scheduler is None else dask_cluster(scheduler)
-    with chosen_crew as crew:
-        yield crew
-
-
-def _processes(workers: int) -> int:
-    return workers or available_processors()
-
-
-def _sweep(plan: Plan, study: Study, records: ResultsFile, crew: WorkerPool, stop: Stop) -> None:
+def _run(plan: Plan, results: ResultsFile[RunKey, RunResult], workers: Workers[Run, RunResult], stop: Stop) -> None:
     """Run what is wanted, write it down, and show how far it is."""
     errors = sum(bool(result.error) for result in plan.results.values())
     columns = (
@@ -122,35 +107,35 @@ def _sweep(plan: Plan, study: Study, records: ResultsFile, crew: WorkerPool, sto
         TimeElapsedColumn(),
         TimeRemainingColumn(),
     )
+    chunks = sweep(plan, workers, partial(chunk_size, workers=workers.count), stop.is_requested)
     with Progress(*columns, console=Console(stderr=True), speed_estimate_period=60) as bar:
         known = len(plan.results)
-        task = bar.add_task(study.experiment.name, total=plan.most_runs, completed=known, errors=_told(errors))
-        for result in records.add(results(plan, study, crew, lambda: stop.reason is not None)):
-            errors += bool(result.error)
-            bar.update(task, advance=1, errors=_told(errors))
+        text = plan.experiment.name
+        task = bar.add_task(text, total=plan.most_runs, completed=known, errors=_error_text(errors))
+        for chunk in results.add(chunks):
+            errors += sum(bool(result.error) for result in chunk)
+            bar.update(task, advance=len(chunk), errors=_error_text(errors))
             if plan.experiment.bisected is not None:
                 bar.update(task, total=plan.most_runs)
 
 
-def _told(errors: int) -> str:
+def _error_text(errors: int) -> str:
     return f"[red]{errors} errors[/]" if errors else ""
 
 
-def _kept(plan: Plan, study: Study, keep: Keep, most: int, folder: Path, workers: int) -> list[KeptLog]:
-    """Write the logs that are to be kept, in processes of this machine."""
-    wanted = chosen(plan, keep, most)
+def _keep(wanted: list[RunResult], study: Study, folder: Path, workers: int, stop: Stop) -> list[KeptLog]:
+    """Write the logs that are to be kept, in processes of this machine; return them in the order of ``wanted``."""
     if not wanted:
         return []
-    logs = writable_folder(folder / "logs")
-    kept: list[KeptLog] = []
-    with Progress(*Progress.get_default_columns()[:3], console=Console(stderr=True), transient=True) as bar:
+    kept: dict[RunKey, KeptLog] = {}
+    job = LogJob.of(study, writable_folder(folder / "logs"))
+    processes = min(workers or available_processors(), len(wanted))
+    with (
+        Progress(*Progress.get_default_columns()[:3], console=Console(stderr=True), transient=True) as bar,
+        workers_for(job, processes) as pool,
+    ):
         task = bar.add_task("logs", total=len(wanted))
-        with ProcessPoolExecutor(min(_processes(workers), len(wanted)), get_context("spawn")) as pool:
-            for log in pool.map(partial(_log_of, study, logs), wanted):
-                kept.append(log)
-                bar.advance(task)
-    return kept
-
-
-def _log_of(study: Study, folder: Path, result: Result) -> KeptLog:
-    return write_log(study, result, folder)
+        for logs in sweep(FixedPlan(wanted), pool, lambda _: 1, stop.is_requested):
+            kept |= {log.result.run.key: log for log in logs}
+            bar.advance(task, len(logs))
+    return [kept[result.run.key] for result in wanted if result.run.key in kept]

@@ -13,12 +13,12 @@ from rich.table import Table
 from passafe_services.cli.demo_outcome import DIED
 from passafe_services.loop.router_endpoint import LOOPBACK
 from passafe_services.scenarios.schema import Scenario
+from passafe_services.tools.experiment.cells import Cell, run_of
 from passafe_services.tools.experiment.errors import LiveRunError
 from passafe_services.tools.experiment.live_agreement import Agreement, compare, draws_of, until
 from passafe_services.tools.experiment.load import Study
 from passafe_services.tools.experiment.plan import Plan
 from passafe_services.tools.experiment.runner import StudyRunner
-from passafe_services.tools.experiment.runs import Cell, run_of
 from passafe_services.tools.review.core_evaluator import CoreEvaluator
 from passafe_services.tools.review.run_log import RunLog
 from passafe_services.tools.review.verdict import Verdict
@@ -35,19 +35,19 @@ def live_beside_lockstep(plan: Plan, study: Study, most: int, folder: Path, cons
         study: The same with its scenario.
         most: How many cells, spread evenly over all.
         folder: Where the logs go.
-        console: Told what is going on.
+        console: Where progress is printed.
 
     Raises:
         LiveRunError: A live run left no log.
     """
-    bench, found = StudyRunner(study), []
+    runner, found = StudyRunner(study), []
     for cell in spread(plan.cells, most):
         axis = study.experiment.bisected
         run = run_of(study.experiment, cell, study.experiment.seeds.first, None if axis is None else axis.low)
-        scenario = bench.scenario_of(run)
+        scenario = runner.scenario_of(run)
         console.print(f"live      {cell.describe()}: {scenario.duration_s:g} s as real processes")
         verdict = run_live(scenario, folder / f"cell-{cell.number}")
-        lockstep = [bench.figures(draw, until_its_end=True) for draw in draws_of(scenario)]
+        lockstep = [runner.metrics(draw, until_its_end=True) for draw in draws_of(scenario)]
         found += compare(cell.describe(), verdict, lockstep)
     return found
 
@@ -95,16 +95,16 @@ def run_live(scenario: Scenario, folder: Path) -> Verdict:
 
 
 def show_agreement(found: Sequence[Agreement], console: Console) -> None:
-    """Print which figures disagree, or that none does."""
+    """Print which metrics disagree, or that none does."""
     wrong = [one for one in found if not one.agrees]
-    table = Table("cell", "figure", "live", "lockstep", "outside by", "allowed", title="Live beside lockstep")
+    table = Table("cell", "metric", "live", "lockstep", "outside by", "allowed", title="Live beside lockstep")
     for one in wrong:
         between = _number(one.low) if one.low == one.high else f"{_number(one.low)} to {_number(one.high)}"
         difference, allowed = _number(one.difference), _number(one.tolerance)
-        table.add_row(one.cell, one.figure, _number(one.live), between, difference, allowed)
+        table.add_row(one.cell, one.metric, _number(one.live), between, difference, allowed)
     if wrong:
         console.print(table)
-    console.print(f"agreement {len(found) - len(wrong)} of {len(found)} figures, live beside lockstep")
+    console.print(f"agreement {len(found) - len(wrong)} of {len(found)} metrics, live beside lockstep")
 
 
 def _number(value: float | None) -> str:

@@ -7,10 +7,10 @@ from typing import Final
 from rich.console import Console
 from rich.table import Table
 
+from passafe_services.tools.experiment.cells import displayed
 from passafe_services.tools.experiment.kept_logs import KeptLog
 from passafe_services.tools.experiment.live_agreement import Agreement
 from passafe_services.tools.experiment.plan import Plan
-from passafe_services.tools.experiment.runs import shown
 from passafe_services.tools.experiment.schema import Experiment
 from passafe_services.tools.experiment.summary import CellSummary, ExperimentSummary
 from passafe_services.tools.experiment.tables import (
@@ -49,10 +49,10 @@ def show(summary: ExperimentSummary, experiment: Experiment, console: Console) -
         table = Table("variant", *summary.values, *names, title=title, title_justify="left")
         for found in summary.boundaries[:MOST_ROWS]:
             told = [found.boundaries[name].describe() for name in names]
-            table.add_row(found.cell.variant, *map(shown, found.cell.values.values()), *told)
+            table.add_row(found.cell.variant, *map(displayed, found.cell.values.values()), *told)
         left_out = len(summary.boundaries) - MOST_ROWS
     else:
-        worst = experiment.worst.figure
+        worst = experiment.worst.metric
         columns = "runs", *(f"break {name}" for name in names), "break verdict", f"worst {worst} (seed)"
         table = Table("variant", *summary.values, *columns, title=title, title_justify="left")
         for cell in summary.cells[:MOST_ROWS]:
@@ -76,7 +76,7 @@ def show_kept(kept: Sequence[KeptLog], console: Console) -> None:
 
 def _cells_of(cell: CellSummary, experiment: Experiment) -> list[str]:
     shares = [f"{share.kept} of {share.of}" if share.kept else "none" for share in cell.breaking.values()]
-    spread = cell.figures[experiment.worst.figure]
+    spread = cell.metrics[experiment.worst.metric]
     upside_down = experiment.worst.at_most is not None
     worst = "unknown" if spread is None else f"{spread.max if upside_down else spread.min:.3g} ({cell.worst.seed})"
-    return [cell.cell.variant, *map(shown, cell.cell.values.values()), str(cell.runs), *shares, worst]
+    return [cell.cell.variant, *map(displayed, cell.cell.values.values()), str(cell.runs), *shares, worst]

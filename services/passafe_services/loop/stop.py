@@ -51,6 +51,10 @@ class Stop:
             self.reason = reason
             os.write(self._write_end, b"\0")
 
+    def is_requested(self) -> bool:
+        """Return whether somebody asked to stop."""
+        return self.reason is not None
+
     def wait(self, timeout_s: float | None = None) -> bool:
         """Wait for a stop request, at most ``timeout_s``; return whether there was one."""
         select.select([self._read_end], [], [], timeout_s)

@@ -13,20 +13,20 @@ from passafe.sampled_plant import SampledPlant
 from passafe.workspace import Array
 from passafe_services.scenarios.design import tank_of
 from passafe_services.scenarios.schema import Scenario
-from passafe_services.tools.campaign.adversaries import Crowd
+from passafe_services.tools.campaign.adversaries import AdversaryBatch
 from passafe_services.tools.campaign.lowest_barrier import LowestBarrier
 from passafe_services.tools.campaign.rollout_result import RolloutResult
 
 
 class BatchLoop:
-    """Many loops of one scenario, a lane each. No lane's numbers depend on the others'."""
+    """A batch of loops of one scenario. No element's numbers depend on the others'."""
 
     def __init__(
         self,
         scenario: Scenario,
         core: SafetyPassivityFilter,
         plant: SampledPlant,
-        crowds: Sequence[tuple[slice, Crowd]],
+        adversaries: Sequence[tuple[slice, AdversaryBatch]],
         x: Array,
     ) -> None:
         """Put every plant where it starts.
@@ -35,12 +35,12 @@ class BatchLoop:
             scenario: What is run.
             core: Its filter.
             plant: Its plant.
-            crowds: Who asks for the inputs of which lanes.
-            x: Starts, shape (n, lanes).
+            adversaries: Who asks for the inputs of which elements.
+            x: Starts, shape (n, count).
         """
         count, m = x.shape[1], core.design.system.m
         self._dt_s, self._limits, self._tank = scenario.dt_s, core.design.limits, tank_of(scenario)
-        self._crowds, self._count, self._ticks = crowds, count, 0
+        self._adversaries, self._count, self._ticks = adversaries, count, 0
         self._decided, self._plants = BatchFilter(core, count), BatchPlant(plant, count)
         self._barriers = LowestBarrier(scenario, count)
         self._x, self._u, self._u_h = x, np.zeros((m, count)), np.zeros((m, count))
@@ -50,19 +50,19 @@ class BatchLoop:
         self._overreach = np.full(count, -np.inf)
         self._statuses: NDArray[np.int64] = np.zeros((max(Status) + 1, count), dtype=np.int64)
         self._unproven: NDArray[np.int64] = np.zeros(count, dtype=np.int64)
-        self._singly: NDArray[np.int64] = np.zeros(count, dtype=np.int64)
+        self._scalar: NDArray[np.int64] = np.zeros(count, dtype=np.int64)
 
-    def tick(self, *, singly: bool = False) -> None:
-        """Let everybody ask, decide, and advance every plant by one period.
+    def tick(self, *, scalar: bool = False) -> None:
+        """Ask every operator, decide, and advance every plant by one period.
 
         Args:
-            singly: Whether the filter takes the decisions one by one.
+            scalar: Whether the filter takes the decisions by itself, rather than in a batch.
         """
         t_s, first = self._ticks * self._dt_s, self._ticks == 0
         decided, plants, count = self._decided, self._plants.batch, self._count
-        for lanes, ask in self._crowds:
-            self._u_h[:, lanes] = ask(t_s, None if first else decided)
-        decided.decide(self._x, self._u, self._u_h, 0.0, self._level_j, t_s, start=first, scalar=singly)
+        for elements, ask in self._adversaries:
+            self._u_h[:, elements] = ask(t_s, None if first else decided)
+        decided.decide(self._x, self._u, self._u_h, 0.0, self._level_j, t_s, start=first, scalar=scalar)
         u = decided.evaluation.u_plus[:, :count].copy()
         self._overreach = np.maximum(self._overreach, self._beyond_limits(u, first=first))
         self._count_decisions()
@@ -74,37 +74,37 @@ class BatchLoop:
         self._x, self._u, self._stored_j = plants.part("x_next")[:, :count].copy(), u, stored_j
         self._ticks += 1
 
-    def outcomes(self, seeds: Sequence[int], adversaries: Sequence[str]) -> Iterator[RolloutResult]:
-        """Yield what every lane came to.
+    def results(self, seeds: Sequence[int], adversaries: Sequence[str]) -> Iterator[RolloutResult]:
+        """Yield the result of every element.
 
         Args:
-            seeds: Of each lane.
-            adversaries: Names, of each lane.
+            seeds: Of each element.
+            adversaries: Names, of each element.
         """
         h_min = np.minimum(self._h_min, self._barriers.at(self._x, self._ticks * self._dt_s))
-        for lane, (seed, adversary) in enumerate(zip(seeds, adversaries, strict=True)):
+        for element, (seed, adversary) in enumerate(zip(seeds, adversaries, strict=True)):
             yield RolloutResult(
                 seed=seed,
                 adversary=adversary,
-                h_min=float(h_min[lane]),
-                tank_min_j=float(self._tank_min_j[lane]),
-                overreach=float(self._overreach[lane]),
+                h_min=float(h_min[element]),
+                tank_min_j=float(self._tank_min_j[element]),
+                overreach=float(self._overreach[element]),
                 ticks=self._ticks,
-                statuses={status.name: n for status in Status if (n := int(self._statuses[status, lane]))},
-                between_samples_unproven=int(self._unproven[lane]),
-                decided_singly=int(self._singly[lane]),
+                statuses={status.name: n for status in Status if (n := int(self._statuses[status, element]))},
+                between_samples_unproven=int(self._unproven[element]),
+                decided_scalar=int(self._scalar[element]),
             )
 
     def _count_decisions(self) -> None:
-        decided, lanes = self._decided, np.arange(self._count)
+        decided, elements = self._decided, np.arange(self._count)
         status = decided.status[: self._count]
-        self._statuses[status, lanes] += 1
+        self._statuses[status, elements] += 1
         missing = (decided.assessment.shortfall[0] > 0) | (decided.assessment.outside_trust_region[0] > 0)
         self._unproven += missing[: self._count] & (status < Status.UNCERTIFIED)
-        self._singly += decided.scalar[: self._count]
+        self._scalar += decided.scalar[: self._count]
 
     def _beyond_limits(self, after: Array, *, first: bool) -> Array:
-        """By how much inputs are beyond their limits, shape (lanes,)."""
+        """Return by how much inputs are beyond their limits, shape (count,)."""
         limits = self._limits
         worst = (np.abs(after) - np.array(limits.magnitude)[:, None]).max(axis=0)
         if limits.norm is not None:

@@ -1,16 +1,8 @@
 """Errors of campaigns; the tree of all errors is in ``passafe.errors``."""
 
 from collections.abc import Sequence
-from pathlib import Path
 
 from passafe.errors import NotAllowedError
-
-
-class CampaignResultsError(NotAllowedError):
-    """A file of outcomes that a campaign cannot resume from."""
-
-    def __init__(self, path: Path, got: str) -> None:
-        super().__init__(str(path), got, "the same campaign's outcomes, or no file there")
 
 
 class NoSafeStartError(NotAllowedError):

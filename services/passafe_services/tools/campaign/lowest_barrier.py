@@ -38,9 +38,9 @@ class LowestBarrier:
             at_instants.append(ca.substitute(h, ca.vertcat(system.x, system.t), ca.vertcat(x, system.t + offset_s)))
         along = ca.vertcat(ca.SX(0, 1), *at_instants)
         names = {"x": system.n, "u": system.m, "t": 1, "h": along.numel()}
-        self._lanes = BatchWorkspace(BlockLayout.of(names), count)
+        self._workspace = BatchWorkspace(BlockLayout.of(names), count)
         function = dense_function("h", [system.x, system.u, system.t], [along])
-        self._evaluate = self._lanes.bind(function, ["x", "u", "t"], ["h"])
+        self._evaluate = self._workspace.bind(function, ["x", "u", "t"], ["h"])
         self._barriers = len(barriers)
 
     def during(self, x: Array, u: Array, t_s: float) -> Array:
@@ -65,8 +65,8 @@ class LowestBarrier:
         return lowest
 
     def _h(self, x: Array, u: Array | float, t_s: float) -> Array:
-        lanes = self._lanes
+        workspace = self._workspace
         for name, value in (("x", x), ("u", u), ("t", t_s)):
-            lanes.part(name)[:, : lanes.used] = value
+            workspace.part(name)[:, : workspace.used] = value
         self._evaluate()
-        return lanes.part("h")[:, : lanes.used]
+        return workspace.part("h")[:, : workspace.used]

@@ -1,4 +1,4 @@
-"""Seeded rollouts of one scenario, many in lock step."""
+"""Seeded rollouts of one scenario, many in a batch."""
 
 from collections.abc import Sequence
 from itertools import groupby
@@ -9,7 +9,7 @@ import numpy as np
 from passafe.filter import SafetyPassivityFilter
 from passafe_services.scenarios.design import design_of, robot_of, sampled_plant_of
 from passafe_services.scenarios.schema import Scenario
-from passafe_services.tools.campaign.adversaries import ADVERSARIES, Crowd
+from passafe_services.tools.campaign.adversaries import ADVERSARIES, AdversaryBatch
 from passafe_services.tools.campaign.batch_loop import BatchLoop
 from passafe_services.tools.campaign.rollout_result import RolloutResult
 from passafe_services.tools.campaign.safe_starts import SafeStarts
@@ -19,28 +19,28 @@ STREAM: Final = 0x9A55AFE
 
 
 class Rollouts:
-    """Runs rollouts of one scenario on one derived filter. None depends on which others run beside it.
+    """Runs rollouts of one scenario on one compiled filter. None depends on which others run beside it.
 
     Attributes:
         scenario: What is run.
     """
 
-    def __init__(self, scenario: Scenario, *, singly: bool = False) -> None:
-        """Derive filter and plant.
+    def __init__(self, scenario: Scenario, *, scalar: bool = False) -> None:
+        """Compile filter and plant.
 
         Args:
             scenario: What is run.
-            singly: Whether the filter takes every decision one by one.
+            scalar: Whether the filter takes every decision by itself, rather than in batches.
         """
         self.scenario = scenario
         robot = robot_of(scenario)
         self._core = SafetyPassivityFilter(design_of(scenario, robot))
         self._plant = sampled_plant_of(scenario, robot)
         self._starts = SafeStarts(scenario, self._core)
-        self._singly = singly
+        self._scalar = scalar
 
     def run(self, seeds: Sequence[int], duration_s: float) -> list[RolloutResult]:
-        """Return the outcomes of a rollout for each seed, in their order.
+        """Return the results of a rollout for each seed, in their order.
 
         Args:
             seeds: Each decides a rollout's start and adversary.
@@ -50,17 +50,17 @@ class Rollouts:
             NoSafeStartError: A box of starts without a safe one.
         """
         names = list(ADVERSARIES)
-        lanes = sorted(seeds, key=lambda seed: seed % len(names))  # those with the same adversary side by side
-        rngs = [np.random.default_rng([seed, STREAM]) for seed in lanes]
-        crowds: list[tuple[slice, Crowd]] = []
-        adversaries = [names[seed % len(names)] for seed in lanes]
-        for name, group in groupby(range(len(lanes)), key=adversaries.__getitem__):
+        elements = sorted(seeds, key=lambda seed: seed % len(names))  # those with the same adversary side by side
+        rngs = [np.random.default_rng([seed, STREAM]) for seed in elements]
+        batches: list[tuple[slice, AdversaryBatch]] = []
+        adversaries = [names[seed % len(names)] for seed in elements]
+        for name, group in groupby(range(len(elements)), key=adversaries.__getitem__):
             members = list(group)
             where = slice(members[0], members[-1] + 1)
-            crowds.append((where, ADVERSARIES[name](rngs[where], self._core.design.system.m, where)))
+            batches.append((where, ADVERSARIES[name](rngs[where], self._core.design.system.m, where)))
         x = np.column_stack([self._starts.draw(rng) for rng in rngs])
-        loops = BatchLoop(self.scenario, self._core, self._plant, crowds, x)
+        loop = BatchLoop(self.scenario, self._core, self._plant, batches, x)
         for _ in range(round(duration_s / self.scenario.dt_s)):
-            loops.tick(singly=self._singly)
-        outcomes = dict(zip(lanes, loops.outcomes(lanes, adversaries), strict=True))
-        return [outcomes[seed] for seed in seeds]
+            loop.tick(scalar=self._scalar)
+        results = dict(zip(elements, loop.results(elements, adversaries), strict=True))
+        return [results[seed] for seed in seeds]

@@ -1,24 +1,24 @@
-"""What one rollout came to."""
+"""The result of one rollout."""
 
 from pydantic import BaseModel, ConfigDict
 
 
 class RolloutResult(BaseModel):
-    """What one rollout came to.
+    """The result of one rollout.
 
     Attributes:
-        seed: What it can be run again with.
-        adversary: Who asked.
+        seed: Seed that repeats it.
+        adversary: Name of the adversary operator.
         h_min: Smallest barrier value, at and between samples.
         tank_min_j: Smallest energy in the tank, J.
         overreach: By how much an input was beyond its limits at most, units of u; 0 or less if none was.
         ticks: Decisions taken.
         statuses: How many of each.
         between_samples_unproven: Certified decisions without the margin of their own neighbourhood.
-        decided_singly: Decisions that the filter took one by one.
+        decided_scalar: Decisions that the filter took by itself, not in a batch.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", ser_json_inf_nan="constants")
 
     seed: int
     adversary: str
@@ -28,4 +28,4 @@ class RolloutResult(BaseModel):
     ticks: int
     statuses: dict[str, int]
     between_samples_unproven: int
-    decided_singly: int
+    decided_scalar: int

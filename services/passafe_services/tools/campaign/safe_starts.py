@@ -1,4 +1,4 @@
-"""Random states that a scenario's rows protect: where rollouts begin."""
+"""Random states that a scenario's rows protect: the starts of rollouts."""
 
 from typing import Final
 
@@ -20,7 +20,7 @@ class SafeStarts:
     """Draws states in which every ψ but the last is positive and the filter has a certified first input."""
 
     def __init__(self, scenario: Scenario, core: SafetyPassivityFilter) -> None:
-        """Derive what makes a state safe.
+        """Compile what makes a state safe.
 
         Args:
             scenario: Gives the box that states are drawn from.

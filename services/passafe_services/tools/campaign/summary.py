@@ -1,21 +1,25 @@
-"""What a campaign came to: the worst of everything, with the seed that shows it."""
+"""The summary of a campaign: spread and worst of every metric, with the seed that shows it."""
 
 from collections import Counter
-from collections.abc import Sequence
-from typing import Self
+from collections.abc import Mapping, Sequence
+from typing import Final, Self
 
 from pydantic import BaseModel, ConfigDict
 
 from passafe_services.tools.campaign.rollout_result import RolloutResult
+from passafe_services.tools.runs.summary import Spread, badness, worst_of
 
 ROUNDING = 1e-12
 """By how much an input may be beyond its limits through rounding, units of u."""
 
+HIGH_IS_WORSE: Final[Mapping[str, bool]] = {"h_min": False, "tank_min_j": False, "overreach": True}
+"""The metrics of a rollout, and whether large values are bad."""
 
-class WorstCase(BaseModel):
-    """A worst value and the rollout in which it was taken."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+class WorstRollout(BaseModel):
+    """The worst value of a metric and the rollout that shows it."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", ser_json_inf_nan="constants")
 
     value: float
     seed: int
@@ -23,67 +27,67 @@ class WorstCase(BaseModel):
 
 
 class CampaignSummary(BaseModel):
-    """What a campaign of one scenario came to.
+    """The summary of a campaign of one scenario.
 
     Attributes:
         scenario: Name.
         rollouts: How many.
         ticks: Decisions in all of them.
-        h_min: Smallest barrier value, at and between samples.
-        tank_min_j: Smallest energy in the tank, J.
-        overreach: By how much an input was beyond its limits at most, units of u.
+        metrics: Spread of ``h_min``, ``tank_min_j`` and ``overreach`` over the rollouts.
+        worst: The worst rollout by each of them.
         statuses: How many ticks of each.
         rollouts_with: How many rollouts have at least one tick of each status.
         unsafe: Rollouts with h < 0.
         drained: Rollouts with a tank below zero.
         between_samples_unproven: Certified ticks without their margin between samples.
-        decided_singly: Ticks that the filter took one by one; the others were decided in batches.
+        decided_scalar: Ticks that the filter decided by itself; the others were decided in batches.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", ser_json_inf_nan="constants")
 
     scenario: str
     rollouts: int
     ticks: int
-    h_min: WorstCase
-    tank_min_j: WorstCase
-    overreach: WorstCase
+    metrics: dict[str, Spread]
+    worst: dict[str, WorstRollout]
     statuses: dict[str, int]
     rollouts_with: dict[str, int]
     unsafe: int
     drained: int
     between_samples_unproven: int
-    decided_singly: int
+    decided_scalar: int
 
     @classmethod
-    def of(cls, scenario: str, outcomes: Sequence[RolloutResult]) -> Self:
-        """Sum up at least one outcome."""
+    def of(cls, scenario: str, results: Sequence[RolloutResult]) -> Self:
+        """Summarise at least one result."""
         statuses: Counter[str] = Counter()
         rollouts_with: Counter[str] = Counter()
-        for outcome in outcomes:
-            statuses.update(outcome.statuses)
-            rollouts_with.update(outcome.statuses.keys())
+        for result in results:
+            statuses.update(result.statuses)
+            rollouts_with.update(result.statuses.keys())
+        spreads = {name: Spread.of(getattr(result, name) for result in results) for name in HIGH_IS_WORSE}
         return cls(
             scenario=scenario,
-            rollouts=len(outcomes),
-            ticks=sum(outcome.ticks for outcome in outcomes),
-            h_min=_worst(outcomes, [outcome.h_min for outcome in outcomes]),
-            tank_min_j=_worst(outcomes, [outcome.tank_min_j for outcome in outcomes]),
-            overreach=_worst(outcomes, [-outcome.overreach for outcome in outcomes], sign=-1.0),
+            rollouts=len(results),
+            ticks=sum(result.ticks for result in results),
+            metrics={name: spread for name, spread in spreads.items() if spread is not None},
+            worst={name: _worst(results, name) for name in HIGH_IS_WORSE},
             statuses=dict(statuses),
             rollouts_with=dict(rollouts_with),
-            unsafe=sum(not outcome.h_min >= 0 for outcome in outcomes),
-            drained=sum(not outcome.tank_min_j >= 0 for outcome in outcomes),
-            between_samples_unproven=sum(outcome.between_samples_unproven for outcome in outcomes),
-            decided_singly=sum(outcome.decided_singly for outcome in outcomes),
+            unsafe=sum(not result.h_min >= 0 for result in results),
+            drained=sum(not result.tank_min_j >= 0 for result in results),
+            between_samples_unproven=sum(result.between_samples_unproven for result in results),
+            decided_scalar=sum(result.decided_scalar for result in results),
         )
 
     @property
     def holds(self) -> bool:
         """Whether every rollout stayed safe, solvent, within the limits and certified."""
-        return self.unsafe == self.drained == self.between_samples_unproven == 0 and self.overreach.value <= ROUNDING
+        is_kept = self.unsafe == self.drained == self.between_samples_unproven == 0
+        return is_kept and self.worst["overreach"].value <= ROUNDING
 
 
-def _worst(outcomes: Sequence[RolloutResult], values: Sequence[float], sign: float = 1.0) -> WorstCase:
-    value, where = min((value, k) for k, value in enumerate(values))
-    return WorstCase(value=sign * value, seed=outcomes[where].seed, adversary=outcomes[where].adversary)
+def _worst(results: Sequence[RolloutResult], name: str) -> WorstRollout:
+    high = HIGH_IS_WORSE[name]
+    worst = worst_of(results, lambda result: badness(getattr(result, name), high_is_worse=high))
+    return WorstRollout(value=getattr(worst, name), seed=worst.seed, adversary=worst.adversary)

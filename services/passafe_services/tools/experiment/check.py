@@ -1,4 +1,4 @@
-"""Whether the runs of a study can be built at all: told before any of them is begun."""
+"""Check that the runs of a study can be built, before any of them begins."""
 
 from collections.abc import Iterator
 
@@ -8,14 +8,14 @@ from passafe_services.operator.sources.scenario_source import source_of
 from passafe_services.scenarios.design import design_of, robot_of
 from passafe_services.simulation import CompiledScenario
 from passafe_services.tools.experiment.axes import BisectAxis, GridAxis
+from passafe_services.tools.experiment.cells import cells_of, run_of
 from passafe_services.tools.experiment.load import Study
-from passafe_services.tools.experiment.runs import cells_of, run_of
 
 
 def check(study: Study) -> None:
     """Build the scenario and design of every variant with every value of every axis, the other axes at their first.
 
-    Values that only fail together are told by the runs that have them.
+    Values that only fail together end the runs that have them with an error.
 
     Raises:
         ScenarioError: A value that a scenario may not hold.

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import ClassVar
 
-from passafe.errors import NotAllowedError, PassafeError
+from passafe.errors import NotAllowedError
 from passafe_services.scenarios.errors import ConfigurationError, names_or_file
 
 
@@ -26,26 +26,6 @@ class UnreadableExperimentError(ExperimentError):
 
     def __init__(self, path: Path, reason: str) -> None:
         super().__init__(str(path), "file", reason, "a readable TOML file")
-
-
-class ResultsFileError(NotAllowedError):
-    """A file of results that a sweep cannot resume from."""
-
-    def __init__(self, path: Path, got: str) -> None:
-        super().__init__(str(path), got, "the same experiment's results, or no file there")
-
-
-class WorkerLostError(PassafeError):
-    """A worker process that is gone; what was finished is written down."""
-
-    def __init__(self) -> None:
-        super().__init__("a worker process died, perhaps for want of memory; the same command goes on where it was")
-
-
-class SchedulerError(NotAllowedError):
-    """A cluster that cannot be used; the field is the address of its scheduler."""
-
-    prefix = "--scheduler "
 
 
 class LiveRunError(NotAllowedError):

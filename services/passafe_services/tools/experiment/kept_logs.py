@@ -1,17 +1,19 @@
-"""Logs of the runs that are worth looking at: run again with a recorder, and checked to be the same run."""
+"""Logs of the runs that are worth a look: each is repeated with a recorder, and checked to be the same run."""
 
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, Self
 
 from passafe_services.log.log_writer import LogWriter, run_metadata
 from passafe_services.recorder.lockstep_log import LockstepLog
 from passafe_services.scenarios.info import versions
 from passafe_services.tools.experiment.load import Study
 from passafe_services.tools.experiment.plan import Plan
+from passafe_services.tools.experiment.run_result import RunResult
 from passafe_services.tools.experiment.runner import StudyRunner
-from passafe_services.tools.experiment.runs import Result
-from passafe_services.tools.experiment.summary import goodness, in_order, worst_of
+from passafe_services.tools.experiment.summary import badness_of, in_order, worst_result
 from passafe_services.tools.review.core_evaluator import CoreEvaluator
 from passafe_services.tools.review.run_log import RunLog
 from passafe_services.tools.review.verdict import Verdict
@@ -36,24 +38,24 @@ REVIEWED = (
     "ticks",
     "verdict",
 )
-"""Figures that both a review and a sweep have: of the same run they are the same to the last bit."""
+"""Metrics that both a review and a sweep have: of the same run they are the same to the last bit."""
 
 
 class KeptLog(NamedTuple):
     """The log of a run.
 
     Attributes:
-        result: What the sweep says of it.
+        result: The sweep's result.
         path: The file.
-        differing: Figures that the log does not give as the sweep does; empty, or something is broken.
+        differing: Metrics of which review and sweep disagree; empty, or something is broken.
     """
 
-    result: Result
+    result: RunResult
     path: Path
     differing: tuple[str, ...]
 
 
-def chosen(plan: Plan, keep: Keep, most: int) -> list[Result]:
+def chosen(plan: Plan, keep: Keep, most: int) -> list[RunResult]:
     """Return the runs to keep, the worst first, no more than ``most``.
 
     Args:
@@ -61,31 +63,53 @@ def chosen(plan: Plan, keep: Keep, most: int) -> list[Result]:
         keep: ``worst``: of each cell the worst; ``failed``: all that break a criterion.
         most: How many.
     """
-    ran = [result for result in sorted(plan.results.values(), key=in_order) if result.figures is not None]
-    found: list[Result] = []
+    ran = [result for result in sorted(plan.results.values(), key=in_order) if result.metrics is not None]
+    found: list[RunResult] = []
     if keep == "failed":
         criteria = plan.experiment.criteria.values()
-        found = [one for one in ran if not all(criterion.holds(one.figures) for criterion in criteria)]
+        found = [one for one in ran if not all(criterion.holds(one.metrics) for criterion in criteria)]
     elif keep == "worst":
-        cells: dict[int, list[Result]] = {}
+        cells: dict[int, list[RunResult]] = {}
         for one in ran:
             cells.setdefault(one.run.cell, []).append(one)
-        found = [worst_of(runs, plan.experiment.worst) for runs in cells.values()]
-    return sorted(found, key=partial(goodness, criterion=plan.experiment.worst))[:most]
+        found = [worst_result(runs, plan.experiment.worst) for runs in cells.values()]
+    return sorted(found, key=partial(badness_of, criterion=plan.experiment.worst), reverse=True)[:most]
 
 
-def write_log(study: Study, result: Result, folder: Path) -> KeptLog:
-    """Run a run again with a recorder, and compare what its log shows with what the sweep says."""
+@dataclass(frozen=True, kw_only=True, slots=True)
+class LogJob:
+    """The logs of one study, as workers see them; a task is the result of a run whose log is to be written.
+
+    Attributes:
+        study_json: The study.
+        folder: Where the logs go.
+    """
+
+    study_json: str
+    folder: Path
+
+    @classmethod
+    def of(cls, study: Study, folder: Path) -> Self:
+        """Return the job of a study's logs."""
+        return cls(study_json=study.model_dump_json(), folder=folder)
+
+    def compile(self) -> Callable[[Sequence[RunResult]], list[KeptLog]]:
+        """Return the function from results to the logs that it writes of their runs."""
+        runner = StudyRunner(Study.model_validate_json(self.study_json))
+        return lambda results: [write_log(runner, result, self.folder) for result in results]
+
+
+def write_log(runner: StudyRunner, result: RunResult, folder: Path) -> KeptLog:
+    """Repeat a run with a recorder, and compare the metrics of its log with those of the sweep."""
     run = result.run
-    bench = StudyRunner(study)
-    scenario = bench.scenario_of(run)
+    scenario = runner.scenario_of(run)
     at = "" if run.probe is None else f"-at-{run.probe:.6g}"
     path = folder / f"cell-{run.cell}{at}-seed-{run.seed}.mcap"
     metadata = run_metadata(scenario_json=scenario.model_dump_json(), versions=versions(), driver="lockstep")
     with LogWriter(path, metadata) as log:
-        bench.play(scenario, LockstepLog(log))
+        runner.trace(scenario, LockstepLog(log))
     return KeptLog(result, path, _differing(result, Verdict.of(RunLog.read(path), CoreEvaluator(scenario))))
 
 
-def _differing(result: Result, verdict: Verdict) -> tuple[str, ...]:
-    return tuple(name for name in REVIEWED if getattr(result.figures, name) != getattr(verdict, name))
+def _differing(result: RunResult, verdict: Verdict) -> tuple[str, ...]:
+    return tuple(name for name in REVIEWED if getattr(result.metrics, name) != getattr(verdict, name))

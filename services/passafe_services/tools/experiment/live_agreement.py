@@ -1,8 +1,8 @@
-"""Whether a live run agrees with lockstep: every figure of a review, its difference, and what difference is allowed.
+"""The agreement of a live run with lockstep: every metric of a review, its difference, and what difference is allowed.
 
 A live run is late here and there, and where links are random it is another draw of them: which message meets which
 fate depends on how many went before. So the same run is made in lockstep with several seeds of the links, and the live
-figure must lie within what these show, or no further outside than the tolerance.
+metric must lie within what these show, or no further outside than the tolerance.
 """
 
 from collections.abc import Mapping, Sequence
@@ -29,10 +29,10 @@ FIRST_DRAW: Final = 1_000_000
 
 
 class AllowedDifference(NamedTuple):
-    """How far outside a live figure may lie.
+    """How far outside a live metric may lie.
 
     Attributes:
-        most: In the figure's unit.
+        most: In the unit of the metric.
         reason: Why as much as that.
     """
 
@@ -65,28 +65,28 @@ TOLERANCES: Final[Mapping[str, AllowedDifference]] = {
     ),
     "status_share": AllowedDifference(0.02, "share: a late message makes the filter predict from another state"),
 }
-"""By figure; those of ``status_share`` hold for the share of ticks of every status."""
+"""By metric; those of ``status_share`` hold for the share of ticks of every status."""
 
 MOST_LATE_MS: Final = 5.0
 """The premise of all of them."""
 
 
 class Agreement(NamedTuple):
-    """One figure, live and in lockstep.
+    """One metric, live and in lockstep.
 
     Attributes:
         cell: The run, in words.
-        figure: Name.
+        metric: Name.
         live: What the live run's log shows; ``None`` if nothing.
         low: Smallest that the runs in lockstep show.
         high: Largest.
-        difference: How far outside the live one lies; 0 if it is within, infinite where only one has the figure.
+        difference: How far outside the live one lies; 0 if it is within, infinite where only one has the metric.
         tolerance: How far it may.
         reason: Why so far.
     """
 
     cell: str
-    figure: str
+    metric: str
     live: float | None
     low: float | None
     high: float | None
@@ -113,14 +113,14 @@ def draws_of(scenario: Scenario) -> list[Scenario]:
 
 
 def compare(cell: str, live: Verdict, lockstep: Sequence[Metrics]) -> list[Agreement]:
-    """Compare a live run with at least one in lockstep; every figure of ``TOLERANCES``, and every property.
+    """Compare a live run with at least one in lockstep; every metric of ``TOLERANCES``, and every property.
 
     Args:
         cell: The run, in words.
         live: Of the live run's log.
         lockstep: Of the runs in lockstep.
     """
-    seen, others = _figures_of(live), [_figures_of(one) for one in lockstep]
+    seen, others = _metrics_of(live), [_metrics_of(one) for one in lockstep]
     names = list(dict.fromkeys([*seen, *(name for one in others for name in one)]))
     found = []
     for name in names:
@@ -163,8 +163,8 @@ def _compared(
     return Agreement(cell, name, live, low, high, difference, tolerance.most, tolerance.reason)
 
 
-def _figures_of(one: Verdict | Metrics) -> dict[str, float | None]:
-    """Return a run's figures as numbers: lists one by one, statuses as shares, properties as 1, 0 or none."""
+def _metrics_of(one: Verdict | Metrics) -> dict[str, float | None]:
+    """Return a run's metrics as numbers: lists one by one, statuses as shares, properties as 1, 0 or none."""
     listed = {"final_x", "status_share"}
     found: dict[str, float | None] = {name: getattr(one, name) for name in TOLERANCES if name not in listed}
     found |= {f"final_x:{k}": value for k, value in enumerate(one.final_x or ())}

@@ -84,6 +84,8 @@ def experiment_from(data: Any, source: str) -> Experiment:  # noqa: ANN401 - TOM
     Raises:
         ExperimentError: Fields that hold what they may not; all of them are named.
     """
+    if isinstance(data, dict) and data.get("schema_version") == 1:
+        raise ExperimentError(source, "schema_version", 1, "2, whose criteria say `metric` instead of `figure`")
     try:
         return Experiment.model_validate(data)
     except ValidationError as error:

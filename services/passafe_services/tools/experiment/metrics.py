@@ -1,4 +1,4 @@
-"""What one run comes to: the figures of a review, taken from a loop that is not logged."""
+"""The metrics of one run: those of a review, taken from a loop that is not logged."""
 
 from typing import Final
 
@@ -44,8 +44,8 @@ class Metrics(BaseModel):
         unserved_share: Share of plant time in one of these two.
         inputs_late: Inputs that came after their time.
         inputs_refused: Inputs that the plant refused.
-        input_slack_ms_p50: By how much the newest input came before its time, median over the plant's samples, ms.
-        input_slack_ms_min: The same, smallest.
+        input_lead_ms_p50: By how much the newest input came before its time, median over the plant's samples, ms.
+        input_lead_ms_min: The same, smallest.
         command_age_ms_p50: Age of the newest command at a filter tick, since it arrived, median, ms.
         command_age_ms_p99: The same, 99th percentile.
         state_age_ms_p50: Age of the newest plant state at a filter tick, since it arrived, median, ms.
@@ -77,8 +77,8 @@ class Metrics(BaseModel):
     unserved_share: float | None
     inputs_late: int
     inputs_refused: int
-    input_slack_ms_p50: float | None
-    input_slack_ms_min: float | None
+    input_lead_ms_p50: float | None
+    input_lead_ms_min: float | None
     command_age_ms_p50: float | None
     command_age_ms_p99: float | None
     state_age_ms_p50: float | None
@@ -93,7 +93,7 @@ class Metrics(BaseModel):
     verdict: Outcome
 
     def number(self, name: str) -> float | None:
-        """Return one of the figures that are numbers, by its name in ``NUMERIC``."""
+        """Return one of the metrics that are numbers, by its name in ``NUMERIC``."""
         if name in STEERING:
             return None if self.steering is None else getattr(self.steering, STEERING[name])
         value: float | None = getattr(self, name)
@@ -110,7 +110,7 @@ STEERING: Final = {
     "steering_collisions": "collisions",
     "steering_collided_s": "collided_s",
 }
-"""Scores of ``Steering`` by the names that they have among the figures."""
+"""Scores of ``Steering`` by the names that they have among the metrics."""
 
 NUMERIC: Final = (
     *(
@@ -120,31 +120,31 @@ NUMERIC: Final = (
     ),
     *STEERING,
 )
-"""Metrics that are numbers: what a criterion may ask about, and what cells are summed up by."""
+"""Metrics that are numbers: what a criterion may ask about, and what cells are summarised by."""
 
 
 def metrics_of(
-    scenario: Scenario, tape: RunTrace, evaluator: PlantEvaluator, motion: Motion, reference: Tracking | None
+    scenario: Scenario, trace: RunTrace, evaluator: PlantEvaluator, motion: Motion, reference: Tracking | None
 ) -> Metrics:
-    """Return the figures of a run.
+    """Return the metrics of a run.
 
     Args:
         scenario: What was run.
-        tape: What was collected.
+        trace: Trace of the run.
         evaluator: Functions of the scenario.
         motion: Takes the robot's position from its state.
         reference: Where the robot is without injected links, if that is asked for.
     """
-    trajectory = tape.trajectory()
+    trajectory = trace.trajectory()
     margins = RecomputedMargins.of(trajectory, evaluator, scenario.filter.passivity, POINTS_PER_PERIOD)
-    answers = tape.answers()
-    properties = judge_properties(scenario, tape.inputs(), answers, trajectory, margins, Tolerances())
+    answers = trace.answers()
+    properties = judge_properties(scenario, trace.inputs(), answers, trajectory, margins, Tolerances())
     properties["complete"] = _completeness(scenario, trajectory)
-    phases = tape.phases()
+    phases = trace.phases()
     held_s, fail_safe_s = (_spent_s(phases, phase, trajectory) for phase in (PlantPhase.HOLDING, PlantPhase.FAIL_SAFE))
     moved = trajectory.samples > 0
     duration_s = float(trajectory.t_s[-1] - trajectory.t_s[0]) if moved else 0.0
-    slack = _percentiles(tape.input_lead_ns(), 50, 0)
+    lead = _percentiles(trace.input_lead_ns(), 50, 0)
     command_age, state_age = (_percentiles(a[a >= 0], 50, 99) for a in (answers.command_age_ns, answers.state_age_ns))
     deviation = None if reference is None else reference.deviation(motion.of(trajectory))
     return Metrics(
@@ -161,10 +161,10 @@ def metrics_of(
         fail_safe_s=fail_safe_s,
         sequence_breaks=_times_begun(phases != PlantPhase.RUNNING),
         unserved_share=(held_s + fail_safe_s) / duration_s if duration_s else None,
-        inputs_late=tape.inputs_late,
-        inputs_refused=tape.inputs_refused,
-        input_slack_ms_p50=slack[0],
-        input_slack_ms_min=slack[1],
+        inputs_late=trace.inputs_late,
+        inputs_refused=trace.inputs_refused,
+        input_lead_ms_p50=lead[0],
+        input_lead_ms_min=lead[1],
         command_age_ms_p50=command_age[0],
         command_age_ms_p99=command_age[1],
         state_age_ms_p50=state_age[0],
@@ -172,7 +172,7 @@ def metrics_of(
         tracking_rms=None if deviation is None else deviation.rms,
         tracking_max=None if deviation is None else deviation.largest,
         final_error=None if deviation is None else deviation.final,
-        steering=steering_from(scenario, trajectory, evaluator, tape.requests()),
+        steering=steering_from(scenario, trajectory, evaluator, trace.requests()),
         status_counts=answers.counts,
         final_x=tuple(trajectory.x[:, -1].tolist()) if moved else None,
         properties={name: entry.holds for name, entry in properties.items()},
@@ -197,12 +197,12 @@ def _spent_s(phases: IntArray, phase: PlantPhase, trajectory: Trajectory) -> flo
 
 
 def _times_begun(during: NDArray[np.bool_]) -> int:
-    """How many stretches of samples there are in which something is so."""
+    """Return how many stretches of samples there are in which something is so."""
     return int(np.count_nonzero(during & ~np.concatenate(([False], during[:-1]))))
 
 
 def _percentiles(durations_ns: IntArray, *which: float) -> tuple[float | None, ...]:
-    """Percentiles in ms, interpolated linearly."""
+    """Return percentiles in ms, interpolated linearly."""
     if durations_ns.size == 0:
         return (None,) * len(which)
     return tuple((np.percentile(durations_ns, which) / NS_PER_MS).tolist())

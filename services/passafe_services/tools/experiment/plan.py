@@ -1,9 +1,10 @@
-"""Which runs an experiment still wants, from what is known so far: the same whatever came in which order."""
+"""The runs that an experiment still wants, from what is known so far: the same in whatever order results come."""
 
 from collections.abc import Iterable, Iterator, Mapping
 
 from passafe_services.tools.experiment.bisection import first_values, most_values, next_value
-from passafe_services.tools.experiment.runs import Cell, Result, Run, RunKey, cells_of, run_of
+from passafe_services.tools.experiment.cells import Cell, Run, RunKey, cells_of, run_of
+from passafe_services.tools.experiment.run_result import RunResult
 from passafe_services.tools.experiment.schema import Experiment
 
 
@@ -16,7 +17,7 @@ class Plan:
         results: What is known of the seeds that are asked for, by key.
     """
 
-    def __init__(self, experiment: Experiment, results: Mapping[RunKey, Result] | None = None) -> None:
+    def __init__(self, experiment: Experiment, results: Mapping[RunKey, RunResult] | None = None) -> None:
         """Begin with what is known.
 
         Args:
@@ -25,27 +26,27 @@ class Plan:
         """
         self.experiment = experiment
         self.cells = cells_of(experiment)
-        self.results: dict[RunKey, Result] = {}
-        self._of_cell: dict[int, list[Result]] = {cell.number: [] for cell in self.cells}
+        self.results: dict[RunKey, RunResult] = {}
+        self._of_cell: dict[int, list[RunResult]] = {cell.number: [] for cell in self.cells}
         self._asked: set[RunKey] = set()
         self._open: dict[int, int] = {}
         seeds = experiment.seeds.all
         for key, result in (results or {}).items():
             if key.seed in seeds:
-                self._take(result)
+                self._add(result)
 
     def first(self) -> Iterator[Run]:
         """Yield every run that is wanted now, cell by cell within a variant and seed.
 
-        Runs of one variant share what is derived, runs of one seed their reference; so they come one after the other.
+        Runs of one variant share what is compiled, runs of one seed their reference; so they come one after the other.
         """
         wanted = [run for cell in self.cells for run in self._wanted(cell)]
         order = {name: number for number, name in enumerate(self.experiment.variants)}
         yield from sorted(wanted, key=lambda run: (order[run.variant], run.seed, run.cell, run.probe or 0.0))
 
-    def after(self, result: Result) -> list[Run]:
-        """Take a result in; return the runs that are wanted because of it."""
-        self._take(result)
+    def after(self, result: RunResult) -> list[Run]:
+        """Add a result; return the runs that are wanted because of it."""
+        self._add(result)
         cell = result.run.cell
         self._open[cell] -= 1
         return [] if self._open[cell] else self._wanted(self.cells[cell])
@@ -67,13 +68,13 @@ class Plan:
 
         Values of which a run is missing are left out.
         """
-        by_value: dict[float, list[Result]] = {}
+        by_value: dict[float, list[RunResult]] = {}
         for result in self._of_cell[cell.number]:
             if result.run.probe is not None:
                 by_value.setdefault(result.run.probe, []).append(result)
         whole = {value: found for value, found in by_value.items() if len(found) == self.experiment.seeds.count}
         return {
-            name: {value: all(criterion.holds(one.figures) for one in found) for value, found in whole.items()}
+            name: {value: all(criterion.holds(one.metrics) for one in found) for value, found in whole.items()}
             for name, criterion in self.experiment.criteria.items()
         }
 
@@ -100,6 +101,6 @@ class Plan:
         following = (next_value(axis, found) for found in holds.values())
         return sorted({value for value in following if value is not None})
 
-    def _take(self, result: Result) -> None:
+    def _add(self, result: RunResult) -> None:
         self.results[result.run.key] = result
         self._of_cell[result.run.cell].append(result)

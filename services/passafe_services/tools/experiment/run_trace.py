@@ -1,4 +1,4 @@
-"""What is kept of a loop in virtual time: of every message the numbers that its figures need."""
+"""The trace of a run in virtual time: of every message the numbers that its metrics need."""
 
 from collections.abc import Mapping
 from math import prod
@@ -49,10 +49,10 @@ class _Rows:
 
 
 class RunTrace:
-    """Taps of a loop, and what came out of them as arrays.
+    """Taps of a loop, and what they kept as arrays.
 
-    Numbers are packed at once, one row a message: a message that is let go is memory that the next one finds warm, and
-    what is made of the rows is made once, at the end.
+    Numbers are packed at once, one row a message: the memory of a message that is let go stays in cache for the next,
+    and arrays are made of the rows once, at the end.
 
     Attributes:
         taps: For ``Lockstep``.
@@ -69,7 +69,7 @@ class RunTrace:
         self._newest: PlantState | None = None
         self._until_ns: int | None = None
         n, m = (system.n,), (system.m,)
-        self._states = _Rows("plant_ns", "phase", "slack_ns", energy_in_j=(), energy_stored_j=(), x=n, u=m)
+        self._states = _Rows("plant_ns", "phase", "lead_ns", energy_in_j=(), energy_stored_j=(), x=n, u=m)
         self._sent = _Rows("at_ns", u=m)
         self._answered = _Rows("status", "at_ns", "state_age_ns", "command_age_ns", "decided", residuals=(3,))
         self.taps: Mapping[Topic, Tap] = {STATE: self._keep_state, INPUT: self._keep_input, TICK: self._answer}
@@ -114,7 +114,7 @@ class RunTrace:
 
     def input_lead_ns(self) -> IntArray:
         """By how much the newest input came before its time, at every sample of the trajectory, ns, shape (N,)."""
-        return np.array(self._states.all()["slack_ns"])
+        return np.array(self._states.all()["lead_ns"])
 
     def inputs(self) -> SentInputs:
         """Inputs that the filter sent."""

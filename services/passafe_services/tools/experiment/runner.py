@@ -17,19 +17,20 @@ from passafe_services.scenarios.source_schema import HumanSource
 from passafe_services.simulation import CompiledScenario, lockstep_loop, steps_of
 from passafe_services.tools.campaign.errors import NoSafeStartError
 from passafe_services.tools.campaign.safe_starts import SafeStarts
+from passafe_services.tools.experiment.cells import Run
 from passafe_services.tools.experiment.load import Study
 from passafe_services.tools.experiment.metrics import Metrics, metrics_of
+from passafe_services.tools.experiment.run_result import RunResult
 from passafe_services.tools.experiment.run_trace import RunTrace
-from passafe_services.tools.experiment.runs import Result, Run
 from passafe_services.tools.experiment.tracking import Motion, Tracking
 from passafe_services.tools.review.core_evaluator import CoreEvaluator
 
-MOST_DERIVED: Final = 32
+MOST_COMPILED: Final = 32
 MOST_REFERENCES: Final = 128
 MOST_ROUNDS: Final = 8
 
 EXPECTED: Final = (DesignError, IntegrationError, NoSafeStartError, RecordingError, ScenarioError, SourceConfigError)
-"""What a run may end with: a design that cannot be built, a plant that cannot be integrated, no safe start."""
+"""Errors that a run may end with: a design that cannot be built, a plant that cannot be integrated, no safe start."""
 
 _START: Final = 0x57A27
 """Tells the generator of starts from others with the same seed."""
@@ -38,11 +39,11 @@ V = TypeVar("V")
 
 
 class CompiledStudy:
-    """What is compiled from the plant and filter of a scenario.
+    """All that is compiled from the plant and filter of a scenario.
 
     Attributes:
         compiled: For the nodes.
-        evaluator: For the figures.
+        evaluator: For the metrics.
         motion: For the tracking error.
     """
 
@@ -53,7 +54,7 @@ class CompiledStudy:
 
 
 class StudyRunner:
-    """Runs what it is asked for; a run's figures do not depend on what was run before it.
+    """Runs single runs of a study; a run's metrics do not depend on what was run before it.
 
     Attributes:
         study: The study whose runs they are.
@@ -61,18 +62,18 @@ class StudyRunner:
 
     def __init__(self, study: Study) -> None:
         self.study = study
-        self._kits: _Newest[CompiledStudy] = _Newest(MOST_DERIVED)
-        self._starts: _Newest[SafeStarts] = _Newest(MOST_DERIVED)
+        self._compiled: _Newest[CompiledStudy] = _Newest(MOST_COMPILED)
+        self._starts: _Newest[SafeStarts] = _Newest(MOST_COMPILED)
         self._references: _Newest[Tracking] = _Newest(MOST_REFERENCES)
 
-    def result(self, run: Run) -> Result:
-        """Return what a run comes to; what it may fail with is told in the result."""
+    def result(self, run: Run) -> RunResult:
+        """Return the result of a run; an error that it may end with is part of the result."""
         begun_s = perf_counter()
         try:
-            figures, error = self.figures(self.scenario_of(run)), ""
+            metrics, error = self.metrics(self.scenario_of(run)), ""
         except EXPECTED as refusal:
-            figures, error = None, " ".join(str(refusal).split())
-        return Result(run=run, figures=figures, error=error, wall_s=perf_counter() - begun_s)
+            metrics, error = None, " ".join(str(refusal).split())
+        return RunResult(run=run, metrics=metrics, error=error, wall_s=perf_counter() - begun_s)
 
     def scenario_of(self, run: Run) -> Scenario:
         """Return everything that decides what a run does: any other driver can be given it.
@@ -89,48 +90,48 @@ class StudyRunner:
         # Modes differ in what they enforce, not in what there is to protect: all of them begin at the same states.
         both = scenario.model_copy(update={"filter": scenario.filter.model_copy(update={"mode": "both"})})
         box = (CompiledScenario.key_of(both), scenario.plant.start_low, scenario.plant.start_high)
-        starts = self._starts.get(box, lambda: SafeStarts(both, self._kit(both).compiled.filter.core))
+        starts = self._starts.get(box, lambda: SafeStarts(both, self._compiled_for(both).compiled.filter.core))
         x0 = tuple(starts.draw(np.random.default_rng([run.seed, _START])).tolist())
         return scenario.model_copy(update={"plant": scenario.plant.model_copy(update={"x0": x0})})
 
-    def play(self, scenario: Scenario, observer: Observer | None = None) -> RunTrace:
-        """Run a scenario and return what was kept of it.
+    def trace(self, scenario: Scenario, observer: Observer | None = None) -> RunTrace:
+        """Run a scenario and return the trace of the run.
 
         Args:
             scenario: As ``scenario_of`` gives it.
             observer: Called with every message, for a log.
         """
-        compiled = self._kit(scenario).compiled
-        tape = RunTrace(compiled.filter.core, steered=isinstance(scenario.operator.source, HumanSource))
-        loop = lockstep_loop(scenario, observer, taps=tape.taps, compiled=compiled)
-        run_to_its_end(loop, tape, scenario)
+        compiled = self._compiled_for(scenario).compiled
+        trace = RunTrace(compiled.filter.core, steered=isinstance(scenario.operator.source, HumanSource))
+        loop = lockstep_loop(scenario, observer, taps=trace.taps, compiled=compiled)
+        run_to_its_end(loop, trace, scenario)
         loop.finish()
-        return tape
+        return trace
 
-    def figures(self, scenario: Scenario, *, until_its_end: bool = False) -> Metrics:
-        """Run a scenario and return its figures.
+    def metrics(self, scenario: Scenario, *, until_its_end: bool = False) -> Metrics:
+        """Run a scenario and return its metrics.
 
         Args:
             scenario: As ``scenario_of`` gives it.
             until_its_end: Leave out ticks for plant times beyond the duration, of which a live run has others.
         """
-        kit = self._kit(scenario)
-        tape = self.play(scenario)
+        compiled = self._compiled_for(scenario)
+        trace = self.trace(scenario)
         if until_its_end:
-            tape.forget_beyond(round(scenario.duration_s * 1e9))
-        reference = self._reference(scenario, kit) if self.study.experiment.tracking else None
-        return metrics_of(scenario, tape, kit.evaluator, kit.motion, reference)
+            trace.forget_beyond(round(scenario.duration_s * 1e9))
+        reference = self._reference(scenario, compiled) if self.study.experiment.tracking else None
+        return metrics_of(scenario, trace, compiled.evaluator, compiled.motion, reference)
 
-    def _kit(self, scenario: Scenario) -> CompiledStudy:
-        return self._kits.get(CompiledScenario.key_of(scenario), lambda: CompiledStudy(scenario))
+    def _compiled_for(self, scenario: Scenario) -> CompiledStudy:
+        return self._compiled.get(CompiledScenario.key_of(scenario), lambda: CompiledStudy(scenario))
 
-    def _reference(self, scenario: Scenario, kit: CompiledStudy) -> Tracking:
+    def _reference(self, scenario: Scenario, compiled: CompiledStudy) -> Tracking:
         """Return where the robot of a scenario is without injected links."""
         clean = scenario.model_copy(update={"links": {}, "link_changes": ()})
-        return self._references.get(clean.model_dump_json(), lambda: kit.motion.of(self.play(clean).trajectory()))
+        return self._references.get(clean.model_dump_json(), lambda: compiled.motion.of(self.trace(clean).trajectory()))
 
 
-def run_to_its_end(loop: Lockstep, tape: RunTrace, scenario: Scenario) -> None:
+def run_to_its_end(loop: Lockstep, trace: RunTrace, scenario: Scenario) -> None:
     """Run a loop until plant time has reached the scenario's duration.
 
     Plant time begins when the first input arrives, and that takes as long as the links make it. A loop that gains no
@@ -138,11 +139,11 @@ def run_to_its_end(loop: Lockstep, tape: RunTrace, scenario: Scenario) -> None:
     """
     duration_ns, period_ns = round(scenario.duration_s * 1e9), round(1e9 / scenario.rate_hz)
     loop.run(steps_of(scenario))
-    idle, reached_ns = 0, tape.plant_ns
+    idle, reached_ns = 0, trace.plant_ns
     while reached_ns < duration_ns and idle < MOST_ROUNDS:
         loop.run(-(-(duration_ns - reached_ns) // period_ns))
-        idle = 0 if tape.plant_ns > reached_ns else idle + 1
-        reached_ns = tape.plant_ns
+        idle = 0 if trace.plant_ns > reached_ns else idle + 1
+        reached_ns = trace.plant_ns
     loop.finish()
 
 

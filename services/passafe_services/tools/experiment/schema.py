@@ -1,4 +1,4 @@
-"""What an experiment file may say: pydantic models with ranges, no unknown keys."""
+"""The schema of experiment files: pydantic models with ranges, no unknown keys."""
 
 from collections.abc import Mapping
 from typing import Annotated, Any, Final, Literal, Self
@@ -37,18 +37,18 @@ class Seeds(Config):
 
 
 class Criterion(Config):
-    """A figure of a run and the limit that it must keep; a figure that there is not keeps none."""
+    """A metric of a run and the limit that it must keep; a metric that there is not keeps none."""
 
-    figure: str
+    metric: str
     at_least: Finite | None = None
     at_most: Finite | None = None
 
-    @field_validator("figure")
+    @field_validator("metric")
     @classmethod
-    def _is_a_figure(cls, figure: str) -> str:
-        if figure not in NUMERIC:
-            raise ValueError(f"got {figure!r}, allowed one of {', '.join(NUMERIC)}{suggestion(figure, NUMERIC)}")
-        return figure
+    def _is_a_metric(cls, metric: str) -> str:
+        if metric not in NUMERIC:
+            raise ValueError(f"got {metric!r}, allowed one of {', '.join(NUMERIC)}{suggestion(metric, NUMERIC)}")
+        return metric
 
     @model_validator(mode="after")
     def _has_one_limit(self) -> Self:
@@ -56,15 +56,15 @@ class Criterion(Config):
             raise ValueError("at_least, at_most: got both or neither, allowed one of them")
         return self
 
-    def holds(self, figures: Metrics | None) -> bool:
-        """Whether a run keeps it; one that ended with an error does not."""
-        value = None if figures is None else figures.number(self.figure)
+    def holds(self, metrics: Metrics | None) -> bool:
+        """Return whether a run keeps it; one that ended with an error does not."""
+        value = None if metrics is None else metrics.number(self.metric)
         if value is None:
             return False
         return value >= self.at_least if self.at_least is not None else value <= (self.at_most or 0.0)
 
     def __str__(self) -> str:
-        return f"{self.figure} ≥ {self.at_least:g}" if self.at_most is None else f"{self.figure} ≤ {self.at_most:g}"
+        return f"{self.metric} ≥ {self.at_least:g}" if self.at_most is None else f"{self.metric} ≤ {self.at_most:g}"
 
 
 class Experiment(Config):
@@ -84,10 +84,10 @@ class Experiment(Config):
         seeds: Runs of every cell. A run's seed decides its random axes, links, start and operator.
         axes: What is varied, at most one of them bisected.
         criteria: What is asked of every run, by name.
-        worst_by: Name of the criterion by whose figure the worst run of a cell is told.
+        worst_by: Name of the criterion by whose metric the worst run of a cell is chosen.
     """
 
-    schema_version: Literal[1]
+    schema_version: Literal[2]
     name: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]{0,59}$")]
     title: str
     description: str = ""
@@ -102,8 +102,8 @@ class Experiment(Config):
     axes: tuple[AnyAxis, ...] = ()
     criteria: Annotated[dict[Annotated[str, Field(pattern=NAME)], Criterion], Field(min_length=1)] = Field(
         default_factory=lambda: {
-            "safe": Criterion(figure="h_min", at_least=0.0),
-            "solvent": Criterion(figure="tank_min_j", at_least=0.0),
+            "safe": Criterion(metric="h_min", at_least=0.0),
+            "solvent": Criterion(metric="tank_min_j", at_least=0.0),
         }
     )
     worst_by: str = ""
@@ -125,7 +125,7 @@ class Experiment(Config):
 
     @property
     def worst(self) -> Criterion:
-        """The criterion by whose figure the worst run is told."""
+        """The criterion by whose metric the worst run is chosen."""
         return self.criteria[self.worst_by or next(iter(self.criteria))]
 
     def overrides_of(self, variant: str, values: Mapping[str, JsonValue]) -> Overrides:
@@ -165,8 +165,8 @@ class Experiment(Config):
             raise ValueError(f"worst_by: got {self.worst_by!r}, allowed one of {', '.join(self.criteria)}{near}")
         if not self.tracking:
             for name, criterion in self.criteria.items():
-                if criterion.figure.startswith("tracking_") or criterion.figure == "final_error":
-                    raise ValueError(f"criteria.{name}: got {criterion.figure}, allowed with tracking = true only")
+                if criterion.metric.startswith("tracking_") or criterion.metric == "final_error":
+                    raise ValueError(f"criteria.{name}: got {criterion.metric}, allowed with tracking = true only")
         return self
 
     @model_validator(mode="after")

@@ -1,50 +1,33 @@
-"""What the cells of an experiment came to: spread of every figure, shares that break a criterion, boundaries."""
+"""The summary of an experiment: spread of every metric, shares of runs that break a criterion, boundaries."""
 
 from collections.abc import Sequence
 from functools import partial
 from typing import Self
 
-import numpy as np
 from pydantic import BaseModel, ConfigDict
 
 from passafe_services.tools.experiment.bisection import Boundary
+from passafe_services.tools.experiment.cells import Cell, RunKey
 from passafe_services.tools.experiment.metrics import NUMERIC
 from passafe_services.tools.experiment.plan import Plan
-from passafe_services.tools.experiment.runs import Cell, Result, RunKey
+from passafe_services.tools.experiment.run_result import RunResult
 from passafe_services.tools.experiment.schema import Criterion, Experiment
 from passafe_services.tools.feasibility.share import Share
+from passafe_services.tools.runs.summary import Spread, badness, worst_of
 
 VERDICT = "verdict"
 """Beside the criteria: runs whose verdict is not that every required property holds."""
 
 
-class MetricSpread(BaseModel):
-    """A figure over the runs of a cell that have it."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", ser_json_inf_nan="constants")
-
-    min: float
-    median: float
-    max: float
-
-    @classmethod
-    def of(cls, values: Sequence[float]) -> Self | None:
-        """Return the spread of some values; ``None`` of none."""
-        if not values:
-            return None
-        low, high = min(values), max(values)
-        return cls(min=low, median=float(np.median(values)) if np.isfinite((low, high)).all() else low, max=high)
-
-
 class CellSummary(BaseModel):
-    """What the runs of one cell came to, at one value of the bisected axis where there is one.
+    """The summary of one cell's runs, at one value of the bisected axis where there is one.
 
     Attributes:
         cell: The cell.
         probe: That value.
         runs: How many.
         errors: How many could not be run.
-        figures: MetricSpread of every figure, by name; ``None`` where no run has it.
+        metrics: Spread of every metric, by name; ``None`` where no run has it.
         breaking: Share of the runs that break each criterion, by its name, and ``verdict``; errors break all.
         worst: Seed of the worst run by the experiment's ``worst_by``.
     """
@@ -55,33 +38,32 @@ class CellSummary(BaseModel):
     probe: float | None
     runs: int
     errors: int
-    figures: dict[str, MetricSpread | None]
+    metrics: dict[str, Spread | None]
     breaking: dict[str, Share]
     worst: RunKey
 
     @classmethod
-    def of(cls, cell: Cell, results: Sequence[Result], experiment: Experiment) -> Self:
-        """Sum up at least one run of a cell, all at the same value of the bisected axis."""
-        ran = [result.figures for result in results if result.figures is not None]
-        values = {name: [figures.number(name) for figures in ran] for name in NUMERIC}
+    def of(cls, cell: Cell, results: Sequence[RunResult], experiment: Experiment) -> Self:
+        """Summarise at least one run of a cell, all at the same value of the bisected axis."""
+        ran = [result.metrics for result in results if result.metrics is not None]
         breaking = {
-            name: sum(not criterion.holds(result.figures) for result in results)
+            name: sum(not criterion.holds(result.metrics) for result in results)
             for name, criterion in experiment.criteria.items()
         }
-        breaking[VERDICT] = sum(result.figures is None or result.figures.verdict != "holds" for result in results)
+        breaking[VERDICT] = sum(result.metrics is None or result.metrics.verdict != "holds" for result in results)
         return cls(
             cell=cell,
             probe=results[0].run.probe,
             runs=len(results),
             errors=len(results) - len(ran),
-            figures={name: MetricSpread.of([v for v in found if v is not None]) for name, found in values.items()},
+            metrics={name: Spread.of(metrics.number(name) for metrics in ran) for name in NUMERIC},
             breaking={name: Share.counted(count, len(results)) for name, count in breaking.items()},
-            worst=worst_of(results, experiment.worst).run.key,
+            worst=worst_result(results, experiment.worst).run.key,
         )
 
 
 class CellBoundaries(BaseModel):
-    """Where each criterion first fails in one cell, by the criterion's name."""
+    """The boundaries of one cell: between which values each criterion first fails, by the criterion's name."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -90,7 +72,7 @@ class CellBoundaries(BaseModel):
 
 
 class ExperimentSummary(BaseModel):
-    """What an experiment came to.
+    """The summary of an experiment.
 
     Attributes:
         name: The experiment's.
@@ -114,9 +96,9 @@ class ExperimentSummary(BaseModel):
 
     @classmethod
     def of(cls, plan: Plan) -> Self:
-        """Sum up what is known of an experiment."""
+        """Summarise what is known of an experiment."""
         experiment = plan.experiment
-        found: dict[tuple[int, float | None], list[Result]] = {}
+        found: dict[tuple[int, float | None], list[RunResult]] = {}
         for result in sorted(plan.results.values(), key=in_order):
             found.setdefault((result.run.cell, result.run.probe), []).append(result)
         cells = tuple(CellSummary.of(plan.cells[number], runs, experiment) for (number, _), runs in found.items())
@@ -131,23 +113,21 @@ class ExperimentSummary(BaseModel):
         )
 
 
-def in_order(result: Result) -> tuple[int, float, int]:
-    """Return what puts results in the order of cells, values of the bisected axis, and seeds."""
+def in_order(result: RunResult) -> tuple[int, float, int]:
+    """Return the sort key that orders results by cell, value of the bisected axis, and seed."""
     run = result.run
     return run.cell, float("-inf") if run.probe is None else run.probe, run.seed
 
 
-def worst_of(results: Sequence[Result], criterion: Criterion) -> Result:
-    """Return the run whose figure is furthest on the wrong side; the first of equal ones."""
-    return min(results, key=partial(goodness, criterion=criterion))
+def worst_result(results: Sequence[RunResult], criterion: Criterion) -> RunResult:
+    """Return the run whose metric is furthest on the wrong side of a criterion; the first of equal ones."""
+    return worst_of(results, partial(badness_of, criterion=criterion))
 
 
-def goodness(result: Result, criterion: Criterion) -> float:
-    """Return how good the figure is that a criterion asks about; −∞ where a run has none."""
-    value = None if result.figures is None else result.figures.number(criterion.figure)
-    if value is None:
-        return float("-inf")
-    return value if criterion.at_most is None else -value
+def badness_of(result: RunResult, criterion: Criterion) -> float:
+    """Return how bad the metric is that a criterion asks about, the larger the worse; ∞ where a run has none."""
+    value = None if result.metrics is None else result.metrics.number(criterion.metric)
+    return badness(value, high_is_worse=criterion.at_most is not None)
 
 
 def _boundaries(plan: Plan) -> list[CellBoundaries]:

@@ -9,10 +9,11 @@ from passafe_protocol.messages import FilterStatus
 from pyarrow import csv, parquet
 from pydantic import JsonValue
 
+from passafe_services.tools.experiment.cells import displayed
 from passafe_services.tools.experiment.live_agreement import Agreement
 from passafe_services.tools.experiment.metrics import NUMERIC
 from passafe_services.tools.experiment.plan import Plan
-from passafe_services.tools.experiment.runs import Result, shown
+from passafe_services.tools.experiment.run_result import RunResult
 from passafe_services.tools.experiment.summary import ExperimentSummary, in_order
 
 Row = Mapping[str, Any]
@@ -21,7 +22,7 @@ Row = Mapping[str, Any]
 def runs_table(plan: Plan) -> pa.Table:
     """Return a row for every run that is known, in the order of cells and seeds.
 
-    Columns: ``variant``, the axes, ``seed``, the figures of ``Figures`` (statuses as ``ticks_…``, properties as
+    Columns: ``variant``, the axes, ``seed``, the metrics of ``Metrics`` (statuses as ``ticks_…``, properties as
     ``holds_…``, the last state as ``final_x0`` …), whether each criterion is kept as ``keeps_…``, ``error`` and
     ``wall_s``.
     """
@@ -32,7 +33,7 @@ def cells_table(summary: ExperimentSummary) -> pa.Table:
     """Return a row for every cell.
 
     Columns: ``variant``, the axes with listed values, the bisected one, ``runs``, ``errors``, ``…_min``, ``…_median``
-    and ``…_max`` of every figure, and for every criterion and the verdict the share of runs that break it,
+    and ``…_max`` of every metric, and for every criterion and the verdict the share of runs that break it,
     ``breaks_…``, with the ends of its 95 % interval (Wilson 1927), ``breaks_…_low`` and ``breaks_…_high``.
     """
     rows = []
@@ -41,7 +42,7 @@ def cells_table(summary: ExperimentSummary) -> pa.Table:
         if summary.axis is not None:
             row[summary.axis] = one.probe
         row |= {"runs": one.runs, "errors": one.errors}
-        for name, spread in one.figures.items():
+        for name, spread in one.metrics.items():
             for part in ("min", "median", "max"):
                 row[f"{name}_{part}"] = None if spread is None else getattr(spread, part)
         for name, share in one.breaking.items():
@@ -72,7 +73,7 @@ def boundaries_table(summary: ExperimentSummary) -> pa.Table:
 
 
 def agreement_table(found: Sequence[Agreement]) -> pa.Table:
-    """Return a row for every figure of every run that was made both live and in lockstep."""
+    """Return a row for every metric of every run that was made both live and in lockstep."""
     return _table([one._asdict() | {"agrees": one.agrees} for one in found])
 
 
@@ -86,24 +87,25 @@ def write_tables(tables: Mapping[str, pa.Table], folder: Path) -> list[Path]:
     return written
 
 
-def _run_row(result: Result, plan: Plan) -> dict[str, Any]:
-    run, figures = result.run, result.figures
+def _run_row(result: RunResult, plan: Plan) -> dict[str, Any]:
+    run, metrics = result.run, result.metrics
     row: dict[str, Any] = {"variant": run.variant, **_plain(run.values), "seed": run.seed}
-    row |= {name: None if figures is None else figures.number(name) for name in NUMERIC}
-    row |= {name: getattr(figures, name, None) for name in ("h_min_barrier", "verdict")}
-    counts = {} if figures is None else figures.status_counts
+    row |= {name: None if metrics is None else metrics.number(name) for name in NUMERIC}
+    row |= {name: getattr(metrics, name, None) for name in ("h_min_barrier", "verdict")}
+    counts = {} if metrics is None else metrics.status_counts
     row |= {f"ticks_{status.name}": counts.get(status.name, 0) for status in FilterStatus}
-    if figures is not None:
-        row |= {f"holds_{name}": holds for name, holds in figures.properties.items()}
-        row |= {f"final_x{k}": value for k, value in enumerate(figures.final_x or ())}
-    row |= {f"keeps_{name}": criterion.holds(figures) for name, criterion in plan.experiment.criteria.items()}
+    if metrics is not None:
+        row |= {f"holds_{name}": holds for name, holds in metrics.properties.items()}
+        row |= {f"final_x{k}": value for k, value in enumerate(metrics.final_x or ())}
+    row |= {f"keeps_{name}": criterion.holds(metrics) for name, criterion in plan.experiment.criteria.items()}
     return row | {"error": result.error, "wall_s": result.wall_s}
 
 
 def _plain(values: Mapping[str, JsonValue]) -> dict[str, Any]:
     """Return values of axes as numbers, truths or text."""
     return {
-        name: value if isinstance(value, bool | int | float | str) else shown(value) for name, value in values.items()
+        name: value if isinstance(value, bool | int | float | str) else displayed(value)
+        for name, value in values.items()
     }
 
 

@@ -6,12 +6,11 @@ from typing import NamedTuple
 
 from pydantic import BaseModel, ConfigDict, JsonValue
 
-from passafe_services.tools.experiment.metrics import Metrics
 from passafe_services.tools.experiment.schema import Experiment
 
 
 class RunKey(NamedTuple):
-    """What tells the runs of one experiment apart.
+    """The key of a run among those of its experiment.
 
     Attributes:
         cell: Number of the cell.
@@ -40,12 +39,12 @@ class Cell(BaseModel):
     values: dict[str, JsonValue]
 
     def describe(self) -> str:
-        """Return it in words, short."""
-        return ", ".join((self.variant, *(f"{name} = {shown(value)}" for name, value in self.values.items())))
+        """Return a short text for people."""
+        return ", ".join((self.variant, *(f"{name} = {displayed(value)}" for name, value in self.values.items())))
 
 
 class Run(BaseModel):
-    """One run that is asked for.
+    """One run of an experiment.
 
     Attributes:
         cell: Number of its cell.
@@ -65,26 +64,8 @@ class Run(BaseModel):
 
     @property
     def key(self) -> RunKey:
-        """What tells it apart."""
+        """Its key."""
         return RunKey(self.cell, self.probe, self.seed)
-
-
-class Result(BaseModel):
-    """What one run came to.
-
-    Attributes:
-        run: What was asked for.
-        figures: Its figures; ``None`` if it could not be run.
-        error: Why not, in words; empty if it could.
-        wall_s: How long it took, s; the only figure that another time differs.
-    """
-
-    model_config = ConfigDict(frozen=True, extra="forbid", ser_json_inf_nan="constants")
-
-    run: Run
-    figures: Metrics | None
-    error: str = ""
-    wall_s: float
 
 
 def cells_of(experiment: Experiment) -> list[Cell]:
@@ -114,7 +95,7 @@ def run_of(experiment: Experiment, cell: Cell, seed: int, probe: float | None = 
     return Run(cell=cell.number, variant=cell.variant, values=values, probe=probe, seed=seed)
 
 
-def shown(value: JsonValue) -> str:
+def displayed(value: JsonValue) -> str:
     """Return a value of an axis as text."""
     if isinstance(value, float):
         return f"{value:g}"

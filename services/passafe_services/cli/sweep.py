@@ -1,0 +1,53 @@
+"""The part that the commands of many runs have in common: workers and Ctrl-C."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Final, TypeVar
+
+import typer
+from rich.console import Console
+
+from passafe_services.loop.realtime import available_processors
+from passafe_services.loop.stop import Stop
+from passafe_services.tools.runs.dask_workers import dask_workers
+from passafe_services.tools.runs.job import Job
+from passafe_services.tools.runs.worker_processes import worker_processes
+from passafe_services.tools.runs.workers import Workers
+
+Task = TypeVar("Task")
+R = TypeVar("R")
+
+INTERRUPTED: Final = 130
+"""Exit code after Ctrl-C, as shells have it."""
+
+
+@contextmanager
+def workers_for(job: Job[Task, R], workers: int, scheduler: str | None = None) -> Iterator[Workers[Task, R]]:
+    """Give the workers that the options ask for; processes of this machine are killed in the end.
+
+    Args:
+        job: What they work for.
+        workers: How many processes; 0: one for each processor.
+        scheduler: Address of a Dask scheduler whose cluster does the work instead.
+    """
+    if scheduler is not None:
+        with dask_workers(job, scheduler) as cluster:
+            yield cluster
+    else:
+        with worker_processes(job, workers or available_processors()) as processes:
+            yield processes
+
+
+def exit_if_interrupted(stop: Stop, results: int, folder: Path, console: Console) -> None:
+    """End the command if Ctrl-C was pressed.
+
+    Args:
+        stop: The requests to stop.
+        results: How many results there are.
+        folder: Where they are.
+        console: Where to say so.
+    """
+    if stop.reason is not None:
+        console.print(f"interrupted after {results} runs; the same command resumes in {folder}")
+        raise typer.Exit(INTERRUPTED)

@@ -1,0 +1,1 @@
+"""Many runs, for experiments and campaigns alike: workers, results on disk, resumption and summaries."""

@@ -1,0 +1,51 @@
+"""Summaries of many runs: the spread of a metric, and the run in which it is worst."""
+
+from collections.abc import Callable, Iterable, Sequence
+from math import inf, isnan
+from typing import Self, TypeVar
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict
+
+R = TypeVar("R")
+
+
+class Spread(BaseModel):
+    """The spread of a metric over runs."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", ser_json_inf_nan="constants")
+
+    min: float
+    median: float
+    max: float
+
+    @classmethod
+    def of(cls, values: Iterable[float | None]) -> Self | None:
+        """Return the spread of some values, those left out that are none; ``None`` if all are."""
+        known = [value for value in values if value is not None]
+        if not known:
+            return None
+        low, high = min(known), max(known)
+        return cls(min=low, median=float(np.median(known)) if np.isfinite((low, high)).all() else low, max=high)
+
+
+def worst_of(results: Sequence[R], badness: Callable[[R], float]) -> R:
+    """Return the worst of at least one result, the first of equal ones.
+
+    Args:
+        results: The results.
+        badness: From a result to a number, the larger the worse, see ``badness``.
+    """
+    return max(results, key=badness)
+
+
+def badness(value: float | None, *, high_is_worse: bool) -> float:
+    """Return how bad the value of a metric is, the larger the worse; ∞ where a run has none, or a NaN.
+
+    Args:
+        value: The value.
+        high_is_worse: Whether large values are bad, rather than small ones.
+    """
+    if value is None or isnan(value):
+        return inf
+    return value if high_is_worse else -value
