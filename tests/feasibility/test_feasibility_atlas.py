@@ -153,7 +153,7 @@ def test_every_cell_is_drawn_in_the_colour_of_its_answer(atlas: Atlas) -> None:
     assert (image.origin, list(image.get_extent())) == ("lower", [-1.0, 3.0, -4.0, 4.0])
 
 
-def test_the_picture_names_every_answer_and_says_what_it_shows(atlas: Atlas) -> None:
+def test_picture_names_every_category_and_has_a_description(atlas: Atlas) -> None:
     text = atlas_picture(atlas, across="x0 (position)", up="x1 (velocity)", same_scale=False)
     root = ET.fromstring(text)  # noqa: S314 - our own text
     words = [element.text for element in root.iter(f"{SVG}text")]

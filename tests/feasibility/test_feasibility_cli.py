@@ -35,7 +35,7 @@ def feasibility(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.
     return run
 
 
-def test_help_says_what_is_mapped(feasibility: Feasibility) -> None:
+def test_help_describes_the_atlas(feasibility: Feasibility) -> None:
     done = feasibility("--help")
 
     assert done.returncode == 0

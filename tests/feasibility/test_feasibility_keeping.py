@@ -108,7 +108,7 @@ def test_away_from_the_disk_safety_and_passivity_pull_apart(gain: float, tank: T
         assert found.passive_kept.all()
 
 
-def test_slowly_away_from_the_disk_they_conflict_at_high_gains_too() -> None:
+def test_slow_retreat_from_the_disk_conflicts_at_high_gains() -> None:
     """On the boundary, x₁ = x₂/‖x₂‖, γ = 10: 42‖x₂‖ + 2‖x₂‖² ≥ 4, by the rows of the test above."""
     speed = np.linspace(0.01, 0.3, 60)
     direction = np.array([[0.6], [-0.8]])
@@ -119,7 +119,7 @@ def test_slowly_away_from_the_disk_they_conflict_at_high_gains_too() -> None:
     assert found.hard_kept.all()
 
 
-def test_at_rest_passivity_asks_for_nothing() -> None:
+def test_passivity_is_inactive_at_rest() -> None:
     states = box(4, 50)
     states[2:] = 0.0
     found = ConstraintFeasibility(paper(gain=10.0)).at(states)
@@ -138,7 +138,7 @@ def test_without_barriers_everything_is_kept_and_inside() -> None:
 
 
 @pytest.mark.parametrize("mode", [Mode.OFF, Mode.SAFE])
-def test_both_duties_are_asked_for_in_every_mode(mode: Mode) -> None:
+def test_safety_and_passivity_rows_exist_in_every_mode(mode: Mode) -> None:
     states = box(4, 50)
     some, both = (ConstraintFeasibility(paper(gain=1.0, mode=each)).at(states) for each in (mode, Mode.BOTH))
 
@@ -146,7 +146,7 @@ def test_both_duties_are_asked_for_in_every_mode(mode: Mode) -> None:
     assert np.array_equal(some.hard_margin, both.hard_margin)
 
 
-def test_a_state_whose_rows_are_no_numbers_is_not_kept_and_spoils_no_other() -> None:
+def test_nan_rows_are_infeasible_without_affecting_other_states() -> None:
     good = box(2, 3)
     states = good.copy()
     states[0, 1] = np.nan

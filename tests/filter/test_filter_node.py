@@ -83,7 +83,7 @@ def inputs_of(node: Node, at_ms: int, *inbox: Received) -> list[PlantInput]:
     return [made for made in sent(list(node.step(at_ms * MS, inbox)), PlantInput) if isinstance(made, PlantInput)]
 
 
-def test_before_the_first_state_it_says_what_it_runs_and_nothing_else() -> None:
+def test_only_scenario_info_is_sent_before_the_first_state() -> None:
     node = make_node()
 
     first, second = list(node.step(0, [command(0)])), list(node.step(MS, []))
@@ -94,7 +94,7 @@ def test_before_the_first_state_it_says_what_it_runs_and_nothing_else() -> None:
     assert (len(first), second) == (1, [])
 
 
-def test_the_first_tick_accounts_for_everything_consumed_before_it() -> None:
+def test_first_tick_lists_everything_consumed_before_it() -> None:
     node = make_node()
     node.step(0, [command(0)])
 
@@ -130,7 +130,7 @@ def test_a_released_dead_man_fades_and_is_not_stale() -> None:
     assert ticks_of(node, 102, plant_state(102))[-1].u_h == (0.0, 0.0)
 
 
-def test_a_dead_man_that_was_never_pressed_counts_as_zero_and_is_not_stale() -> None:
+def test_unpressed_dead_man_gives_zero_and_is_not_stale() -> None:
     node = make_node()
 
     tick = tick_of(node, 1, plant_state(1), command(1, enabled=False))
@@ -154,7 +154,7 @@ def test_an_old_command_fades_and_is_stale_until_a_new_one_comes() -> None:
     assert fresh.u_h == (-3.0, 0.5)
 
 
-def test_without_any_command_the_rows_are_kept_and_the_status_is_stale() -> None:
+def test_rows_hold_without_commands_and_status_is_stale() -> None:
     tick = tick_of(make_node(), 1, plant_state(1))
 
     assert (tick.status, tick.command_age_ns) == (FilterStatus.STALE, -1)
@@ -186,7 +186,7 @@ def test_a_command_that_is_none_is_passed_over(u_h: tuple[float, ...]) -> None:
     assert tick_of(node, 2, plant_state(2), command(2, u_h)).u_h == (1.0, 1.0)
 
 
-def test_an_overtaken_command_is_passed_over_and_a_newer_session_counts() -> None:
+def test_reordered_commands_are_ignored_and_newer_sessions_count() -> None:
     node = make_node()
     tick_of(node, 1, plant_state(1), command(1, (1.0, 1.0), sequence=9))
 
@@ -215,7 +215,7 @@ def test_telemetry_agrees_with_the_decision() -> None:
     assert [row.margin for row in tick.rows] == list(decision.margins[:2])
 
 
-def test_a_step_makes_the_inputs_of_all_periods_that_were_left_out_each_for_what_the_one_before_leads_to() -> None:
+def test_catch_up_step_emits_one_input_per_skipped_period() -> None:
     node = make_node()
     tick_of(node, 1, plant_state(1), command(1))
 
@@ -230,7 +230,7 @@ def test_a_step_makes_the_inputs_of_all_periods_that_were_left_out_each_for_what
     assert [tick.horizon_ns for tick in ticks if isinstance(tick, FilterTick)] == [MS, 2 * MS, 3 * MS, 4 * MS]
 
 
-def test_a_step_makes_so_many_inputs_at_most_and_the_next_goes_on() -> None:
+def test_inputs_per_step_are_limited_and_the_next_step_continues() -> None:
     node = make_node()
     tick_of(node, 1, plant_state(1), command(1))
 
@@ -241,7 +241,7 @@ def test_a_step_makes_so_many_inputs_at_most_and_the_next_goes_on() -> None:
     assert [made.effective_plant_ns // MS for made in rest] == list(range(1 + MOST_AT_ONCE, 102))
 
 
-def test_where_nothing_is_due_what_was_decided_last_stands_and_is_told_again() -> None:
+def test_without_a_due_input_the_last_decision_is_reported_again() -> None:
     node = make_node()
     first = tick_of(node, 1, plant_state(1), command(1))
     ahead = plant_state(2, 0, phase=PlantPhase.RUNNING, u=first.u, input_epoch=1, input_transit_ns=4 * MS)
@@ -257,7 +257,7 @@ def test_where_nothing_is_due_what_was_decided_last_stands_and_is_told_again() -
     assert [(each.topic, each.sequence) for each in again.consumed] == [("state", 4), ("command", 4)]
 
 
-def test_while_the_plant_runs_on_anothers_inputs_nothing_is_sent_and_the_first_tick_accounts_for_all() -> None:
+def test_nothing_is_sent_while_another_filter_drives_the_plant() -> None:
     node = make_node()
     for k in range(1, 4):
         assert sent(list(node.step(k * MS, [plant_state(k, k, phase=PlantPhase.RUNNING)])), FilterTick) == []
@@ -287,7 +287,7 @@ def test_a_wait_without_end_fills_no_memory_and_no_message() -> None:
     assert decode(TICK, encode(head("filter", 1), tick))[1] == tick
 
 
-def test_a_plant_that_was_started_again_gets_a_series_of_its_own_and_the_old_one_is_heard_no_more() -> None:
+def test_restarted_plant_gets_a_new_sequence() -> None:
     node = make_node()
     tick_of(node, 1, plant_state(1), command(1))
     running = plant_state(2, 700, phase=PlantPhase.RUNNING, x=(9.0, 9.0, 0.0, 0.0), sequence_break_ns=5)

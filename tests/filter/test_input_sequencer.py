@@ -23,11 +23,11 @@ def send(series: InputSequencer, *times_ms: int) -> list[PlantInput]:
     return [series.message(at_ms + 1, (float(at_ms), -1.0), at_ms * MS) for at_ms in times_ms]
 
 
-def test_the_first_series_begins_where_the_schedule_says() -> None:
+def test_first_sequence_begins_at_the_scheduled_time() -> None:
     assert arming().next_input(state(0, WAITING), 3 * MS) == (3 * MS, True)
 
 
-def test_every_period_has_its_turn_whatever_the_schedule_says() -> None:
+def test_every_period_gets_one_input_whatever_the_schedule() -> None:
     series = arming()
     series.next_input(state(0, WAITING), 0)
     send(series, 0, 1)
@@ -37,7 +37,7 @@ def test_every_period_has_its_turn_whatever_the_schedule_says() -> None:
     assert series.next_input(state(0, RUNNING), MS) == (2 * MS, False)  # nothing to make: the next is later
 
 
-def test_messages_tell_of_their_arming_and_repeat_the_newest_earlier_inputs() -> None:
+def test_messages_name_their_sequence_and_repeat_previous_inputs() -> None:
     series = arming(repeats=2)
     series.next_input(state(40, FAIL_SAFE, 31), 50 * MS)
     sent = send(series, 50, 51, 52, 53)
@@ -62,7 +62,7 @@ def test_without_repeats_messages_hold_their_own_input_alone() -> None:
 
 
 @pytest.mark.parametrize("phase", [HOLDING, FAIL_SAFE])
-def test_a_break_ends_the_series_and_the_next_one_rests_on_it(phase: PlantPhase) -> None:
+def test_break_ends_the_sequence_and_the_next_one_names_it(phase: PlantPhase) -> None:
     series = arming()
     series.next_input(state(0, WAITING), 0)
     send(series, 0, 1, 2, 3)
@@ -72,7 +72,7 @@ def test_a_break_ends_the_series_and_the_next_one_rests_on_it(phase: PlantPhase)
     assert (message.input_sequence_start_ns, message.known_break_ns, message.previous_u) == (9 * MS, 2 * MS, ())
 
 
-def test_a_series_that_can_still_begin_is_kept() -> None:
+def test_sequence_that_can_still_begin_is_kept() -> None:
     series = arming()
     series.next_input(state(2, FAIL_SAFE, 2), 9 * MS)
     send(series, 9)
@@ -81,7 +81,7 @@ def test_a_series_that_can_still_begin_is_kept() -> None:
 
 
 @pytest.mark.parametrize("phase", [HOLDING, FAIL_SAFE])
-def test_a_series_that_did_not_begin_in_time_is_given_up(phase: PlantPhase) -> None:
+def test_sequence_that_did_not_begin_in_time_ends(phase: PlantPhase) -> None:
     series = arming()
     series.next_input(state(2, FAIL_SAFE, 2), 9 * MS)
     send(series, 9)
@@ -89,7 +89,7 @@ def test_a_series_that_did_not_begin_in_time_is_given_up(phase: PlantPhase) -> N
     assert series.next_input(state(9, phase, 2), 20 * MS) == (20 * MS, True)
 
 
-def test_a_plant_that_runs_on_what_another_filter_made_gets_nothing_until_it_has_run_out() -> None:
+def test_no_sequence_begins_while_another_filter_drives() -> None:
     series = arming()
 
     for plant_ms in range(5):
@@ -100,7 +100,7 @@ def test_a_plant_that_runs_on_what_another_filter_made_gets_nothing_until_it_has
     assert send(series, 11)[0].known_break_ns == 5 * MS
 
 
-def test_a_plant_that_was_armed_anew_by_another_filter_ends_the_series_and_gets_none() -> None:
+def test_another_filters_sequence_ends_ours() -> None:
     series = arming()
     series.next_input(state(2, FAIL_SAFE, 2), 9 * MS)
     send(series, 9)
@@ -108,7 +108,7 @@ def test_a_plant_that_was_armed_anew_by_another_filter_ends_the_series_and_gets_
     assert series.next_input(state(20, RUNNING, 15), 25 * MS) == (26 * MS, False)
 
 
-def test_a_plant_at_rest_gets_another_series_when_the_first_input_seems_to_be_lost() -> None:
+def test_new_sequence_begins_if_the_first_input_seems_lost() -> None:
     series, last_ms = arming(), WAITING_NS // MS
     series.next_input(state(0, WAITING), 0)
     send(series, last_ms - 2)
@@ -118,7 +118,7 @@ def test_a_plant_at_rest_gets_another_series_when_the_first_input_seems_to_be_lo
     assert series.next_input(state(0, WAITING), last_ms * MS) == (last_ms * MS, True)
 
 
-def test_after_a_restart_a_new_series_begins_with_whatever_plant_there_is() -> None:
+def test_new_sequence_begins_after_a_restart() -> None:
     series = arming()
     series.next_input(state(0, WAITING), 0)
     send(series, 0, 1)

@@ -51,7 +51,7 @@ def test_without_a_command_it_is_zero_and_stale(make: type) -> None:
 
 
 @pytest.mark.parametrize("make", [as_sent, estimated])
-def test_a_stale_command_fades_from_what_was_asked_for_last_to_zero_along_a_line(make: type) -> None:
+def test_stale_command_fades_linearly_to_zero(make: type) -> None:
     request = make()
     ramp(request)
 
@@ -82,7 +82,7 @@ def test_a_released_dead_man_fades_and_is_not_stale(make: type) -> None:
     assert request.at(690 * MS) == (*ZERO, 10 * MS, False)
 
 
-def test_a_dead_man_that_is_released_when_the_command_is_stale_already_does_not_begin_the_fade_anew() -> None:
+def test_release_of_a_stale_command_does_not_restart_the_fade() -> None:
     request = as_sent()
     hear(request, 0, (1.0,))
     request.at(200 * MS)
@@ -103,7 +103,7 @@ def test_a_dead_man_that_is_pressed_again_counts_at_once() -> None:
     assert request.at(60 * MS) == ((2.0,), (0.0,), 0, False)
 
 
-def test_a_dead_man_that_was_never_pressed_asks_for_nothing() -> None:
+def test_unpressed_dead_man_requests_nothing() -> None:
     request = as_sent()
     hear(request, 0, (1.0,), enabled=False)
 
@@ -123,7 +123,7 @@ def test_without_a_time_to_fade_it_is_zero_at_once() -> None:
 
 
 @pytest.mark.parametrize("make", [as_sent, estimated])
-def test_after_a_restart_nothing_was_heard(make: type) -> None:
+def test_restart_discards_all_commands(make: type) -> None:
     request = make()
     ramp(request)
     request.at(500 * MS)
@@ -154,7 +154,7 @@ def test_as_sent_is_the_newest_command_to_the_last_bit() -> None:
     assert request.at(0) == ((0.1,), (7.0,), 0, False)
 
 
-def test_a_ramp_is_continued_between_commands_and_its_rate_is_known() -> None:
+def test_ramp_is_extrapolated_between_commands_with_its_rate() -> None:
     request = estimated()
     ramp(request)
 
@@ -176,7 +176,7 @@ def test_delay_that_varies_does_not_reach_the_rate() -> None:
     assert u_h == pytest.approx((0.510,), abs=1e-3)
 
 
-def test_an_overtaken_command_counts_as_a_sample_but_not_as_the_newest() -> None:
+def test_reordered_command_counts_as_a_sample_not_as_the_newest() -> None:
     in_order, overtaken = estimated(), estimated()
     for request, times in ((in_order, (0, 20, 40, 60)), (overtaken, (0, 40, 20, 60))):
         for at_ms in times:
@@ -186,7 +186,7 @@ def test_an_overtaken_command_counts_as_a_sample_but_not_as_the_newest() -> None
 
 
 @pytest.mark.parametrize("how", ["release", "silence", "session", "clock stands still", "clock leaps"])
-def test_it_starts_anew(how: str) -> None:
+def test_estimator_restarts(how: str) -> None:
     request = estimated()
     ramp(request)
     if how == "release":
@@ -208,7 +208,7 @@ def test_it_starts_anew(how: str) -> None:
 
 
 @pytest.mark.parametrize("asked_between", [False, True])
-def test_after_silence_what_was_before_counts_no_more_whoever_asked_between(*, asked_between: bool) -> None:
+def test_samples_before_a_silence_are_discarded(*, asked_between: bool) -> None:
     request = estimated()
     ramp(request)
     if asked_between:
@@ -221,7 +221,7 @@ def test_after_silence_what_was_before_counts_no_more_whoever_asked_between(*, a
     assert request.at(710 * MS) == ((0.5,), (0.0,), 0, False)
 
 
-def test_a_newest_command_later_than_any_link_makes_it_starts_anew() -> None:
+def test_implausibly_late_newest_command_resets_the_estimator() -> None:
     request = estimated()
     hear(request, 0, (0.0,))
     hear(request, 20, (0.02,))
@@ -231,7 +231,7 @@ def test_a_newest_command_later_than_any_link_makes_it_starts_anew() -> None:
     assert request.at(402 * MS) == ((0.25,), (0.0,), 0, False)
 
 
-def test_the_clock_forgets_the_fastest_message_as_clocks_may_drift() -> None:
+def test_minimum_delay_is_relaxed_at_the_drift_rate() -> None:
     clock = SenderClock()
     assert clock.update(0, 5 * MS) == 0
     assert clock.update(1000 * MS, 1007 * MS) == 2 * MS - 100_200
@@ -239,7 +239,7 @@ def test_the_clock_forgets_the_fastest_message_as_clocks_may_drift() -> None:
     assert clock.sent_s(1000 * MS) == 1.0
 
 
-def test_an_overtaken_message_does_not_set_the_clock_back() -> None:
+def test_reordered_message_does_not_set_the_clock_back() -> None:
     clock = SenderClock()
     clock.update(40 * MS, 60 * MS)
     clock.update(20 * MS, 61 * MS)

@@ -31,7 +31,7 @@ def tick_at(x: tuple[float, ...], u_h: tuple[float, float], core: SafetyPassivit
     return tick
 
 
-def test_a_tick_tells_what_the_core_says_of_its_decision() -> None:
+def test_tick_contains_the_cores_decision() -> None:
     x, u_h = (1.2, 0.0, -1.0, 0.0), (-30.0, 0.0)
     decision = CORE.decide(x, (0.0, 0.0), u_h, (0.0, 0.0), 1.0, start=True)
     override = Explainer(CORE).override(decision)
@@ -51,7 +51,7 @@ def test_a_tick_tells_what_the_core_says_of_its_decision() -> None:
     assert [row.relaxed for row in tick.rows] == [0.0] * len(tick.rows)
 
 
-def test_a_limit_that_cuts_off_the_request_is_listed_though_its_multiplier_is_zero() -> None:
+def test_limit_that_clips_the_request_is_listed_with_zero_dual() -> None:
     tick = tick_at((2.0, 2.0, 0.0, 0.0), (500.0, 0.0))
 
     [limit] = [row for row in tick.rows if row.name == "input 0 high"]
@@ -60,7 +60,7 @@ def test_a_limit_that_cuts_off_the_request_is_listed_though_its_multiplier_is_ze
     assert limit.share == pytest.approx(1.0, abs=1e-3)
 
 
-def test_rows_that_were_given_up_say_by_how_much_and_barriers_not_enforced_have_no_margin() -> None:
+def test_relaxed_rows_report_amounts_and_unenforced_rows_none() -> None:
     scenario = load_scenario("notomista-cai-2020")
     narrow = scenario.model_copy(update={"filter": scenario.filter.model_copy(update={"input_bound": 1.0})})
     given_up = tick_at((1.1, 0.0, -3.0, 0.0), (0.0, 0.0), SafetyPassivityFilter(design_of(narrow, robot_of(narrow))))
@@ -75,7 +75,7 @@ def test_rows_that_were_given_up_say_by_how_much_and_barriers_not_enforced_have_
     assert unenforced.override.distance_to_infeasibility == core.design.limits.reach
 
 
-def test_a_run_says_why_it_holds_back_at_most_once_a_second() -> None:
+def test_override_causes_are_reported_at_most_once_a_second() -> None:
     heard: list[tuple[int, str]] = []
 
     def listen(*message: object) -> None:

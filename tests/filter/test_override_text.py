@@ -62,7 +62,7 @@ def said(core: SafetyPassivityFilter, x: tuple[float, ...], u_h: tuple[float, fl
     return OverrideText(core, robot, "m/s²").sentence(decision, Explainer(core).override(decision))
 
 
-def test_an_obstacle_with_its_distance_and_the_part_that_would_pass() -> None:
+def test_sentence_has_obstacle_distance_and_passing_fraction() -> None:
     # ψ₂ = u₁ + (20 − 1)·0 + 100·0.04 ≥ 0: of u₁ = −7.1, −4 passes, which is 56.3 %.
     assert said(core_of(wall("west", 1.0, -1.0)), (-0.96, 0.0, 0.0, 0.0), (-7.1, 0.0)) == (
         "held back 3.1 m/s²: obstacle `west`, 0.04 m from its limit; 56 % of the command would have passed unchanged"
@@ -116,7 +116,7 @@ def test_two_obstacles_are_named_in_the_order_of_their_shares() -> None:
     )
 
 
-def test_rows_that_contradict_one_another_are_said_to() -> None:
+def test_conflicting_rows_are_described() -> None:
     # p₁ ≥ 0.01 and −p₁ ≥ 0.01: at rest in the middle, u₁ ≥ 1 and u₁ ≤ −1.
     core = core_of(wall("a", 1.0, 0.01), wall("b", -1.0, 0.01))
     words = said(core, (0.0,) * 4, (0.0, 0.0))
@@ -124,7 +124,7 @@ def test_rows_that_contradict_one_another_are_said_to() -> None:
     assert words == "relaxed 1 m/s² of obstacle `a` and 1 m/s² of obstacle `b`: they conflict"
 
 
-def test_rows_that_the_limits_contradict_are_said_to() -> None:
+def test_rows_in_conflict_with_the_limits_are_described() -> None:
     root = 1 / sqrt(2)
     one = core_of(wall("a", 1.0, 0.05), bound=2.0)
     sides = (
@@ -138,7 +138,7 @@ def test_rows_that_the_limits_contradict_are_said_to() -> None:
     assert said(core_of(*sides, bound=2.0), (0.0,) * 4, (0.0, 0.0)).endswith("they conflict within the input limits")
 
 
-def test_hard_passivity_that_is_given_up_is_energy() -> None:
+def test_relaxed_hard_passivity_is_called_energy() -> None:
     core = core_of(mode=Mode.PASSIVE, law=Law.CONTINUOUS)
     # ∂h_u/∂u = −x₂ all but vanishes, and −(2x₁ + u)ᵀu is far below zero (theory, section 5).
     given_up = core.decide((9.0, 0.0, 1e-3, 0.0), (50.0, 0.0), REST, REST)
@@ -149,7 +149,7 @@ def test_hard_passivity_that_is_given_up_is_energy() -> None:
     )
 
 
-def test_passivity_that_yields_says_by_how_much() -> None:
+def test_relaxed_passivity_is_reported_with_its_amount() -> None:
     # At (−1.05, 0) inside a wall the safe input points outward and passivity asks for the opposite.
     core = core_of(wall("west", 1.0, -1.0), mode=Mode.BOTH)
     decision = core.decide((-1.2, 0.0, 0.5, 0.0), REST, REST, REST, start=True)
@@ -159,7 +159,7 @@ def test_passivity_that_yields_says_by_how_much() -> None:
     assert words.endswith(f"relaxed passivity by {decision.slack:.2g} W")
 
 
-def test_a_gauge_of_a_disk_is_its_distance_to_first_order_and_h_where_that_has_no_slope() -> None:
+def test_disk_distance_is_first_order_and_h_without_slope() -> None:
     disk = barrier("disk", disk_keep_out(ROBOT.position, centre=(0.0, 0.0), radius=1.0))
     distance = BarrierDistance(derive_chain(ROBOT.system, disk), ROBOT)
 
@@ -189,7 +189,7 @@ def pushed(u_h: tuple[float, float]) -> Decision:
     return CORE.decide((-1.0, -1.0, 0.0, 0.0), REST, u_h, REST, start=True)
 
 
-def test_an_override_is_told_when_it_becomes_notable_and_not_again_for_the_same_reasons() -> None:
+def test_notable_override_is_reported_once_per_set_of_causes() -> None:
     made = announcer(CORE)
     texts = [made.event(at * MS, pushed((-3.0, 0.0))) for at in range(0, 5000, 10)]
 
@@ -198,7 +198,7 @@ def test_an_override_is_told_when_it_becomes_notable_and_not_again_for_the_same_
     assert (event.severity, event.text[:30]) == ("info", "held back 3 m/s²: obstacle `we")
 
 
-def test_other_reasons_are_told_but_not_within_a_second() -> None:
+def test_other_causes_are_reported_but_not_within_a_second() -> None:
     made = announcer(CORE)
     made.event(0, pushed((-3.0, 0.0)))
 
@@ -208,7 +208,7 @@ def test_other_reasons_are_told_but_not_within_a_second() -> None:
     assert "`south`" in event.text
 
 
-def test_after_a_while_without_it_the_same_is_told_again() -> None:
+def test_same_causes_are_reported_again_after_a_pause() -> None:
     made = announcer(CORE)
     made.event(0, pushed((-3.0, 0.0)))
 
@@ -216,7 +216,7 @@ def test_after_a_while_without_it_the_same_is_told_again() -> None:
     assert made.event(2 * REPEAT_AFTER_NS + 1, pushed((-3.0, 0.0))) is not None
 
 
-def test_what_passes_or_hardly_changes_is_not_told_and_not_looked_at_again_at_once() -> None:
+def test_small_overrides_are_not_reported_and_not_rechecked_soon() -> None:
     made = announcer(CORE)
 
     assert made.event(0, pushed((3.0, 3.0))) is None
@@ -233,7 +233,7 @@ def test_the_fail_safe_law_is_not_explained() -> None:
     assert announcer(CORE).event(0, decision) is None
 
 
-def test_what_is_given_up_is_a_warning() -> None:
+def test_relaxation_is_a_warning() -> None:
     core = core_of(wall("a", 1.0, 0.01), wall("b", -1.0, 0.01))
     event = announcer(core).event(0, core.decide((0.0,) * 4, REST, REST, REST, start=True))
 

@@ -27,14 +27,14 @@ def started(playout_ms: int = 5) -> PlayoutSchedule:
     return schedule
 
 
-def test_the_first_input_for_a_waiting_plant_is_for_its_own_time_and_the_next_follow_period_by_period() -> None:
+def test_waiting_plant_gets_inputs_from_its_own_time_on() -> None:
     schedule = make_schedule()
     waiting = state(0, phase=WAITING, epoch=0)
 
     assert [schedule.effective_ns((100 + k) * MS, waiting) for k in range(4)] == [0, MS, 2 * MS, 3 * MS]
 
 
-def test_a_step_that_was_left_out_does_not_shift_the_ones_after_it() -> None:
+def test_skipped_step_does_not_shift_the_following_ones() -> None:
     assert started().effective_ns(103 * MS, state(0, phase=WAITING)) == 3 * MS
 
 
@@ -42,7 +42,7 @@ def test_a_filter_that_joins_a_running_plant_starts_ahead_of_it() -> None:
     assert make_schedule().effective_ns(0, state(700, epoch=0)) == 706 * MS
 
 
-def test_inputs_are_made_for_the_longest_transit_and_the_play_out_time_on_top_at_once() -> None:
+def test_effective_time_covers_transit_and_playout_at_once() -> None:
     schedule = started()
     slower = state(8, transit_ms=-98)  # two periods later than at the play-out time: −100 − 5 was in step
 
@@ -54,7 +54,7 @@ def test_inputs_are_made_for_the_longest_transit_and_the_play_out_time_on_top_at
     assert schedule.moved == 1
 
 
-def test_a_transit_that_is_no_whole_number_of_periods_counts_as_the_next_larger_one() -> None:
+def test_transit_is_rounded_up_to_whole_periods() -> None:
     schedule = started()
 
     assert schedule.effective_ns(110 * MS, state(8, transit_ms=-97.9999)) == (110 - 97 + 5) * MS
@@ -62,7 +62,7 @@ def test_a_transit_that_is_no_whole_number_of_periods_counts_as_the_next_larger_
     assert schedule.moved == 1
 
 
-def test_it_moves_back_by_one_period_in_so_many_steps_and_not_by_the_last_two() -> None:
+def test_schedule_moves_back_slowly_and_keeps_two_periods() -> None:
     schedule = started()
     schedule.effective_ns(110 * MS, state(8, transit_ms=-85))
     offsets = [
@@ -77,7 +77,7 @@ def test_it_moves_back_by_one_period_in_so_many_steps_and_not_by_the_last_two() 
 
 
 @pytest.mark.parametrize("epoch", [0, EPOCH - 1, EPOCH + 1])
-def test_transit_times_of_another_session_say_nothing(epoch: int) -> None:
+def test_transit_times_of_another_session_are_ignored(epoch: int) -> None:
     schedule = started()
 
     assert schedule.effective_ns(110 * MS, state(3, transit_ms=900, epoch=epoch)) == 10 * MS

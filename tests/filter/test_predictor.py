@@ -100,7 +100,7 @@ def sent_ahead(predictor: Predictor, inputs: list[tuple[float, float]], first: i
 
 
 @pytest.mark.parametrize("delay", [1, 5, 40])
-def test_the_prediction_is_what_the_plant_does_to_the_last_bit_at_one_step_of_the_model_a_tick(delay: int) -> None:
+def test_prediction_is_bit_exact_at_one_model_step_per_tick(delay: int) -> None:
     inputs, truth, predictor = random_inputs(120), TruePlant(), make_predictor()
     predictor.confirm(truth.state())
     sent_ahead(predictor, inputs, 1, delay - 1)
@@ -119,7 +119,7 @@ def test_the_prediction_is_what_the_plant_does_to_the_last_bit_at_one_step_of_th
 
 @pytest.mark.parametrize("missing", [1, 2, 7])
 @pytest.mark.parametrize("told", [0, 1, 4, 9])
-def test_an_arming_that_broke_is_followed_through_hold_and_fail_safe_to_the_next_one(missing: int, told: int) -> None:
+def test_broken_sequence_is_predicted_through_hold_and_fail_safe(missing: int, told: int) -> None:
     """The plant lacks the input of one period; the filter hears of it later and begins anew at period 20."""
     inputs, truth, predictor = random_inputs(40), TruePlant(), make_predictor()
     predictor.confirm(truth.state())
@@ -145,7 +145,7 @@ def test_an_arming_that_broke_is_followed_through_hold_and_fail_safe_to_the_next
         predictor.confirm(truth.state())
 
 
-def test_a_series_with_a_hole_is_predicted_to_be_disarmed_there_for_good() -> None:
+def test_sequence_with_a_gap_is_predicted_to_break_there() -> None:
     truth, predictor = TruePlant(), make_predictor()
     predictor.confirm(truth.state())
     for k in (1, 2, 4, 5):  # 3 is never sent
@@ -159,7 +159,7 @@ def test_a_series_with_a_hole_is_predicted_to_be_disarmed_there_for_good() -> No
     assert (found.phase, found.sequence_break_ns) == (FAIL_SAFE, 3 * MS)
 
 
-def test_a_break_earlier_than_foreseen_counts_even_where_state_and_input_are_the_same() -> None:
+def test_earlier_break_than_predicted_is_noticed() -> None:
     """Equal inputs: the plant that lacks the third holds the second, and looks as if the third were in force."""
     truth, predictor = TruePlant(), make_predictor()
     predictor.confirm(truth.state())
@@ -177,9 +177,7 @@ def test_a_break_earlier_than_foreseen_counts_even_where_state_and_input_are_the
 
 @settings(max_examples=40)
 @given(st.sets(st.integers(1, 40)), st.integers(1, 12))
-def test_whatever_is_missing_an_input_that_takes_effect_meets_the_state_that_was_predicted(
-    lost: set[int], delay: int
-) -> None:
+def test_applied_inputs_always_meet_the_predicted_state(lost: set[int], delay: int) -> None:
     """States come at once, inputs ``delay`` periods later; after a break the filter begins anew as soon as it can."""
     inputs, truth, predictor = random_inputs(60), TruePlant(), SHARED
     predictor.restart()
@@ -209,7 +207,7 @@ def test_whatever_is_missing_an_input_that_takes_effect_meets_the_state_that_was
 SHARED = make_predictor()
 
 
-def test_a_plant_at_rest_is_predicted_from_the_plant_time_that_the_first_input_sets() -> None:
+def test_plant_at_rest_is_predicted_from_the_first_inputs_time() -> None:
     inputs, truth, predictor = random_inputs(20), TruePlant(), make_predictor()
     predictor.confirm(truth.state(WAITING))
     predictor.begin_sequence(0)
@@ -241,7 +239,7 @@ def test_the_tank_follows_the_plants_energies() -> None:
 
 
 @pytest.mark.parametrize("phase", PlantPhase)
-def test_only_a_plant_that_nobody_has_driven_yet_has_a_full_tank(phase: PlantPhase) -> None:
+def test_only_a_plant_that_was_never_driven_has_a_full_tank(phase: PlantPhase) -> None:
     """What another filter left in the tank is not known: no more than the reserve, which only safety draws on."""
     tank = Tank(initial_j=3.0, reserve_j=0.5)
     predictor = make_predictor(tank)
@@ -251,7 +249,7 @@ def test_only_a_plant_that_nobody_has_driven_yet_has_a_full_tank(phase: PlantPha
         predictor.restart()
 
 
-def test_after_a_break_the_tank_is_what_the_plants_own_energies_say() -> None:
+def test_tank_follows_the_plants_energies_after_a_break() -> None:
     inputs, truth, tank = random_inputs(40), TruePlant(), Tank(initial_j=7.0, reserve_j=5.0, max_j=1000.0)
     predictor = make_predictor(tank)
     states = [truth.state()]

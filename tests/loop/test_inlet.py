@@ -35,7 +35,7 @@ class Listener:
         raise NotImplementedError
 
 
-def test_a_message_is_taken_once_with_the_time_of_its_arrival() -> None:
+def test_message_is_received_once_with_its_arrival_time() -> None:
     inlet = Inlet(COMMAND)
     assert inlet.receive_bytes(5, encode(header(0), BODY)) == ()
     assert inlet.pop_received(9) == [Received(header(0), BODY, 5)]
@@ -43,7 +43,7 @@ def test_a_message_is_taken_once_with_the_time_of_its_arrival() -> None:
 
 
 @given(st.binary(max_size=300))
-def test_garbage_is_counted_and_told_and_does_no_harm(garbage: bytes) -> None:
+def test_garbage_is_counted_and_reported_without_harm(garbage: bytes) -> None:
     inlet = Inlet(COMMAND)
     assert isinstance(inlet.receive_bytes(0, garbage), ProtocolError)
     assert inlet.receive_bytes(0, encode(header(0), BODY)) == ()
@@ -51,7 +51,7 @@ def test_garbage_is_counted_and_told_and_does_no_harm(garbage: bytes) -> None:
     assert inlet.health == TopicHealth("command", 1, 0, 1)
 
 
-def test_repeated_and_ended_sessions_are_refused_and_overtaken_ones_pass() -> None:
+def test_duplicates_are_refused_and_reordered_messages_delivered() -> None:
     inlet = Inlet(COMMAND)
     for sequence, epoch in ((0, 7), (2, 7), (2, 7), (1, 7), (5, 6), (6, 7)):
         assert inlet.receive(0, header(sequence, epoch=epoch), BODY) == ()
@@ -59,7 +59,7 @@ def test_repeated_and_ended_sessions_are_refused_and_overtaken_ones_pass() -> No
     assert inlet.health == TopicHealth("command", 4, 3, 2)  # 3, 4 and 5 never came
 
 
-def test_a_process_that_may_not_publish_the_topic_is_not_heard() -> None:
+def test_unauthorized_messages_are_refused() -> None:
     inlet = Inlet(COMMAND)
     inlet.receive(0, header(0, source="plant"), BODY)
     assert inlet.pop_received(0) == []
@@ -74,7 +74,7 @@ def test_a_link_delays_by_its_settings() -> None:
     assert inlet.pop_received(20 * MS) == [Received(header(0), BODY, 13 * MS)]
 
 
-def test_what_a_link_drops_is_told() -> None:
+def test_dropped_messages_are_reported() -> None:
     inlet = Inlet(COMMAND, MessageLink("operator-to-filter", LinkSettings(loss=1.0)))
     told = inlet.receive(0, header(4), BODY)
     assert told == [LinkEvent("operator-to-filter", "dropped", "command", 4, "loss")]

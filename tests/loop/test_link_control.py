@@ -25,7 +25,7 @@ def step(links: LinkControl, now_ns: int) -> list[tuple[str, str]]:
     return [(state.link, state.trigger) for state in links.due_states(now_ns)]
 
 
-def test_states_are_told_at_the_start_once_a_second_and_at_the_end() -> None:
+def test_states_are_reported_at_start_every_second_and_at_end() -> None:
     links, _ = control()
     told = {t: step(links, START + t * S // 10) for t in range(25)}
     last = links.last_states()
@@ -40,7 +40,7 @@ def test_states_are_told_at_the_start_once_a_second_and_at_the_end() -> None:
     assert all(state.sources == SOURCES for state in last)
 
 
-def test_planned_changes_are_made_in_order_of_time_and_told() -> None:
+def test_scheduled_changes_are_applied_in_order_and_reported() -> None:
     slow, lossy = LinkSettings(delay_s=0.2), LinkSettings(loss=1.0)
     links, by_name = control(
         LinkChange(at_s=0.5, link="plant-to-filter", settings=lossy),
@@ -57,7 +57,7 @@ def test_planned_changes_are_made_in_order_of_time_and_told() -> None:
     assert by_name["plant-to-filter"].settings == lossy
 
 
-def test_what_is_asked_for_is_done_at_once_and_told_at_the_next_step() -> None:
+def test_request_is_applied_at_once_and_reported_next_step() -> None:
     links, by_name = control()
     step(links, START)
     wanted = LinkSettings(delay_s=0.1)

@@ -29,7 +29,7 @@ def test_the_newest_state_of_the_newest_session_counts() -> None:
     assert states.newest("filter-to-plant") is None
 
 
-def test_an_overtaken_state_changes_nothing() -> None:
+def test_reordered_state_is_ignored() -> None:
     states = NewestLinkStates()
     states.receive(head(2), asked(9, 4), 0)
     states.receive(head(1), STATE, 0)
@@ -46,7 +46,7 @@ def test_only_who_reads_the_link_is_believed() -> None:
     assert states.newest("plant-to-filter") is None
 
 
-def test_an_answer_is_to_this_request_or_a_later_one_of_this_session() -> None:
+def test_answer_matches_the_request_or_a_later_one() -> None:
     states = NewestLinkStates()
     states.receive(head(0), asked(9, 4), 0)
 

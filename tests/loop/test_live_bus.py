@@ -90,7 +90,7 @@ def test_a_full_ring_keeps_the_newest(sender: Bus, receiver: Bus) -> None:
     assert reader.drain() == [str(number).encode() for number in range(100 - LINK_CONFIG.queue, 100)]
 
 
-def test_a_session_does_not_hear_itself(sender: Bus, receiver: Bus) -> None:
+def test_session_does_not_receive_its_own_messages(sender: Bus, receiver: Bus) -> None:
     own, others = sender.reader(COMMAND), receiver.reader(COMMAND)
     put = sender.publisher(COMMAND, "operator")
     wait_for_reader(put, others)
@@ -99,7 +99,7 @@ def test_a_session_does_not_hear_itself(sender: Bus, receiver: Bus) -> None:
     assert own.drain() == []
 
 
-def test_a_log_reader_hears_every_topic_with_its_key(sender: Bus, receiver: Bus) -> None:
+def test_recording_reader_receives_every_topic_with_its_key(sender: Bus, receiver: Bus) -> None:
     log = receiver.recording_reader()
     puts = {
         "passafe/operator/command": sender.publisher(COMMAND, "operator"),
@@ -135,7 +135,7 @@ def test_a_log_reader_is_given_what_it_lost(start: Callable, router: object, por
     assert len(said["ring"]) < 3000  # what was lost to a reader that nobody helps
 
 
-def test_a_publisher_goes_on_without_router_and_is_heard_when_it_is_back(start: Callable, port: int) -> None:
+def test_publisher_survives_a_router_outage(start: Callable, port: int) -> None:
     first = start("router", "--port", port)
     first.wait_ready("router")
     with open_bus(RouterEndpoint(port=port)) as sender, open_bus(RouterEndpoint(port=port)) as receiver:
@@ -160,7 +160,7 @@ def put_for(put: Callable[[bytes], None], sequences: range) -> None:
         time.sleep(max(0.0, began + 0.001 * count - time.monotonic()))
 
 
-def test_a_log_reader_that_nobody_reads_any_more_does_not_keep_its_session_from_ending(
+def test_full_recording_reader_does_not_block_closing(
     sender: Bus, endpoint: RouterEndpoint, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("passafe_services.loop.bus.RECORDING_QUEUE", 16)
@@ -173,7 +173,7 @@ def test_a_log_reader_that_nobody_reads_any_more_does_not_keep_its_session_from_
     assert time.monotonic() - begun < 5.0  # a session gives up after 10 s, with an error
 
 
-def test_a_log_reader_is_given_what_was_put_while_there_was_no_router(start: Callable, port: int) -> None:
+def test_recording_reader_gets_messages_of_a_router_outage(start: Callable, port: int) -> None:
     first = start("router", "--port", port)
     first.wait_ready("router")
     recorder = start("recorder", "--port", port)

@@ -53,9 +53,7 @@ def log(bus: Bus) -> Log:
     return Log(bus)
 
 
-def test_a_header_tells_when_its_step_was_due_which_is_its_time_and_when_it_began(
-    start: Callable, port: int, log: Log
-) -> None:
+def test_header_has_due_and_start_time_of_the_step(start: Callable, port: int, log: Log) -> None:
     operator = start("operator", "--port", port, "--steps", 300, "--epoch", 77)
     operator.wait_ready("operator")
     logged = log.wait_for("passafe/operator/command", lambda logged: len(logged) == 300)
@@ -98,9 +96,7 @@ def test_a_link_delays_and_drops_and_tells(start: Callable, port: int, log: Log)
     assert came.isdisjoint(event.sequence for _, event in dropped)
 
 
-def test_nothing_is_received_before_it_was_sent_however_long_a_step_is_held_up(
-    start: Callable, port: int, log: Log
-) -> None:
+def test_nothing_is_received_before_it_was_sent(start: Callable, port: int, log: Log) -> None:
     start("filter", "--port", port, "--held-up", 0.02).wait_ready("filter")
     start("operator", "--port", port, "--steps", 400).wait_ready("operator")
     received = log.wait_for("passafe/filter/input", lambda logged: len(logged) >= 300)
@@ -109,7 +105,7 @@ def test_nothing_is_received_before_it_was_sent_however_long_a_step_is_held_up(
         assert was_sent_ns <= received_ns == float(header.started_ns)
 
 
-def test_garbage_is_counted_told_once_and_survived(start: Callable, port: int, bus: Bus, log: Log) -> None:
+def test_garbage_is_counted_and_reported_once(start: Callable, port: int, bus: Bus, log: Log) -> None:
     echo = start("filter", "--port", port)
     echo.wait_ready("filter")
     put = bus.publisher(COMMAND, "operator")
@@ -139,7 +135,7 @@ def test_what_is_not_finite_does_not_leave(start: Callable, port: int, log: Log)
     assert errors.count("error: withheld command.u_h") == 1
 
 
-def test_health_is_told_once_a_second(start: Callable, port: int, log: Log) -> None:
+def test_health_is_published_once_a_second(start: Callable, port: int, log: Log) -> None:
     operator = start("operator", "--port", port, "--rate", 200, "--duration", 2.2)
     operator.wait_ready("operator")
     said = operator.said()
@@ -157,7 +153,7 @@ def test_health_is_told_once_a_second(start: Callable, port: int, log: Log) -> N
     assert Event("info", f"ended by end of its duration after {said['steps']} steps") in [e for _, e in events]
 
 
-def test_who_cannot_keep_up_says_so(start: Callable, port: int, log: Log) -> None:
+def test_overload_is_reported(start: Callable, port: int, log: Log) -> None:
     """A step in a microsecond is too much; nothing is sent but what is to be looked at, so nothing of it is lost."""
     idle = start("filter", "--port", port, "--rate", 1_000_000, "--duration", 1.2)
     idle.wait_ready("filter")
@@ -198,7 +194,7 @@ def test_no_router_is_one_clear_error(start: Callable, port: int) -> None:
     assert "Traceback" not in errors
 
 
-def test_it_says_when_it_started_and_that_the_router_was_started_again(start: Callable, port: int) -> None:
+def test_start_and_router_restart_are_reported(start: Callable, port: int) -> None:
     first = start("router", "--port", port)
     first.wait_ready("router")
     with open_bus(RouterEndpoint(port=port)) as bus:

@@ -25,7 +25,7 @@ def test_one_process_for_each_processor() -> None:
     assert [spec.name for spec in specs] == [f"awake-{cpu}" for cpu in sorted(os.sched_getaffinity(0))]
 
 
-def test_it_stays_on_its_processor_at_the_lowest_priority_and_ends_when_asked() -> None:
+def test_it_holds_its_processor_at_idle_priority_until_stopped() -> None:
     cpu = min(os.sched_getaffinity(0))
     before = set(children())
 

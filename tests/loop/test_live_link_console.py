@@ -67,7 +67,7 @@ def console(router: object, port: int) -> Iterator[LinkConsole]:
         yield opened
 
 
-def test_a_link_is_changed_while_it_runs_and_answers_with_what_is_in_force(
+def test_running_link_is_changed_and_answers_with_its_settings(
     start: Callable, port: int, ear: Ear, console: LinkConsole
 ) -> None:
     start("filter", "--port", port).wait_ready("filter")
@@ -125,7 +125,7 @@ def test_contradictions_are_refused_with_the_reason(
     assert list(console.states()) == [LINK]
 
 
-def test_silence_is_told_in_time(port: int, router: object) -> None:
+def test_missing_answer_is_an_error_within_the_timeout(port: int, router: object) -> None:
     del router
     with open_link_console(RouterEndpoint(port=port), answer_s=0.7) as console:
         began = time.monotonic()

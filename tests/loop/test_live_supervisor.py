@@ -107,7 +107,7 @@ def test_processes_start_in_order_and_stop_in_the_opposite_order(terminal: Termi
     assert gone(terminal.all_pids)
 
 
-def test_a_killed_process_is_noticed_named_and_nothing_stays_behind(terminal: Terminal) -> None:
+def test_killed_process_is_named_and_nothing_is_left(terminal: Terminal) -> None:
     killed_at = []
 
     def kill() -> None:
@@ -167,7 +167,7 @@ def test_a_second_signal_kills_at_once(terminal: Terminal) -> None:
     assert gone(terminal.all_pids)
 
 
-def test_a_process_that_ignores_sigterm_is_killed_with_what_it_started(terminal: Terminal) -> None:
+def test_process_ignoring_sigterm_is_killed_with_its_children(terminal: Terminal) -> None:
     outcome = supervise([toy("plant"), toy("filter", "stubborn", grace_s=0.2)], duration_s=0.0, emit=terminal)
     assert outcome.cause is ExitCause.DURATION
     assert not outcome.clean
@@ -187,7 +187,7 @@ def test_what_a_killed_process_started_does_not_stay_behind(terminal: Terminal) 
     assert gone(terminal.all_pids)
 
 
-def test_a_process_that_dies_is_started_again_and_the_others_are_left_alone(terminal: Terminal) -> None:
+def test_dead_process_is_restarted_while_the_others_run_on(terminal: Terminal) -> None:
     def stop_when_back(name: str, _pid: int) -> None:
         if [said for said, _ in terminal.said_pid].count(name) == 2:
             os.kill(os.getpid(), signal.SIGINT)
@@ -276,7 +276,7 @@ def test_a_process_that_leaves_is_not_started_again(terminal: Terminal) -> None:
     assert outcome.restarts == {}
 
 
-def test_a_death_that_ends_the_run_is_not_covered_up_by_one_that_does_not(terminal: Terminal) -> None:
+def test_death_that_ends_the_run_is_not_masked_by_a_restart(terminal: Terminal) -> None:
     def kill() -> None:
         for name in ("filter", "plant"):
             os.kill(terminal.pids[name]["pid"], signal.SIGKILL)
@@ -287,7 +287,7 @@ def test_a_death_that_ends_the_run_is_not_covered_up_by_one_that_does_not(termin
     assert gone(terminal.all_pids)
 
 
-def test_time_goes_on_while_a_process_is_started_again(terminal: Terminal) -> None:
+def test_duration_includes_the_time_of_restarts(terminal: Terminal) -> None:
     outcome = supervise(
         [toy("filter", restarts=RestartPolicy())],
         duration_s=3.0,
@@ -300,7 +300,7 @@ def test_time_goes_on_while_a_process_is_started_again(terminal: Terminal) -> No
     assert gone([pid for _, pid in terminal.said_pid])
 
 
-def test_one_that_does_not_become_ready_again_is_killed_and_named(terminal: Terminal, tmp_path: Path) -> None:
+def test_restarted_process_that_is_not_ready_is_killed_and_named(terminal: Terminal, tmp_path: Path) -> None:
     """It is ready the first time only: then it finds its mark."""
     code = (
         "import json, os, pathlib, sys, time; from passafe_services.loop.readiness import announce_ready; "

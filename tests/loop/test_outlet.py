@@ -38,7 +38,7 @@ def outlet(wire: Wire) -> Outlet:
     return Outlet(wire, "operator", epoch=42)
 
 
-def test_headers_say_who_when_and_which(wire: Wire, outlet: Outlet) -> None:
+def test_headers_have_sender_times_and_number(wire: Wire, outlet: Outlet) -> None:
     before = (monotonic_ns(), time_ns())
     assert outlet.publish(COMMAND, command(1.0), scheduled_ns=3, started_ns=5) is None
     after = (monotonic_ns(), time_ns())
@@ -60,7 +60,7 @@ def decode_number(name: str, data: bytes) -> int:
     return decode({"command": COMMAND, "event": EVENT}[name], data)[0].sequence
 
 
-def test_what_a_receiver_would_refuse_is_withheld_and_uses_no_number(wire: Wire, outlet: Outlet) -> None:
+def test_invalid_messages_are_withheld_and_use_no_number(wire: Wire, outlet: Outlet) -> None:
     error = outlet.publish(COMMAND, command(float("nan")), scheduled_ns=0, started_ns=0)
     assert isinstance(error, InvalidMessageError)
     assert error.field.startswith("u_h")
@@ -74,6 +74,6 @@ def test_a_body_may_be_a_function(wire: Wire, outlet: Outlet) -> None:
     assert decode(COMMAND, wire.put["command"][0])[1] == command(3.0)
 
 
-def test_a_process_publishes_what_the_table_says_only(outlet: Outlet) -> None:
+def test_process_publishes_only_its_topics(outlet: Outlet) -> None:
     with pytest.raises(PublisherError, match="publisher of input: got 'operator', allowed filter"):
         outlet.publish(INPUT, command(0.0), scheduled_ns=0, started_ns=0)

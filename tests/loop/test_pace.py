@@ -36,7 +36,7 @@ def test_an_overrun_is_a_step_that_ends_after_the_next_was_due() -> None:
     assert pace.skipped == 0
 
 
-def test_steps_that_cannot_be_made_any_more_are_left_out_and_no_burst_follows() -> None:
+def test_missed_steps_are_skipped_without_a_burst() -> None:
     pace = Pace(START_NS, 1000.0)
     late_ns = 3_400_000
     assert pace.begin(START_NS + late_ns) == START_NS + 3 * PERIOD_NS

@@ -39,12 +39,12 @@ def test_what_is_a_clean_end(cause: ExitCause, end: Exit, clean: bool) -> None:
     assert RunOutcome(cause=cause, culprit=None, detail="", exits=(end,)).clean is clean
 
 
-def test_who_died_is_told_from_who_was_stopped() -> None:
+def test_dead_processes_are_distinguished_from_stopped_ones() -> None:
     ends = (ended(-9, requested=False), ended(0, requested=False), ended(-9, killed=True), ended(1))
     assert RunOutcome(cause=ExitCause.DIED, culprit="plant", detail="", exits=ends).died == ends[:1]
 
 
-def test_a_process_that_was_started_again_is_counted_and_spoils_nothing() -> None:
+def test_restarted_process_is_counted_and_the_run_stays_clean() -> None:
     again = Exit(name="filter", returncode=-9, requested=False, killed=False, restarted=True)
     outcome = RunOutcome(cause=ExitCause.SIGNAL, culprit=None, detail="", exits=(again, again, ended(0)))
     assert outcome.clean
@@ -56,7 +56,7 @@ def test_a_process_that_was_started_again_is_counted_and_spoils_nothing() -> Non
     ("ready", "requested", "killed", "clean"),
     [(False, True, False, True), (True, True, False, False), (False, False, False, False), (False, True, True, False)],
 )
-def test_only_what_was_asked_before_it_was_ready_may_die_of_it(
+def test_sigterm_death_is_clean_only_on_request_before_ready(
     ready: bool, requested: bool, killed: bool, clean: bool
 ) -> None:
     end = Exit(name="filter", returncode=-15, requested=requested, killed=killed, ready=ready)

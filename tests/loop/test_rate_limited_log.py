@@ -5,7 +5,7 @@ from passafe_protocol.messages import Event
 from passafe_services.loop.rate_limited_log import PERIOD_NS, RateLimitedLog
 
 
-def test_a_kind_of_notice_is_told_once_and_then_counted(capsys: pytest.CaptureFixture[str]) -> None:
+def test_repeated_messages_are_logged_once_and_counted(capsys: pytest.CaptureFixture[str]) -> None:
     log = RateLimitedLog()
     assert log.report("garbage", "warning", "got garbage", 0) == Event("warning", "got garbage")
     for now_ns in (1, 2, PERIOD_NS - 1):

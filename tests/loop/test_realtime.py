@@ -25,16 +25,16 @@ def asked_and(more: str, priority: int) -> str:
     return ran.stdout.strip()
 
 
-def test_real_time_priority_is_granted_or_the_refusal_has_a_reason() -> None:
+def test_realtime_priority_is_granted_or_refused_with_a_reason() -> None:
     told = asked(7)
     assert told == "True 7 None" or told.startswith("False 0 no real-time priority (")
 
 
-def test_a_priority_that_the_system_does_not_know_is_a_refusal_and_no_error() -> None:
+def test_unknown_priority_is_a_refusal_not_an_error() -> None:
     assert asked(5_000).startswith("False 0 no real-time priority (")
 
 
-def test_a_process_steps_aside_behind_every_loop_if_it_has_priority_at_all() -> None:
+def test_setup_priority_is_below_every_loop() -> None:
     lowered = (
         "\nfrom passafe_services.loop.realtime import lower_priority\nlower_priority()"
         "\nprint(os.sched_getparam(0).sched_priority)"
@@ -58,7 +58,7 @@ def processors_of(code: str) -> list[int]:
     return [int(processor) for processor in ran.stdout.split()]
 
 
-def test_loops_have_processors_of_their_own_as_far_as_there_are_any() -> None:
+def test_loops_are_pinned_to_different_processors() -> None:
     there = processors_of(HAVE)
     for processors in ({there[0]}, {*there[:2]}, {*there[:3]}):
         kept = [processors_of(OWN.format(processors=processors, name=name)) for name in LOOPS]
@@ -72,7 +72,7 @@ def test_a_process_without_a_loop_stays_where_it_may_be() -> None:
     assert processors_of(OWN.format(processors=set(there), name="recorder")) == there
 
 
-def test_the_collector_runs_when_asked_and_only_then() -> None:
+def test_garbage_collection_runs_only_on_request() -> None:
     class Ring:
         count = 0
 

@@ -11,7 +11,7 @@ from passafe_services.loop.stop import StopReason, stop_requests
 
 
 @pytest.mark.parametrize("signum", [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_asks_to_stop_and_wakes_who_waits(signum: int) -> None:
+def test_signal_requests_a_stop_and_ends_the_wait(signum: int) -> None:
     before = signal.getsignal(signum)
     with stop_requests(lifeline=False) as stop:
         assert stop.reason is None
@@ -23,7 +23,7 @@ def test_a_signal_asks_to_stop_and_wakes_who_waits(signum: int) -> None:
     assert signal.getsignal(signum) == before
 
 
-def test_the_first_reason_stays_and_waiting_again_returns_at_once() -> None:
+def test_first_reason_is_kept_and_a_second_wait_returns_at_once() -> None:
     with stop_requests(lifeline=False) as stop:
         stop.request(StopReason.FINISHED)
         stop.request(StopReason.SIGNAL)
@@ -59,7 +59,7 @@ def run_with_lifeline(*, hangs: bool) -> tuple[str, int]:
         return said, process.wait(20.0)
 
 
-def test_the_end_of_the_lifeline_asks_to_stop() -> None:
+def test_end_of_the_lifeline_requests_a_stop() -> None:
     assert run_with_lifeline(hangs=False) == ("LIFELINE", 0)
 
 

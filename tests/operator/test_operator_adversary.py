@@ -56,7 +56,7 @@ def test_a_seed_decides_them(strategy: str) -> None:
     assert first != other
 
 
-def test_random_steps_do_not_depend_on_when_they_are_asked_for() -> None:
+def test_random_steps_do_not_depend_on_the_command_times() -> None:
     """Forwards in small steps, backwards, and at once in the middle: the same steps."""
     times = [k * 0.05 for k in range(400)]
     forwards, backwards = adversary("piecewise-constant"), adversary("piecewise-constant")
@@ -68,7 +68,7 @@ def test_random_steps_do_not_depend_on_when_they_are_asked_for() -> None:
     assert 8 <= changes <= 33  # 20 in 20 s, three standard deviations
 
 
-def test_a_chirp_swings_from_its_lowest_to_its_highest_frequency_and_knows_its_rate() -> None:
+def test_chirp_sweeps_its_frequencies_with_the_exact_rate() -> None:
     chirp = adversary("chirp", seed=2)
     step_s = 1e-6
     for t_s in (0.0, 3.0, 9.9, 17.0):
@@ -87,7 +87,7 @@ def test_against_h_pushes_at_the_disk_in_sight() -> None:
     assert push(adversary("against-h"), (1.0, 2.0, -0.5, 0.0)) == pytest.approx((-STRENGTH / 2, -STRENGTH))
 
 
-def test_against_h_turns_to_the_nearest_wall_as_far_as_the_input_in_force_tells() -> None:
+def test_against_h_pushes_towards_the_tightest_row() -> None:
     """In a room of ±3 by ±2 with γ₁ = γ₂ = 10 at rest: ψ₂ = ±u + 100·distance, so 4 of u outweigh 4 cm."""
     source = adversary("against-h", "walls-and-disks")
 
@@ -126,7 +126,7 @@ def test_who_has_seen_nothing_pushes_along_the_first_axis(strategy: str) -> None
     assert adversary(strategy).command(0.0) == Command((STRENGTH, 0.0), (0.0, 0.0), True)
 
 
-def test_a_barrier_that_does_not_hear_the_input_is_nobody_s_nearest() -> None:
+def test_barrier_without_input_effect_is_never_the_tightest() -> None:
     """A row −5 + ‖p‖² ≥ 0: at the origin it has no gradient and no input could help; the wall has one."""
     robot = damped_point()
     system, p = robot.system, robot.position

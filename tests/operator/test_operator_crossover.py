@@ -19,7 +19,7 @@ def response(loop: CrossoverLoop, omega: float, extra_s: float = 0.0) -> complex
     return loop.crossover_rad_per_s * exp(-delay_s * s) / (s * (loop.neuromuscular_s * s + 1))
 
 
-def test_without_lag_the_margins_are_those_of_the_crossover_model() -> None:
+def test_margins_without_lag_are_those_of_the_crossover_model() -> None:
     """π/2 − ω_c τ, and π/(2ω_c) − τ of delay (McRuer & Jex 1967)."""
     loop = loop_of(3.0, 0.25, 1e-9, 0.0)
 

@@ -14,7 +14,7 @@ FULL = OperatorView(
 )
 
 
-def test_a_line_says_what_is_sent_and_what_came_of_it() -> None:
+def test_line_shows_command_and_filter_status() -> None:
     text = line(FULL, 120)
     for part in (
         "HELD",
@@ -26,7 +26,7 @@ def test_a_line_says_what_is_sent_and_what_came_of_it() -> None:
         assert part in text
 
 
-def test_a_line_says_what_is_not_known() -> None:
+def test_line_shows_unknown_values() -> None:
     text = line(FULL._replace(enabled=False, position=None, status=None, nearest=None), 120)
     assert "released" in text
     assert "robot ?" in text

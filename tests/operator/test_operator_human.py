@@ -58,7 +58,7 @@ def growth(path: np.ndarray, target: Iterable[float]) -> float:
     return float(distance[-fifth:].max() / distance[-2 * fifth : -fifth].max())
 
 
-def test_nothing_is_asked_for_before_the_robot_moves() -> None:
+def test_command_is_zero_before_the_robot_moves() -> None:
     person = SimulatedHuman(config_of(), ROBOT)
     assert isinstance(person, ObservingSource)
     assert person.clock is SourceClock.LOCAL
@@ -67,7 +67,7 @@ def test_nothing_is_asked_for_before_the_robot_moves() -> None:
     assert person.command(9.0) == Command((0.0, 0.0), (0.0, 0.0), True)
 
 
-def test_the_hand_answers_a_glance_one_reaction_time_later_with_its_lag() -> None:
+def test_response_follows_a_glance_after_reaction_time_and_lag() -> None:
     """ω_c (a e − v) = 2·(3·(1, 0.5) − (0.1, 0.2)) from 0.2 s on, with the lag of 0.1 s."""
     person = SimulatedHuman(
         config_of(glance_s=0.25, crossover_rad_per_s=2.0, reaction_s=0.2, neuromuscular_s=0.1), ROBOT
@@ -82,7 +82,7 @@ def test_the_hand_answers_a_glance_one_reaction_time_later_with_its_lag() -> Non
     assert command.u_h_rate == pytest.approx(decided * exp(-0.5) / 0.1)
 
 
-def test_what_is_sent_does_not_depend_on_how_often_it_is_asked_for() -> None:
+def test_command_does_not_depend_on_the_command_rate() -> None:
     asked_often, asked_once = (SimulatedHuman(config_of(remnant=0.01, seed=4), ROBOT) for _ in range(2))
     for person in (asked_often, asked_once):
         person.observe(state(0.0, (0.0,) * 4))
@@ -95,7 +95,7 @@ def test_what_is_sent_does_not_depend_on_how_often_it_is_asked_for() -> None:
     assert first.u_h_rate == pytest.approx(second.u_h_rate, rel=1e-9)
 
 
-def test_a_glance_between_two_steps_sees_what_was_on_the_screen_then() -> None:
+def test_glance_between_steps_sees_the_state_displayed_then() -> None:
     person = SimulatedHuman(config_of(glance_s=0.1, reaction_s=0.02), ROBOT)
     person.observe(state(0.0, (0.0,) * 4))
     person.command(0.0)
@@ -117,7 +117,7 @@ def test_the_rate_is_the_derivative() -> None:
     assert np.abs(slope).min() > 1.0
 
 
-def test_the_authority_bounds_every_command_and_keeps_its_direction() -> None:
+def test_authority_bounds_commands_and_keeps_their_direction() -> None:
     person = SimulatedHuman(
         config_of(targets=[{"at_s": 0, "position": [300.0, 400.0]}], authority=5.0, remnant=0.1), ROBOT
     )
@@ -195,7 +195,7 @@ def test_without_network_delay_the_target_is_reached(damping: float, stiffness: 
     assert np.abs(path[-1000:] - (1.0, 0.5)).max() < 0.02
 
 
-def test_a_trim_against_its_stop_lets_go_as_soon_as_the_robot_is_past_the_target() -> None:
+def test_saturated_trim_unwinds_when_the_target_is_passed() -> None:
     """A spring that the authority cannot hold at the target: integrated on, the trim would keep it there for long."""
     robot = SteeredRobot(axes=1, damping_per_s=6.0, stiffness_per_s2=10.0)
     targets = [{"at_s": 0, "position": [3.0]}, {"at_s": 20.0, "position": [0.5]}]
@@ -217,7 +217,7 @@ def shown(person: SimulatedHuman, x: Vector, from_s: float, until_s: float) -> V
 SPRING = SteeredRobot(axes=1, damping_per_s=6.0, stiffness_per_s2=10.0)
 
 
-def test_the_trim_is_the_integral_of_the_error_at_the_middle_of_the_glance() -> None:
+def test_trim_integrates_the_error_at_mid_glance() -> None:
     """ω_c (a e + k ∫e), e = 0.1, at the second of two glances of 0.25 s: ∫e is 1.5 glances."""
     config = config_of(targets=[{"at_s": 0, "position": [0.1]}], glance_s=0.25, neuromuscular_s=0.01)
     person = SimulatedHuman(config, SPRING)
@@ -227,7 +227,7 @@ def test_the_trim_is_the_integral_of_the_error_at_the_middle_of_the_glance() -> 
     assert person.command(0.69).u_h[0] == pytest.approx(2 * (6 * 0.1 + 10 * 0.1 * 1.5 * 0.25), rel=1e-6)
 
 
-def test_a_trim_beyond_the_authority_comes_back_when_the_error_turns() -> None:
+def test_trim_beyond_the_authority_returns_when_the_error_turns() -> None:
     """While the robot rushes, the trim grows; then it is wound up by 8 and unwinds by ω_c k e = 1 a second."""
     person = SimulatedHuman(config_of(targets=[{"at_s": 0, "position": [1.0]}], authority=15.0), SPRING)
     assert shown(person, (0.0, 10.0), 0.0, 5.0)[0] == pytest.approx(15.0, abs=0.3)
@@ -235,7 +235,7 @@ def test_a_trim_beyond_the_authority_comes_back_when_the_error_turns() -> None:
     assert shown(person, (1.05, 0.0), 10.02, 20.0)[0] < 10.0
 
 
-def test_the_person_knows_the_robot_from_the_scenario() -> None:
+def test_steered_robot_is_that_of_the_scenario() -> None:
     assert SteeredRobot.of(load_scenario("notomista-cai-2020")) == SteeredRobot(
         axes=2, damping_per_s=6.0, stiffness_per_s2=10.0
     )

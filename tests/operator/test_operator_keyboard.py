@@ -48,7 +48,7 @@ def held(key: Key, start_s: float, end_s: float, *, wait_s: float = 0.5) -> list
     return [(start_s, key), *((start_s + wait_s + 0.04 * index, key) for index in repeats)]
 
 
-def test_at_rest_nothing_is_asked_for_and_the_dead_man_is_released() -> None:
+def test_at_rest_the_command_is_zero_and_the_dead_man_released() -> None:
     assert Person([]).until(1.0) == Command((0.0, 0.0), (0.0, 0.0), False)
 
 
@@ -63,7 +63,7 @@ def test_a_held_key_ramps_to_full_authority_along_its_direction(key: Key) -> Non
 
 
 @pytest.mark.parametrize("wait_s", [0.25, 0.5, 0.66])
-def test_holding_a_key_is_felt_without_a_gap_whatever_the_terminal_waits_before_it_repeats(
+def test_held_key_acts_without_a_gap_for_any_repeat_delay(
     wait_s: float,
 ) -> None:
     person = Person(held(Key.RIGHT, 0.0, 3.0, wait_s=wait_s))
@@ -72,7 +72,7 @@ def test_holding_a_key_is_felt_without_a_gap_whatever_the_terminal_waits_before_
     assert levels[-1] == pytest.approx(AUTHORITY)
 
 
-def test_a_repeating_key_counts_until_its_stated_time_after_the_last_repeat_then_fades() -> None:
+def test_repeating_key_fades_after_its_hold_time() -> None:
     presses = held(Key.RIGHT, 0.0, 1.3)
     over_s = presses[-1][0] + REPEAT_HOLD_S
     person = Person(presses)
@@ -104,7 +104,7 @@ def test_space_stops_at_once() -> None:
     assert person.until(2.0) == Command((0.0, 0.0), (0.0, 0.0), False)
 
 
-def test_repeats_still_on_their_way_do_not_undo_a_stop_and_a_new_press_after_quiet_drives_again() -> None:
+def test_pending_repeats_do_not_undo_a_stop() -> None:
     late = [(1.0 + 0.04 * index, Key.LEFT) for index in range(20)]
     person = Person([*held(Key.LEFT, 0.0, 0.99), (0.995, Key.STOP), *late, (2.5, Key.LEFT)])
     person.until(0.995)
@@ -139,7 +139,7 @@ def test_two_keys_together_share_the_authority() -> None:
     assert hypot(*command.u_h) == pytest.approx(AUTHORITY * (1 - exp(-6)))
 
 
-def test_a_robot_with_one_input_hears_left_and_right_only() -> None:
+def test_robot_with_one_input_uses_left_and_right_only() -> None:
     assert Person([(0.0, Key.UP)], inputs=1).until(0.3).u_h == (0.0,)
     assert Person([(0.0, Key.UP_RIGHT)], inputs=1).until(0.3).u_h == pytest.approx((AUTHORITY * (1 - exp(-3)),))
 
@@ -159,7 +159,7 @@ PRESSES = st.lists(st.tuples(st.integers(0, 64).map(lambda count: count / 16), s
 
 @settings(deadline=None)  # each example is seconds of virtual time
 @given(presses=PRESSES)
-def test_whatever_is_pressed_the_command_stays_within_its_authority_and_ends_at_rest(
+def test_any_keys_stay_within_the_authority_and_end_at_rest(
     presses: list[tuple[float, Key]],
 ) -> None:
     person = Person(presses, period_s=0.01)
@@ -172,7 +172,7 @@ def test_whatever_is_pressed_the_command_stays_within_its_authority_and_ends_at_
 
 @settings(deadline=None)  # each example is seconds of virtual time
 @given(presses=PRESSES)
-def test_what_is_sent_does_not_depend_on_how_often_it_is_asked_for(presses: list[tuple[float, Key]]) -> None:
+def test_command_does_not_depend_on_the_command_rate(presses: list[tuple[float, Key]]) -> None:
     often, seldom = Person(presses, period_s=1 / 128), Person(presses, period_s=1 / 16)
     for sixteenth in range(100):
         fine, coarse = often.until(sixteenth / 16).u_h, seldom.until(sixteenth / 16).u_h
@@ -193,7 +193,7 @@ def test_the_rate_is_the_derivative_of_what_follows(presses: list[tuple[float, K
         assert command.u_h_rate == pytest.approx(difference, rel=1e-4, abs=0.05)
 
 
-def test_a_process_that_slept_lets_go_of_keys_when_they_were_over_not_when_it_woke() -> None:
+def test_keys_are_released_at_their_time_after_a_suspension() -> None:
     person = Person([(0.0, Key.RIGHT)])
     person.until(0.0)
     woken = person.keyboard.command(PRESS_HOLD_S + 0.2)

@@ -124,7 +124,7 @@ def asked_for(node: OperatorNode, now_ns: int, *inbox: Received) -> float:
     return outgoing[1].u_h[0]
 
 
-def test_a_step_sends_what_the_source_says() -> None:
+def test_step_sends_the_command_of_the_source() -> None:
     node = OperatorNode(Lag(target=(-3.0, 0.0), time_constant_s=0.2), epoch=EPOCH)
     (outgoing,) = node.step(700 * MS, [state(200 * MS, 700 * MS)])
     assert outgoing[0] is COMMAND
@@ -149,14 +149,14 @@ def test_a_script_already_enables_the_robot_while_it_waits() -> None:
 
 
 @pytest.mark.parametrize("phase", [PlantPhase.RUNNING, PlantPhase.HOLDING, PlantPhase.FAIL_SAFE])
-def test_script_time_is_plant_time_plus_the_age_of_the_newest_state(phase: PlantPhase) -> None:
+def test_script_time_is_plant_time_plus_the_newest_states_age(phase: PlantPhase) -> None:
     node = OperatorNode(TimeTeller(), epoch=EPOCH)
     assert asked_for(node, 5_000 * MS, state(120 * MS, 4_998 * MS, phase)) == 0.122
     assert asked_for(node, 5_010 * MS) == 0.132
     assert asked_for(node, 5_011 * MS, state(125 * MS, 5_011 * MS), state(130 * MS, 5_011 * MS)) == 0.13
 
 
-def test_plant_time_is_exact_to_the_nanosecond_far_into_a_run_and_far_into_an_uptime() -> None:
+def test_plant_time_is_exact_to_1_ns_after_long_uptimes() -> None:
     node = OperatorNode(TimeTeller(), epoch=EPOCH)
     uptime_ns = 400 * 86_400 * 10**9
     for index in range(1000):
@@ -164,7 +164,7 @@ def test_plant_time_is_exact_to_the_nanosecond_far_into_a_run_and_far_into_an_up
         assert asked_for(node, uptime_ns + index * MS, state(plant_ns, uptime_ns + index * MS)) == plant_ns / 1e9
 
 
-def test_a_state_that_a_newer_one_overtook_does_not_set_the_script_back() -> None:
+def test_reordered_state_does_not_set_the_script_back() -> None:
     node = OperatorNode(TimeTeller(), epoch=EPOCH)
     older, newer = state(100 * MS, 111 * MS), state(110 * MS, 110 * MS)  # numbered in this order
     assert asked_for(node, 111 * MS, newer, older) == 0.111
@@ -177,7 +177,7 @@ def test_a_plant_that_starts_again_starts_the_script_again() -> None:
     assert asked_for(node, 300 * MS, state(1 * MS, 300 * MS)) == 0.001
 
 
-def test_the_same_inbox_gives_the_same_commands_whenever_the_run_began() -> None:
+def test_same_inbox_gives_same_commands_at_any_start_time() -> None:
     def run(start_ns: int) -> list[object]:
         node = OperatorNode(Lag(target=(-3.0, 1.0), time_constant_s=0.2), epoch=EPOCH)
         inboxes = [[] if k < 5 else [state((k - 5) * MS, start_ns + k * MS)] for k in range(200)]
@@ -192,7 +192,7 @@ def test_a_person_runs_on_local_time_from_the_first_step() -> None:
     assert asked_for(node, 7_250 * MS, state(3 * MS, 7_250 * MS)) == 0.25
 
 
-def test_a_source_that_sees_is_shown_the_newest_state_before_it_is_asked() -> None:
+def test_observing_source_gets_the_newest_state_first() -> None:
     source = Onlooker()
     node = OperatorNode(source, epoch=EPOCH)
     node.step(0, ())
@@ -205,7 +205,7 @@ def test_a_source_that_sees_is_shown_the_newest_state_before_it_is_asked() -> No
     assert source.seen_when_asked == [0, 1, 1, 1, 2]
 
 
-def test_a_state_that_was_overtaken_is_not_shown() -> None:
+def test_reordered_state_is_not_observed() -> None:
     source = Onlooker()
     node = OperatorNode(source, epoch=EPOCH)
     older, newer = state(5 * MS, 7 * MS), state(6 * MS, 6 * MS)  # numbered in this order
@@ -238,7 +238,7 @@ def test_quitting_sends_a_released_zero_and_tells_the_driver() -> None:
 
 
 @pytest.mark.parametrize("epoch", [0, EPOCH - 1, EPOCH])
-def test_an_older_session_and_its_own_commands_do_not_silence_a_node(epoch: int) -> None:
+def test_older_and_own_sessions_do_not_silence_a_node(epoch: int) -> None:
     node = OperatorNode(TimeTeller(), epoch=EPOCH)
     for step in range(5):
         (outgoing,) = node.step(step, [command_of(epoch)])
@@ -246,7 +246,7 @@ def test_an_older_session_and_its_own_commands_do_not_silence_a_node(epoch: int)
     assert not node.superseded
 
 
-def test_a_newer_session_silences_a_node_for_good_and_it_says_so_once() -> None:
+def test_newer_session_silences_a_node_and_is_reported_once() -> None:
     node = OperatorNode(TimeTeller(), epoch=EPOCH)
     assert node.step(0, ())[0][0] is COMMAND
     (outgoing,) = node.step(1, [command_of(EPOCH + 1)])
@@ -262,7 +262,7 @@ def test_a_newer_session_silences_a_node_for_good_and_it_says_so_once() -> None:
 
 
 @pytest.mark.parametrize("started_first", [True, False])
-def test_of_two_nodes_that_hear_each_other_exactly_the_later_session_remains(started_first: bool) -> None:
+def test_of_two_operators_the_later_session_remains(started_first: bool) -> None:
     old, new = OperatorNode(TimeTeller(), epoch=1), OperatorNode(TimeTeller(), epoch=2)
     nodes = {1: old, 2: new} if started_first else {2: new, 1: old}
     inbox: list[Received] = []
@@ -298,7 +298,7 @@ def test_the_display_is_fed_ten_times_a_second_at_most() -> None:
     assert len(views) == 1000 * MS // DISPLAY_PERIOD_NS + 1
 
 
-def test_the_display_tells_where_the_robot_is_and_which_limit_is_nearest() -> None:
+def test_display_shows_position_and_nearest_limit() -> None:
     views: list[OperatorView] = []
     node = OperatorNode(TimeTeller(), epoch=EPOCH, show=views.append)
     node.step(10 * MS, [state(0, 10 * MS), tick(10 * MS, {"wall": 0.5, "disk": -0.25, "box": 3.0})])
@@ -332,7 +332,7 @@ def test_a_tick_without_barriers_shows_its_status() -> None:
     assert views[0].nearest is None
 
 
-def test_the_display_says_when_another_took_over() -> None:
+def test_display_shows_a_newer_session() -> None:
     views: list[OperatorView] = []
     OperatorNode(TimeTeller(), epoch=EPOCH, show=views.append).step(0, [command_of(EPOCH + 1)])
     assert views[0].superseded

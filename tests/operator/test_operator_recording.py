@@ -26,12 +26,12 @@ def failure(path: Path, inputs: int = 2) -> RecordingError:
     return caught.value
 
 
-def test_a_series_is_read_as_it_stands(tmp_path: Path) -> None:
+def test_recording_is_read_unchanged(tmp_path: Path) -> None:
     path = write(tmp_path, HEADER + "0,1.5,-2\n0.5,3e1,+4\n")
     assert load_recording(path, 2) == ((0.0, 0.5), ((1.5, -2.0), (30.0, 4.0)))
 
 
-def test_columns_in_any_order_blank_lines_spaces_and_a_byte_order_mark_are_fine(tmp_path: Path) -> None:
+def test_column_order_blanks_and_byte_order_mark_are_accepted(tmp_path: Path) -> None:
     path = write(tmp_path, "\ufeffu_h_1, time_s ,u_h_0\r\n\r\n 2 ,0,1\r\n4,1,3\r\n\r\n")
     assert load_recording(path, 2) == ((0.0, 1.0), ((1.0, 2.0), (3.0, 4.0)))
 
@@ -81,7 +81,7 @@ def test_an_error_names_line_and_column(tmp_path: Path, text: str, line: int, co
     assert column in str(error)
 
 
-def test_a_series_for_another_robot_is_refused(tmp_path: Path) -> None:
+def test_recording_for_another_robot_is_refused(tmp_path: Path) -> None:
     error = failure(write(tmp_path, HEADER + "0,0,0\n"), inputs=3)
     assert error.column == "u_h_2"
     assert "3 inputs" in str(error)

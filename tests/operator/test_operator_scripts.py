@@ -29,7 +29,7 @@ def test_the_lag_of_the_paper_after_one_time_constant() -> None:
     assert command.enabled
 
 
-def test_a_lag_starts_at_zero_with_its_steepest_rate_and_ends_at_its_target() -> None:
+def test_lag_starts_at_zero_and_ends_at_its_target() -> None:
     lag = Lag(target=(4.0, -2.0), time_constant_s=0.5)
     assert lag.command(0.0) == Command((0.0, 0.0), (8.0, -4.0), True)
     assert lag.command(1e6) == Command((4.0, -2.0), (0.0, 0.0), True)
@@ -72,7 +72,7 @@ def test_a_sine_at_a_quarter_of_its_period() -> None:
     frequency_hz=st.floats(0.01, 5),
     t_s=st.floats(0.01, 20),
 )
-def test_a_sine_follows_its_formula_and_its_rate_is_its_derivative(
+def test_sine_follows_its_formula_with_the_exact_rate(
     amplitude: tuple[float, float],
     offset: tuple[float, float],
     phase_rad: tuple[float, float],
@@ -108,7 +108,7 @@ def test_a_single_point_is_a_constant() -> None:
 
 
 @given(data=st.data())
-def test_between_points_a_command_lies_on_the_line_and_its_rate_is_the_slope(data: st.DataObject) -> None:
+def test_waypoints_are_interpolated_linearly_with_the_slope(data: st.DataObject) -> None:
     gaps = data.draw(st.lists(st.floats(0.01, 3), min_size=2, max_size=6))
     times_s = [sum(gaps[: index + 1]) for index in range(len(gaps))]
     values = data.draw(st.lists(PAIRS, min_size=len(gaps), max_size=len(gaps)))

@@ -48,7 +48,7 @@ def test_waypoints() -> None:
     assert source.command(1.0) == Command((2.0, -1.0), (2.0, -1.0), True)
 
 
-def test_a_recording_is_found_beside_its_scenario_and_ends_at_its_last_value(tmp_path: Path) -> None:
+def test_recording_is_found_beside_its_scenario_and_held_at_end(tmp_path: Path) -> None:
     (tmp_path / "drive.csv").write_text("time_s,u_h_0,u_h_1\n0,0,0\n1,2,4\n")
     source = build_source(schema.RecordedSource(kind="recorded", path="drive.csv"), 2, folder=tmp_path)
     assert source.device == "recorded"
@@ -56,7 +56,7 @@ def test_a_recording_is_found_beside_its_scenario_and_ends_at_its_last_value(tmp
     assert source.command(7.0) == Command((2.0, 4.0), (0.0, 0.0), True)
 
 
-def test_a_recording_that_is_not_there_is_one_error_of_the_operator(tmp_path: Path) -> None:
+def test_missing_recording_is_a_recording_error(tmp_path: Path) -> None:
     with pytest.raises(RecordingError) as caught:
         build_source(schema.RecordedSource(kind="recorded", path="none.csv"), 2, folder=tmp_path)
     assert isinstance(caught.value, RecordingError)

@@ -96,7 +96,7 @@ def test_settings_are_given_back_after_an_error(screen: Screen) -> None:
     assert screen.settings() == before
 
 
-def test_keys_typed_before_and_left_over_after_drive_and_run_nothing(screen: Screen) -> None:
+def test_keys_before_and_after_the_session_are_discarded(screen: Screen) -> None:
     tty.setcbreak(screen.near, termios.TCSANOW)
     screen.type(b"www")
     with Terminal(keys_from=screen.near, show_on=screen.near) as terminal:
@@ -139,7 +139,7 @@ def test_a_line_is_cut_to_the_width_of_the_terminal(screen: Screen) -> None:
     assert screen.read_until(b"+1\r\n").endswith(b"+1\r\n")
 
 
-def test_a_terminal_that_takes_nothing_more_does_not_hold_the_loop(screen: Screen) -> None:
+def test_blocked_terminal_does_not_block_the_loop(screen: Screen) -> None:
     with Terminal(keys_from=screen.near, show_on=screen.near) as terminal:
         for _ in range(2000):  # far more than a terminal nobody reads can take
             terminal.show(VIEW)
@@ -224,7 +224,7 @@ except TerminalError as error:
 """
 
 
-def test_a_process_in_the_background_is_refused_instead_of_stopped(screen: Screen) -> None:
+def test_background_process_is_refused_instead_of_stopped(screen: Screen) -> None:
     before = screen.settings()
     process = start(screen, BACKGROUND)
     try:

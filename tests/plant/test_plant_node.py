@@ -71,7 +71,7 @@ def test_it_rests_at_x0_until_an_input_comes() -> None:
     assert {(state.plant_ns, state.x, state.sequence_break_ns) for state in found} == {(0, X0, UNSEQUENCED)}
 
 
-def test_plant_time_begins_one_playout_after_the_first_input_arrived() -> None:
+def test_plant_time_begins_one_playout_time_after_first_input() -> None:
     node = make_node(playout_ns=5 * MS)
 
     assert states(node, 10, armed(0, 10))[0].phase is WAITING
@@ -84,7 +84,7 @@ def test_plant_time_begins_one_playout_after_the_first_input_arrived() -> None:
     assert first.input_lead_ns == 5 * MS
 
 
-def test_plant_time_begins_with_the_arming_that_came_last_before_it_did() -> None:
+def test_plant_time_begins_with_the_newest_sequence() -> None:
     node = make_node(playout_ns=5 * MS)
     states(node, 10, armed(0, 10))
     assert states(node, 12, armed(3000, 12, (2.0, 0.0), first=3000, epoch=2))[0].plant_ns == 3000 * MS
@@ -95,7 +95,7 @@ def test_plant_time_begins_with_the_arming_that_came_last_before_it_did() -> Non
     assert (first.phase, first.plant_ns, first.u, first.inputs_refused) == (RUNNING, 3000 * MS, (2.0, 0.0), 1)
 
 
-def test_a_first_input_that_is_none_after_all_leaves_the_plant_at_rest() -> None:
+def test_first_input_without_effect_leaves_the_plant_at_rest() -> None:
     node = make_node(playout_ns=2 * MS)
     states(node, 1, armed(1, 1, previous_u=(float("nan"), 0.0)))
 
@@ -120,7 +120,7 @@ def test_the_motion_is_the_closed_form_of_the_damped_point() -> None:
     assert state.energy_stored_j == pytest.approx(float(position @ position + velocity @ velocity), abs=1e-12)
 
 
-def test_a_driver_that_skipped_steps_gets_one_state_for_every_period() -> None:
+def test_skipped_steps_give_one_state_per_period() -> None:
     node = make_node()
     states(node, 1, *(armed(k, 1) for k in range(10)))
 
@@ -131,7 +131,7 @@ def test_a_driver_that_skipped_steps_gets_one_state_for_every_period() -> None:
     assert [state.input_since_ns // MS for state in found] == [1, 2, 3, 4, 5]
 
 
-def test_a_missing_input_is_held_then_the_fail_safe_takes_over_until_an_arming_that_knows_of_it_begins() -> None:
+def test_missing_input_leads_to_hold_fail_safe_and_new_sequence() -> None:
     node = make_node(hold_ns=3 * MS)
     states(node, 1, armed(0, 1), armed(1, 1), armed(3, 1))
 
@@ -162,7 +162,7 @@ def test_an_input_may_ask_for_a_shorter_hold_than_the_plants(hold_ns: int, held:
     assert phases == [HOLDING] * held + [FAIL_SAFE] * (7 - held)
 
 
-def test_what_came_late_or_never_leaves_the_arming_broken_whatever_else_of_it_comes() -> None:
+def test_broken_sequence_stays_broken_whatever_arrives_later() -> None:
     node = make_node(hold_ns=2 * MS)
     states(node, 1, armed(0, 1))
     states(node, 2)
@@ -175,7 +175,7 @@ def test_what_came_late_or_never_leaves_the_arming_broken_whatever_else_of_it_co
     assert [state.inputs_late for state in found] == [1, 2, 3, 4, 5, 6]
 
 
-def test_one_lost_message_is_none_missing_if_the_next_repeats_it_in_time() -> None:
+def test_lost_message_repeated_in_time_breaks_nothing() -> None:
     node = make_node()
     states(node, 1, armed(0, 1), armed(3, 1, (4.0, 4.0), previous_u=(3.0, 3.0, 2.0, 2.0)))
 
@@ -210,7 +210,7 @@ def test_an_input_that_cannot_be_applied_is_refused_and_counted(u: tuple[float, 
 
 
 @pytest.mark.parametrize("u", [(3.0, 4.1), (-5.2, 0.0)])
-def test_an_input_beyond_the_norm_is_refused_also_among_the_repeated_ones(u: tuple[float, ...]) -> None:
+def test_repeated_inputs_beyond_the_norm_are_refused_too(u: tuple[float, ...]) -> None:
     node = make_node(norm=5.0)
     states(node, 1, armed(0, 1, (3.0, 4.0)), armed(2, 1, (3.0, -4.0), previous_u=(*u, 0.0, 0.0)))
 
@@ -239,7 +239,7 @@ def test_numbers_that_no_filter_has_are_refused(body: PlantInput, scheduled_ns: 
     assert (state.phase, state.inputs_refused) == (WAITING, 1)
 
 
-def test_an_older_session_is_foreign_as_soon_as_a_newer_one_was_heard() -> None:
+def test_older_session_is_refused_after_a_newer_one() -> None:
     node = make_node()
     states(node, 1, armed(0, 1), armed(1, 1), armed(3, 1))
     still = states(node, 2, armed(20, 2, first=20, epoch=2))[-1]
@@ -250,7 +250,7 @@ def test_an_older_session_is_foreign_as_soon_as_a_newer_one_was_heard() -> None:
     assert (state.phase, state.inputs_refused, state.input_epoch) == (HOLDING, 2, 2)
 
 
-def test_it_tells_the_largest_transit_in_its_time_minus_the_filters_clock() -> None:
+def test_state_reports_the_largest_transit_time() -> None:
     node = make_node(playout_ns=5 * MS)
     states(node, 10, armed(0, 10, made_ms=1007))  # plant time of the arrival: −5 ms
     assert states(node, 11)[-1].input_transit_ns == (-5 - 1007) * MS
@@ -261,7 +261,7 @@ def test_it_tells_the_largest_transit_in_its_time_minus_the_filters_clock() -> N
     assert (state.input_transit_ns, state.input_epoch) == (-2 * MS - 1008 * MS, 1)
 
 
-def test_a_lost_input_counts_as_having_come_with_the_message_that_repeats_it() -> None:
+def test_lost_input_counts_as_arrived_with_its_repetition() -> None:
     node = make_node(playout_ns=5 * MS)
     states(node, 10, armed(0, 10, made_ms=10))
     states(node, 13, armed(3, 13, made_ms=13, previous_u=(3.0, 3.0, 2.0, 2.0)))
@@ -269,7 +269,7 @@ def test_a_lost_input_counts_as_having_come_with_the_message_that_repeats_it() -
     assert states(node, 14)[-1].input_transit_ns == (-2 - 13 + 2) * MS
 
 
-def test_so_does_one_whose_loss_broke_the_arming_but_the_first_such_message_alone() -> None:
+def test_break_transit_counts_for_the_first_repetition_alone() -> None:
     node = make_node()
     states(node, 10, armed(0, 10, made_ms=10))
     states(node, 12)
@@ -316,7 +316,7 @@ plant_input = st.builds(
         max_size=25,
     )
 )
-def test_no_messages_make_it_apply_anything_unbounded_or_say_what_does_not_fit_a_message(
+def test_any_messages_keep_inputs_bounded_and_states_valid(
     steps: list[tuple[int, list[tuple[int, int, PlantInput]]]],
 ) -> None:
     node, at_ms = fuzzed(), 1
@@ -333,7 +333,7 @@ def test_no_messages_make_it_apply_anything_unbounded_or_say_what_does_not_fit_a
 
 @settings(max_examples=40)
 @given(st.data())
-def test_while_armed_every_input_is_the_next_of_the_same_arming(data: st.DataObject) -> None:
+def test_running_sequence_applies_its_inputs_in_order(data: st.DataObject) -> None:
     """Armings of two filters, lost, late, overtaken and repeated: u tells of which arming and period an input is."""
     node, armings, disarmed = fuzzed(), [(0, None)], UNSEQUENCED
     before: PlantState | None = None

@@ -17,7 +17,7 @@ def test_an_input_waits_for_its_time_and_comes_out_once() -> None:
     assert buffer.pop_due(3) is None
 
 
-def test_of_two_for_the_same_time_the_newer_tick_counts_in_either_order() -> None:
+def test_newer_tick_wins_for_the_same_time_in_either_order() -> None:
     for ticks in ((1, 2), (2, 1)):
         buffer = PlayoutBuffer(1)
         for tick in ticks:
@@ -25,7 +25,7 @@ def test_of_two_for_the_same_time_the_newer_tick_counts_in_either_order() -> Non
         assert buffer.pop_due(5) == plant_input(2, 5)
 
 
-def test_late_inputs_give_way_to_the_newest_of_them_and_are_forgotten() -> None:
+def test_newest_late_input_is_returned_and_the_others_removed() -> None:
     buffer = PlayoutBuffer(1)
     for tick, due_ns in ((1, 1), (3, 3), (2, 2), (9, 6)):
         buffer.put(plant_input(tick, due_ns))
@@ -38,7 +38,7 @@ def test_late_inputs_give_way_to_the_newest_of_them_and_are_forgotten() -> None:
     assert buffer.received_tick == 9
 
 
-def test_an_effective_time_within_a_period_counts_as_the_beginning_of_the_next() -> None:
+def test_effective_time_is_rounded_up_to_the_next_period() -> None:
     buffer = PlayoutBuffer(10)
     buffer.put(plant_input(1, 11))
 

@@ -48,7 +48,7 @@ def take(held: SequencedInputs, *periods: int) -> list[float | None]:
     return [None if each is None else each.u[0] for each in taken]
 
 
-def test_a_series_takes_effect_period_by_period() -> None:
+def test_sequence_takes_effect_period_by_period() -> None:
     held = armed_inputs()
     admissions = [put(held, due) for due in range(4)]
 
@@ -57,14 +57,14 @@ def test_a_series_takes_effect_period_by_period() -> None:
     assert (held.is_running, held.sequence_break_ns) == (True, UNSEQUENCED)
 
 
-def test_what_takes_effect_says_of_which_tick_it_is_and_how_long_it_may_be_held() -> None:
+def test_due_input_has_its_tick_and_hold_time() -> None:
     held = armed_inputs()
     put(held, 2, repeats=2)
 
     assert [held.pop_due(k * MS) for k in range(3)] == [SequencedInput((value(k),), k + 1, 5 * MS) for k in range(3)]
 
 
-def test_a_missing_input_disarms_and_voids_everything_that_waits() -> None:
+def test_missing_input_breaks_the_sequence_and_voids_the_rest() -> None:
     held = armed_inputs()
     for due in (0, 1, 3, 4):
         put(held, due)
@@ -75,7 +75,7 @@ def test_a_missing_input_disarms_and_voids_everything_that_waits() -> None:
     assert put(held, 5) == REFUSED
 
 
-def test_only_an_arming_that_rests_on_the_break_arms_again() -> None:
+def test_only_a_sequence_that_knows_the_break_begins() -> None:
     held = armed_inputs()
     put(held, 0)
     take(held, 0, 1)
@@ -97,7 +97,7 @@ def test_the_first_input_has_to_come_before_its_time(due: int, expected: int) ->
     assert put(held, due, first=due, basis=1) == expected
 
 
-def test_a_first_input_that_is_one_period_late_takes_no_effect_and_neither_do_those_after_it() -> None:
+def test_sequence_with_a_late_first_input_never_starts() -> None:
     held = armed_inputs()
     put(held, 0)
     take(held, 0, 1)
@@ -133,7 +133,7 @@ def test_repeats_reach_back_to_the_first_input_and_no_further() -> None:
     assert take(held, 5, 6, 7) == [2.0, 1.0, value(7, 5)]
 
 
-def test_before_plant_time_begins_a_message_has_to_hold_the_first_input() -> None:
+def test_first_message_must_contain_the_first_input() -> None:
     held = armed_inputs()
 
     assert put(held, 3, repeats=2) == REFUSED
@@ -170,7 +170,7 @@ def test_a_known_input_is_not_replaced() -> None:
     assert take(held, 0, 1, 2) == [40.0, value(1), value(2)]
 
 
-def test_while_armed_no_other_arming_of_whatever_session_counts() -> None:
+def test_running_sequence_refuses_other_sequences() -> None:
     held = armed_inputs()
     put(held, 0)
     put(held, 1)
@@ -182,7 +182,7 @@ def test_while_armed_no_other_arming_of_whatever_session_counts() -> None:
     assert take(held, 1) == [value(1)]
 
 
-def test_of_two_armings_that_wait_the_newer_counts() -> None:
+def test_newer_of_two_pending_sequences_wins() -> None:
     held = armed_inputs()
     put(held, 0)
     take(held, 0, 1)
@@ -194,7 +194,7 @@ def test_of_two_armings_that_wait_the_newer_counts() -> None:
     assert take(held, 2, 3, 4, 5, 6, 7) == [None] * 4 + [value(6, 6, 1), None]
 
 
-def test_of_two_sessions_the_newer_counts_whenever_its_arming_begins() -> None:
+def test_newer_session_wins_whenever_its_sequence_begins() -> None:
     held = armed_inputs()
     put(held, 0)
     take(held, 0, 1)
@@ -205,7 +205,7 @@ def test_of_two_sessions_the_newer_counts_whenever_its_arming_begins() -> None:
     assert take(held, *range(2, 6)) == [None] * 3 + [value(5, 5, 1)]
 
 
-def test_a_newer_arming_replaces_one_for_which_plant_time_has_not_begun() -> None:
+def test_newer_sequence_replaces_one_that_has_not_started() -> None:
     held = armed_inputs()
     put(held, 0)
     put(held, 1)
@@ -216,7 +216,7 @@ def test_a_newer_arming_replaces_one_for_which_plant_time_has_not_begun() -> Non
     assert take(held, 3000, 3001) == [value(3000, 3000), None]
 
 
-def test_inputs_absurdly_far_ahead_are_refused_and_end_nothing_that_waits() -> None:
+def test_inputs_too_far_ahead_are_refused_without_side_effects() -> None:
     held = armed_inputs()
     put(held, 0)
     assert put(held, MOST_AHEAD) == 0
@@ -258,7 +258,7 @@ def missed(held: SequencedInputs, due: int, *, repeats: int, first: int = 0, bas
     return held.periods_late(header, body)
 
 
-def test_the_first_message_that_brings_what_was_missing_tells_how_late_it_is() -> None:
+def test_first_repetition_of_a_missing_input_gives_its_lateness() -> None:
     held = armed_inputs()
     put(held, 0)
     take(held, 0, 1, 2, 3)
@@ -281,7 +281,7 @@ def test_so_it_is_for_a_first_input_that_did_not_come() -> None:
 
 @settings(max_examples=30)
 @given(st.data())
-def test_nothing_takes_effect_out_of_its_arming(data: st.DataObject) -> None:
+def test_no_input_takes_effect_outside_its_sequence(data: st.DataObject) -> None:
     """Any messages of filters that play by the rule, in any order: each input that is taken follows the one before."""
     held = armed_inputs()
     due_of = st.integers(0, 30)

@@ -16,7 +16,7 @@ def test_it_is_plant_time_of_arrival_minus_senders_clock() -> None:
     assert (transit.epoch, transit.largest_ns) == (7, -4_900 * MS)
 
 
-def test_the_largest_counts_and_is_forgotten_after_one_span_at_the_earliest_and_two_at_the_latest() -> None:
+def test_maximum_is_kept_for_one_to_two_spans() -> None:
     transit, found = TransitTime(), {}
     for arrival_ms in range(0, 4_000, 10):
         late_ms = 50 if arrival_ms == 990 else 3
@@ -28,7 +28,7 @@ def test_the_largest_counts_and_is_forgotten_after_one_span_at_the_earliest_and_
     assert SPAN_NS == 1_000 * MS
 
 
-def test_a_largest_one_early_in_a_span_is_kept_until_the_end_of_the_next() -> None:
+def test_early_maximum_is_kept_until_the_end_of_the_next_span() -> None:
     transit, found = TransitTime(), {}
     for arrival_ms in range(0, 4_000, 10):
         late_ms = 50 if arrival_ms == 1_000 else 3
@@ -38,7 +38,7 @@ def test_a_largest_one_early_in_a_span_is_kept_until_the_end_of_the_next() -> No
     assert [found[ms] for ms in (990, 1_000, 2_990, 3_000)] == [3, 50, 50, 3]
 
 
-def test_another_session_has_a_clock_of_its_own_and_an_old_one_counts_for_nothing() -> None:
+def test_new_session_resets_and_ended_session_is_ignored() -> None:
     transit = TransitTime()
     transit.record(2, 100 * MS, 90 * MS)
 

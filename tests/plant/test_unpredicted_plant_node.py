@@ -36,7 +36,7 @@ def states(node: UnpredictedPlantNode, at_ms: int, *inbox: Received) -> list[Pla
     return [body for _, body in node.step(at_ms * MS, inbox) if isinstance(body, PlantState)]
 
 
-def test_plant_time_begins_one_playout_after_the_first_input_arrived() -> None:
+def test_plant_time_begins_one_playout_time_after_first_input() -> None:
     node = make_node(playout_ns=5 * MS)
 
     assert states(node, 10, unsequenced(1, 0, 10))[0].phase is WAITING

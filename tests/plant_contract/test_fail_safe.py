@@ -46,17 +46,17 @@ def test_the_law_stays_within_magnitude_and_norm() -> None:
     ("hold_ns", "periods"),
     [(0, 1), (1, 1), (MS - 1, 1), (MS, 1), (2 * MS - 1, 1), (2 * MS, 2), (3 * MS, 3), (3 * MS + 1, 3), (10 * MS, 10)],
 )
-def test_an_input_is_in_force_for_hold_in_all_and_for_one_period_at_least(hold_ns: int, periods: int) -> None:
+def test_input_is_held_for_hold_time_and_at_least_one_period(hold_ns: int, periods: int) -> None:
     assert periods_in_force(fail_safe(hold_ns)) == periods
 
 
-def test_an_input_may_say_a_shorter_time_and_no_longer_one() -> None:
+def test_message_can_shorten_the_hold_time_not_extend_it() -> None:
     assert periods_in_force(fail_safe(5 * MS), hold_ns=3 * MS) == 3
     assert periods_in_force(fail_safe(5 * MS), hold_ns=0) == 1
     assert periods_in_force(fail_safe(5 * MS), hold_ns=2**64 - 1) == 5
 
 
-def test_holding_gives_the_input_itself_and_failing_safe_the_law_at_the_present_state() -> None:
+def test_hold_returns_the_input_and_fail_safe_the_law() -> None:
     rule = fail_safe(3 * MS)
 
     assert rule.without_input(U, 0, 2 * MS, X) == (PlantPhase.HOLDING, U)

@@ -336,9 +336,7 @@ def test_absent_certificate_is_an_empty_one(header: Header, body_of: dict[type, 
     assert tick.certificate == Certificate("", accepted=False, primal_residual=0.0, dual_residual=0.0, gap=0.0)
 
 
-def test_a_tick_of_before_overrides_were_told_is_read_and_knows_nothing_of_them(
-    header: Header, body_of: dict[type, Message]
-) -> None:
+def test_tick_without_override_report_is_decoded(header: Header, body_of: dict[type, Message]) -> None:
     message = unchecked(header, body_of[FilterTick])
     message.ClearField("override")
     for row in message.rows:

@@ -35,7 +35,7 @@ from passafe_protocol.errors import (
         ),
     ],
 )
-def test_error_says_what_got_and_allowed(error: ProtocolError, text: str, evidence: dict[str, object]) -> None:
+def test_error_has_field_got_and_allowed(error: ProtocolError, text: str, evidence: dict[str, object]) -> None:
     assert isinstance(error, ProtocolError)
     assert str(error) == text
     assert {name: getattr(error, name) for name in evidence} == evidence

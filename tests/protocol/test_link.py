@@ -67,7 +67,7 @@ def arrived(delays: list[int | None]) -> list[int]:
     return [delay for delay in delays if delay is not None]
 
 
-def test_without_impairment_everything_is_there_at_once_and_in_order() -> None:
+def test_unimpaired_link_delivers_at_once_and_in_order() -> None:
     link: Link[str] = Link("a-to-b", LinkSettings())
 
     assert [link.put(5, item) for item in "abc"] == [NO_EFFECT] * 3
@@ -126,7 +126,7 @@ def test_changing_one_setting_leaves_the_others_alone() -> None:
     assert [delay is None for delay in many] == [delay is None for delay in steady]
 
 
-def test_reconfigured_link_lets_messages_under_way_keep_their_time() -> None:
+def test_reconfiguration_keeps_arrival_times_in_flight() -> None:
     link: Link[str] = Link("a-to-b", LinkSettings(delay_s=1.0))
     link.put(0, "slow")
     link.reconfigure(LinkSettings(delay_s=0.1))
@@ -136,7 +136,7 @@ def test_reconfigured_link_lets_messages_under_way_keep_their_time() -> None:
     assert link.pop_arrived(2 * S) == [(100 * MS, "fast"), (S, "slow")]
 
 
-def test_reconfigured_link_goes_on_with_its_sequences_unless_the_seed_changes() -> None:
+def test_reconfiguration_keeps_generators_for_the_same_seed() -> None:
     settings = LinkSettings(delay_s=0.1, jitter_s=0.05, loss=0.5, seed=1)
     expected = outcome(settings, 200)
     link: Link[int] = Link("a-to-b", settings)
@@ -153,7 +153,7 @@ def test_reconfigured_link_goes_on_with_its_sequences_unless_the_seed_changes() 
     assert from_the_start == lost
 
 
-def test_without_overtaking_messages_come_out_in_order_also_those_under_way_before() -> None:
+def test_without_reordering_messages_in_flight_stay_in_order_too() -> None:
     link: Link[int] = Link("a-to-b", LinkSettings(delay_s=0.5, jitter_s=0.5))
     for i in range(50):
         link.put(i * MS, i)
@@ -168,7 +168,7 @@ def test_without_overtaking_messages_come_out_in_order_also_those_under_way_befo
     assert [i for _, i in out[50:]] == sorted(i for _, i in out[50:])
 
 
-def test_a_rate_spaces_messages_and_drops_those_that_find_the_queue_full() -> None:
+def test_rate_spaces_messages_and_drops_at_a_full_queue() -> None:
     link: Link[int] = Link("a-to-b", LinkSettings(delay_s=1.0, rate_hz=100.0, queue=3))
 
     assert [link.put(0, i) for i in range(5)] == [NO_EFFECT] * 3 + [DROPPED_BY_QUEUE] * 2
@@ -191,7 +191,7 @@ def test_a_slower_rate_lets_those_that_wait_go_first() -> None:
     assert [i for _, i in link.pop_arrived(5 * S)] == [5, 0, 1, 2, 3]
 
 
-def test_a_trace_lets_one_message_through_at_each_of_its_times_and_begins_anew() -> None:
+def test_trace_passes_one_message_per_time_and_repeats() -> None:
     link: Link[int] = Link("a-to-b", LinkSettings(trace_s=(0.0, 0.002, 0.002, 0.010)))
     start = 7 * S
     for i in range(6):
@@ -203,7 +203,7 @@ def test_a_trace_lets_one_message_through_at_each_of_its_times_and_begins_anew()
     assert times == [0, 2, 2, 10, 10, 12, 30, 30]
 
 
-def test_a_message_that_comes_with_the_last_opportunity_of_a_round_takes_it() -> None:
+def test_message_at_the_last_opportunity_of_a_round_uses_it() -> None:
     link: Link[int] = Link("a-to-b", LinkSettings(trace_s=(0.004, 0.010)))
     for i, now_ns in enumerate((S, S + 10 * MS, S + 20 * MS)):
         link.put(now_ns, i)
@@ -259,7 +259,7 @@ def test_a_lost_message_has_no_copy() -> None:
     assert link.counts.duplicated == link.counts.corrupted == 0
 
 
-def test_a_corrupted_item_is_damaged_where_the_sequence_says() -> None:
+def test_corrupted_item_is_damaged_at_the_drawn_position() -> None:
     settings = LinkSettings(corrupt=0.5, duplicate=0.5)
 
     def outcomes() -> list[object]:
@@ -277,7 +277,7 @@ def test_a_corrupted_item_is_damaged_where_the_sequence_says() -> None:
     assert 0.9 < max(places) < 1
 
 
-def test_without_a_way_to_damage_it_a_corrupted_item_stays_as_it_is() -> None:
+def test_corrupted_item_without_damage_function_is_unchanged() -> None:
     link: Link[str] = Link("a-to-b", LinkSettings(corrupt=1.0))
 
     assert link.put(0, "a") == CORRUPTED
@@ -324,7 +324,7 @@ def test_every_message_is_accounted_for_at_any_moment(
 
 @settings(deadline=None)
 @given(any_settings(), st.lists(st.integers(0, 50 * MS), max_size=60), st.integers(1, 20))
-def test_what_is_taken_is_in_order_and_without_overtaking_in_that_of_putting(
+def test_arrivals_are_ordered_and_without_reordering_as_put(
     chosen: LinkSettings, pauses: list[int], looks: int
 ) -> None:
     link: Link[int] = Link("a-to-b", chosen)

@@ -59,7 +59,7 @@ MARGINALS: dict[str, tuple[LinkSettings, Callable[[np.ndarray], np.ndarray]]] = 
 
 
 @pytest.mark.parametrize("name", MARGINALS)
-def test_delays_have_the_distribution_that_is_asked_for(name: str) -> None:
+def test_delays_have_the_requested_distribution(name: str) -> None:
     settings, cdf = MARGINALS[name]
 
     assert stats.kstest(delays_s(settings), cdf).pvalue > LEVEL
@@ -81,7 +81,7 @@ def fields(settings: LinkSettings) -> dict[str, object]:
 
 @pytest.mark.parametrize("name", MARGINALS)
 @pytest.mark.parametrize("correlation", [0.25, 0.9])
-def test_successive_delays_have_the_rank_correlation_that_is_asked_for(name: str, correlation: float) -> None:
+def test_successive_delays_have_the_requested_rank_correlation(name: str, correlation: float) -> None:
     settings, _ = MARGINALS[name]
     found = delays_s(LinkSettings(**{**fields(settings), "correlation": correlation}))
 
@@ -91,7 +91,7 @@ def test_successive_delays_have_the_rank_correlation_that_is_asked_for(name: str
     )
 
 
-def test_the_rank_correlation_is_that_of_the_numbers_and_not_of_their_gaussians() -> None:
+def test_rank_correlation_is_of_the_numbers_not_their_gaussians() -> None:
     asked, count = 0.6, 200_000
     source = CorrelatedUniform(Random(3).random)
     source.correlate(asked)
@@ -109,7 +109,7 @@ def test_uncorrelated_delays_are_uncorrelated() -> None:
     assert abs(stats.spearmanr(found[:-1], found[1:]).statistic) < SIGMAS / sqrt(COUNT)
 
 
-def test_pareto_normal_mixes_quantiles_as_netem_does_and_has_unit_deviation() -> None:
+def test_pareto_normal_mixes_quantiles_with_unit_deviation() -> None:
     u = np.array([1e-6, 0.01, 0.3, 0.5, 0.9, 1 - 1e-6])
     expected = (stats.norm.ppf(u) + 3 * (stats.pareto(3).ppf(u) - 1.5) * 2 / sqrt(3)) / 4 / PARETO_NORMAL_SIGMA
 
@@ -150,7 +150,7 @@ def test_loss_is_the_share_that_is_lost_independently(loss: float) -> None:
     assert np.mean(bursts) == pytest.approx(1 / (1 - loss), abs=SIGMAS * spread)
 
 
-def test_bursts_of_gilbert_last_one_over_r_and_lose_their_stationary_share() -> None:
+def test_gilbert_bursts_have_their_mean_length_and_loss_share() -> None:
     p, r, count = 0.02, 0.25, 200_000
     lost = losses(LinkSettings(burst_enter=p, burst_leave=r, seed=2), count)
     bursts = [sum(1 for _ in run) for gone, run in groupby(lost) if gone]

@@ -62,7 +62,7 @@ def test_messages_come_out_with_their_time() -> None:
     assert link.pop_received(20 * MS) == [Received(head(0), an_input(1), 10 * MS)]
 
 
-def test_a_corrupted_message_has_one_bit_flipped_and_the_decoder_refuses_it(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_corrupted_message_has_one_flipped_bit_and_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     seen: list[bytes] = []
     monkeypatch.setattr(
         passafe_protocol.message_link, "decode", lambda topic, data: seen.append(data) or decode(topic, data)
@@ -115,7 +115,7 @@ def test_a_copy_is_refused_wherever_it_comes() -> None:
     assert link.counts.delivered == 100 + link.counts.duplicated
 
 
-def test_a_link_that_never_spoils_anything_does_not_judge_and_one_that_did_goes_on() -> None:
+def test_only_links_that_ever_damaged_messages_check_them() -> None:
     link = MessageLink("filter-to-plant", LinkSettings(delay_s=1.0))
     link.reconfigure(LinkSettings(duplicate=1.0, delay_s=1.0))
     link.put(0, (head(0), an_input(0)))
@@ -125,7 +125,7 @@ def test_a_link_that_never_spoils_anything_does_not_judge_and_one_that_did_goes_
     assert link.refused_duplicate == 1
 
 
-def test_effects_are_told_as_messages() -> None:
+def test_effects_are_reported_as_events() -> None:
     link = MessageLink("filter-to-plant", LinkSettings(corrupt=1.0, duplicate=1.0))
     effects = link.put(0, (head(5), an_input(0)))
 
@@ -138,7 +138,7 @@ def test_effects_are_told_as_messages() -> None:
     ]
 
 
-def test_its_state_says_settings_counts_and_who_asked(header: Header) -> None:
+def test_state_has_settings_counts_and_requester(header: Header) -> None:
     link = MessageLink("operator-to-filter", FULL)
     wanted = LinkConfig("operator-to-filter", parameters_of(replace(FULL, loss=0.0, trace_s=())))
     before = link.state("start", ())
@@ -156,7 +156,7 @@ def test_its_state_says_settings_counts_and_who_asked(header: Header) -> None:
     assert decode(TOPIC_OF_BODY[type(after)], encode(header, after)) == (header, after)
 
 
-def test_what_contradicts_itself_is_refused_and_the_state_says_why(header: Header) -> None:
+def test_contradictory_settings_are_refused_with_a_reason(header: Header) -> None:
     link = MessageLink("operator-to-filter", FULL)
     link.configure(header, LinkConfig("operator-to-filter", parameters_of(replace(FULL, trace_s=(), rate_hz=5.0))))
     refused = link.state("requested", ())

@@ -54,7 +54,7 @@ def test_reordered_message_closes_its_gap() -> None:
     assert (guard.received, guard.gaps, guard.refused) == (3, 0, 0)
 
 
-def test_reordered_before_the_first_message_seen_opens_the_gap_between() -> None:
+def test_reordered_message_before_the_first_opens_a_gap() -> None:
     guard = SequenceGuard()
 
     assert classify_all(guard, 5, 2) == [Arrival.FRESH, Arrival.REORDERED]
@@ -70,7 +70,7 @@ def test_repeated_message_is_refused_once_for_each_repetition(again: int) -> Non
     assert (guard.received, guard.gaps, guard.refused) == (9, 0, 2)
 
 
-def test_the_window_is_large_enough_and_ends_where_it_says() -> None:
+def test_window_has_its_stated_size() -> None:
     guard = SequenceGuard()
     newest = 10 * WINDOW
     classify_all(guard, 0, newest)
@@ -80,7 +80,7 @@ def test_the_window_is_large_enough_and_ends_where_it_says() -> None:
     assert classify_all(guard, newest - WINDOW) == [Arrival.DUPLICATE]
 
 
-def test_older_epoch_is_foreign_and_changes_nothing_else() -> None:
+def test_older_epoch_is_an_ended_session_without_side_effects() -> None:
     guard = SequenceGuard()
     guard.classify(header(4, epoch=7))
 
@@ -89,7 +89,7 @@ def test_older_epoch_is_foreign_and_changes_nothing_else() -> None:
     assert (guard.received, guard.gaps, guard.refused) == (2, 0, 1)
 
 
-def test_newer_epoch_starts_anew_and_keeps_the_counts() -> None:
+def test_newer_epoch_starts_a_session_and_keeps_the_counts() -> None:
     guard = SequenceGuard()
     classify_all(guard, 10, 13)
 
@@ -189,7 +189,7 @@ def test_agrees_with_an_oracle_that_forgets_nothing(stream: list[tuple[int, int]
     assert guard.received + guard.refused == len(stream)
 
 
-def test_sessions_tell_what_was_seen_of_each_and_only_the_newest_are_remembered() -> None:
+def test_sessions_have_their_counts_and_only_the_newest_are_kept() -> None:
     guard = SequenceGuard()
     assert guard.sessions == ()
     for epoch, sequence in ((1, 5), (1, 7), (1, 4), (3, 0), (2, 9), (3, 2), (3, 2)):

@@ -43,7 +43,7 @@ def test_parts_and_lists_carry_the_shapes_within() -> None:
     assert shape.enums[0][2][FilterStatus.STALE.value] is FilterStatus.STALE
 
 
-def test_every_entry_knows_its_place() -> None:
+def test_every_entry_has_its_index() -> None:
     shape = shape_of(FilterTick)
     kinds = (shape.plain, shape.floats, shape.enums, shape.vectors, shape.parts, shape.lists)
 

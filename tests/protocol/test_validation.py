@@ -223,7 +223,7 @@ def floats_of(value: tuple, path: str = "") -> list[tuple[str, Replace]]:
 
 
 @pytest.mark.parametrize("number", [nan, inf, -inf])
-def test_a_number_that_is_not_finite_is_refused_wherever_it_stands(body: Message, number: float) -> None:
+def test_non_finite_numbers_are_refused_in_every_field(body: Message, number: float) -> None:
     for field, changed in floats_of(body):
         with pytest.raises(InvalidMessageError, match="finite number") as caught:
             check("a topic", shape_of(type(body)), changed(number))

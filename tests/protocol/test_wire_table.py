@@ -49,7 +49,7 @@ def test_every_topic_message_and_field_is_described() -> None:
             assert row_of(markdown, f"### {message.name}", f"`{field.name}`")[0] == str(field.number)
 
 
-def test_row_of_a_field_holds_number_type_meaning_and_what_is_allowed() -> None:
+def test_field_row_has_number_type_meaning_and_allowed_values() -> None:
     markdown = render()
 
     assert row_of(markdown, "### PlantState", "`x`") == [
@@ -121,7 +121,7 @@ def test_main_checks_the_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]
 
 @pytest.mark.parametrize("content", [None, "no markers"])
 @pytest.mark.parametrize("option", ["--write", "--check"])
-def test_main_says_in_one_line_why_it_cannot(
+def test_main_reports_errors_in_one_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], content: str | None, option: str
 ) -> None:
     page = tmp_path / "page.md"
@@ -134,7 +134,7 @@ def test_main_says_in_one_line_why_it_cannot(
     assert str(page) in capsys.readouterr().err.splitlines()[-1]
 
 
-def test_source_that_does_not_compile_is_said_so(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_source_that_does_not_compile_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(wire_table, "_PROTO", "passafe_protocol/absent.proto")
 
     with pytest.raises(SystemExit, match=r"absent\.proto"):

@@ -73,7 +73,7 @@ def test_the_sequence_wraps_at_32_bits(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("wall_ns", [-1, 2**64])
-def test_a_time_that_the_file_cannot_hold_is_refused_before_it_spoils_a_chunk(tmp_path: Path, wall_ns: int) -> None:
+def test_time_out_of_range_is_refused_before_it_reaches_a_chunk(tmp_path: Path, wall_ns: int) -> None:
     path = tmp_path / "run.mcap"
     with LogWriter(path, {}) as log:
         with pytest.raises(ValueError, match="wall_ns"):
@@ -83,7 +83,7 @@ def test_a_time_that_the_file_cannot_hold_is_refused_before_it_spoils_a_chunk(tm
         assert [m.data for _, _, m in make_reader(stream).iter_messages()] == [b"x"]
 
 
-def test_a_key_that_is_none_of_the_table_is_logged_without_a_schema(tmp_path: Path) -> None:
+def test_unknown_key_is_logged_without_a_schema(tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"
     with LogWriter(path, {}) as log:
         log.write("passafe/plant/unheard_of", b"\x01", sequence=0, wall_ns=0)
@@ -121,7 +121,7 @@ def test_a_scenario_that_is_no_json_is_refused() -> None:
     ("place", "reason"),
     [("missing/run.mcap", "No such file"), ("file/run.mcap", "Not a directory"), (".", "Is a directory")],
 )
-def test_a_place_that_cannot_be_written_is_told_in_one_line(tmp_path: Path, place: str, reason: str) -> None:
+def test_unwritable_path_is_reported_in_one_line(tmp_path: Path, place: str, reason: str) -> None:
     (tmp_path / "file").touch()
     path = tmp_path / place
     with pytest.raises(LogWriteError, match=reason) as caught:
@@ -146,7 +146,7 @@ except LogWriteError as error:
 """
 
 
-def test_a_folder_without_permission_is_told_in_one_line(tmp_path: Path) -> None:
+def test_folder_without_permission_is_reported_in_one_line(tmp_path: Path) -> None:
     folder = tmp_path / "closed"
     folder.mkdir()
     child = subprocess.run(

@@ -73,7 +73,7 @@ def sequences(path: Path) -> list[int]:
     return [record.sequence for record in LogReader(path).records() if hasattr(record, "sequence")]
 
 
-def test_everything_until_the_end_and_what_is_still_on_its_way_is_logged(tmp_path: Path) -> None:
+def test_messages_in_flight_at_the_end_are_logged(tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"
     desk = Desk(stop_after_s=1.0, late_messages=5)
     desk.run(LogWriter(path, {}))
@@ -93,7 +93,7 @@ def test_a_bus_that_never_falls_silent_does_not_keep_it(tmp_path: Path) -> None:
     assert desk.now_ns < 1 * S
 
 
-def test_health_once_a_second_and_a_warning_when_messages_are_missing(tmp_path: Path) -> None:
+def test_health_every_second_and_a_warning_for_missing_messages(tmp_path: Path) -> None:
     desk = Desk(stop_after_s=3.5)
     desk.run(LogWriter(tmp_path / "run.mcap", {}))
     health = [body for topic, body in desk.published if topic is HEALTH]
@@ -109,7 +109,7 @@ def test_health_once_a_second_and_a_warning_when_messages_are_missing(tmp_path: 
     assert warning == Event("warning", "messages missing in the log so far: passafe/plant/event 2")
 
 
-def test_what_was_logged_is_on_the_disk_within_a_quarter_of_a_second(tmp_path: Path) -> None:
+def test_logged_messages_are_on_disk_within_a_quarter_second(tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"
     desk = Desk(stop_after_s=2.0)
     worst_ns = 0
@@ -126,7 +126,7 @@ def test_what_was_logged_is_on_the_disk_within_a_quarter_of_a_second(tmp_path: P
     assert 100 * MS < worst_ns <= 250 * MS
 
 
-def test_a_full_disk_is_told_and_ends_it(tmp_path: Path) -> None:
+def test_full_disk_is_reported_and_ends_the_recording(tmp_path: Path) -> None:
     desk = Desk(stop_after_s=5.0)
     log = LogWriter(tmp_path / "run.mcap", {})
     os.close(log._file._raw.fileno())  # every write fails from now on
@@ -196,7 +196,7 @@ def test_a_signal_ends_it_with_a_finished_file(tmp_path: Path, signum: int) -> N
     assert times[-1] == max(first_ns, *map(int, rest.split()))
 
 
-def test_a_limit_of_the_disk_ends_it_in_one_line_with_a_readable_log(tmp_path: Path) -> None:
+def test_full_disk_ends_it_in_one_line_with_a_readable_log(tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"
     with writing_child(path, limit_bytes=200_000) as child:
         _, errors = child.communicate(timeout=PATIENCE_S)

@@ -53,7 +53,7 @@ def test_what_is_not_valid_is_logged_at_the_time_of_its_arrival(tmp_path: Path) 
     assert recording.health() == (TopicHealth("event", received=1, gaps=0, refused=5),)
 
 
-def test_repeated_and_foreign_messages_are_logged_and_counted(tmp_path: Path) -> None:
+def test_duplicates_and_ended_sessions_are_logged_and_counted(tmp_path: Path) -> None:
     key = EVENT.key("plant")
     samples = [event(0, epoch=2), event(1, epoch=2), event(1, epoch=2), event(9, epoch=1)]
     recording, found = recorded(tmp_path, [(key, data) for data in samples])

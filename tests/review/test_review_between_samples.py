@@ -20,7 +20,7 @@ def test_what_is_no_number_is_the_worst() -> None:
     assert Extremum.highest(values, T) == Extremum(math.inf, 1.0)
 
 
-def test_the_first_of_equal_extrema_is_told() -> None:
+def test_first_of_equal_extrema_is_reported() -> None:
     assert Extremum.lowest(np.array([2.0, 1.0, 1.0]), T) == Extremum(1.0, 1.0)
     assert Extremum.highest(np.array([1.0, 2.0, 2.0]), T) == Extremum(2.0, 1.0)
 
@@ -47,7 +47,7 @@ def test_the_ledger_is_the_sum_as_long_as_the_tank_is_not_full(energies: list[tu
 
 
 @given(energies=energies)
-def test_the_ledger_never_passes_its_maximum_and_never_gains_more_than_was_given(
+def test_tank_stays_below_its_maximum_and_gains_no_extra_energy(
     energies: list[tuple[float, float]],
 ) -> None:
     gained_j, stored_j = map(list, zip(*energies, strict=True))
@@ -75,7 +75,7 @@ class TwoDisks(DampedPoint):
 
 
 @pytest.mark.parametrize(("to", "nearest"), [(1.2, 0), (1.8, 1)])
-def test_the_barrier_that_came_nearest_is_told_by_its_number(to: float, nearest: int) -> None:
+def test_nearest_barrier_is_reported_by_its_index(to: float, nearest: int) -> None:
     way = [LoggedMessage(header("plant", k), state(k, (1.5 + (to - 1.5) * k / 9, 0, 0, 0), (0, 0))) for k in range(10)]
     margins = RecomputedMargins.of(Trajectory.of(way), TwoDisks(), scenario().filter.passivity, 4)
 

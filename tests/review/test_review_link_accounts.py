@@ -178,7 +178,7 @@ def test_a_message_that_is_missing_in_the_log_is_found(run: Simulated) -> None:
     assert account(run.log(without(OperatorCommand, 100))).differences == {"messages missing in the log": 1}
 
 
-def test_what_the_bus_lost_is_told_by_the_reader(run: Simulated) -> None:
+def test_losses_on_the_bus_are_counted_by_the_reader(run: Simulated) -> None:
     end = end_of(run)
     (source,) = end.sources
     fewer = LinkSource(source.source, source.epoch, source.first, source.newest, source.received - 3)

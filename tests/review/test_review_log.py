@@ -68,7 +68,7 @@ def test_order_gaps_and_repetitions_are_per_source_and_session(tmp_path: Path) -
     assert count.first_gap_wall_ns == header("plant", 0).wall_ns
 
 
-def test_what_is_missing_at_the_start_of_a_second_session_is_a_gap_of_the_run(tmp_path: Path) -> None:
+def test_messages_missing_before_a_second_session_are_a_gap(tmp_path: Path) -> None:
     run = Run()
     for epoch, sequences in ((1, (2, 3)), (2, (4, 5))):
         for sequence in sequences:
@@ -121,7 +121,7 @@ def test_a_torn_log_is_read_up_to_the_tear(tmp_path: Path) -> None:
     log.close()
 
 
-def test_the_published_configuration_stands_in_for_missing_metadata(tmp_path: Path) -> None:
+def test_published_scenario_replaces_missing_metadata(tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"
     info = ScenarioInfo(scenario(mode="safe").model_dump_json(), "lockstep", json.dumps({"piqp": "0.7"}))
     with LogWriter(path, {}) as log:
@@ -160,7 +160,7 @@ def unfit(tmp_path: Path) -> dict[str, tuple[Path, type[LogFileError], str]]:
 
 
 @pytest.mark.parametrize("name", ["missing", "folder", "empty", "text", "foreign", "silent", "newer"])
-def test_an_unfit_file_is_told_in_one_line(tmp_path: Path, name: str) -> None:
+def test_invalid_file_is_reported_in_one_line(tmp_path: Path, name: str) -> None:
     path, kind, part = unfit(tmp_path)[name]
     with pytest.raises(kind) as caught:
         RunLog.read(path)
@@ -179,7 +179,7 @@ def test_a_driver_that_does_not_exist_is_refused(tmp_path: Path) -> None:
         RunLog.read(path)
 
 
-def test_a_finished_log_without_messages_is_a_run_that_did_nothing(tmp_path: Path) -> None:
+def test_finished_log_without_messages_is_an_empty_run(tmp_path: Path) -> None:
     log = RunLog.read(Run().write(tmp_path / "run.mcap"))
     assert log.of(PlantState) == []
     assert log.counts["state"].received == 0

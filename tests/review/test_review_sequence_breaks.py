@@ -29,7 +29,7 @@ def wall_ns(step: int) -> int:
     return WALL_NS + step * PERIOD_NS
 
 
-def test_a_disarming_lasts_from_the_first_missing_input_to_the_next_one(tmp_path: Path) -> None:
+def test_break_lasts_from_the_missing_input_to_the_next_one(tmp_path: Path) -> None:
     run = run_of(WAITING, WAITING, RUNNING, HOLDING, HOLDING, FAIL_SAFE, FAIL_SAFE, RUNNING, RUNNING, HOLDING, RUNNING)
     first, second = sequence_breaks(read(run, tmp_path).of(PlantState))
     assert first == (0.003, wall_ns(3), wall_ns(5), wall_ns(7), 0.007)
@@ -46,7 +46,7 @@ def test_one_that_does_not_end_lasts_until_the_end_of_the_log(tmp_path: Path) ->
     assert verdict.without_input_s == pytest.approx(0.002)
 
 
-def test_a_plant_that_waits_is_not_disarmed_and_another_plant_is_another_story(tmp_path: Path) -> None:
+def test_waiting_is_no_break_and_sessions_are_separate(tmp_path: Path) -> None:
     run = run_of(WAITING, RUNNING, HOLDING)
     for step, phase in enumerate((WAITING, RUNNING, RUNNING)):
         _, body = run.sent[run.indices(PlantState)[step]]
@@ -60,5 +60,5 @@ def test_a_plant_that_waits_is_not_disarmed_and_another_plant_is_another_story(t
     assert verdict.sequence_breaks == 1
 
 
-def test_no_state_is_no_disarming() -> None:
+def test_no_state_is_no_break() -> None:
     assert sequence_breaks([]) == []

@@ -23,7 +23,7 @@ def leg_of(*coordinates: np.ndarray, target: Target = HERE, tolerance: float = 0
     return Leg.of(target, tolerance, t_s, np.array(coordinates))
 
 
-def test_a_decay_reaches_its_target_when_it_enters_the_tolerance_for_good() -> None:
+def test_decay_settles_when_it_stays_within_the_tolerance() -> None:
     """e^{−t}·(3, 4) has the distance 5e^{−t}: ln 50 until 0.1, and 25(1 − e^{−16})/16 as mean square."""
     leg = leg_of(3 * np.exp(-T_S), 4 * np.exp(-T_S))
 
@@ -32,7 +32,7 @@ def test_a_decay_reaches_its_target_when_it_enters_the_tolerance_for_good() -> N
     assert leg.rms_error == pytest.approx(sqrt(25 * (1 - exp(-16)) / 16), rel=1e-6)
 
 
-def test_an_oscillation_overshoots_by_what_its_damping_says_and_counts_from_its_last_entry() -> None:
+def test_oscillation_has_its_overshoot_and_settling_time() -> None:
     """e^{−t}cos 2πt: the first minimum is where tan 2πt = −1/2π; a passage through the target is no arrival."""
     leg = leg_of(np.exp(-T_S) * np.cos(2 * pi * T_S), 0 * T_S, tolerance=0.05)
     lowest_s = 0.5 - np.arctan(1 / (2 * pi)) / (2 * pi)
@@ -43,7 +43,7 @@ def test_an_oscillation_overshoots_by_what_its_damping_says_and_counts_from_its_
     assert leg.time_to_target_s > 2.0
 
 
-def test_overshoot_is_beyond_the_target_along_the_way_not_beside_it() -> None:
+def test_overshoot_is_measured_along_the_line_to_the_target() -> None:
     along = np.where(T_S < 4, -2.0 + T_S, 0.0)  # from −2 past 0 to +2, then back at once
     beside = 5 * np.sin(T_S)
 
@@ -109,7 +109,7 @@ def test_collisions_are_counted_once_each_for_any_barrier() -> None:
     assert scores.collided_s == pytest.approx(2.5, abs=2e-3)
 
 
-def test_a_review_scores_a_person_and_nobody_else(tmp_path: Path) -> None:
+def test_only_simulated_persons_have_steering_metrics(tmp_path: Path) -> None:
     verdicts = []
     for name in ("human-steers", "walls-and-disks"):
         scenario = load_scenario(name, {"duration_s": 4.0, "filter.mode": "off"})

@@ -67,7 +67,7 @@ def test_command_age_leaves_out_ticks_before_the_first_command(tmp_path: Path) -
     assert age.max == pytest.approx(1.0)
 
 
-def test_from_operator_to_plant_counts_until_the_input_is_applied(tmp_path: Path) -> None:
+def test_operator_to_plant_latency_ends_at_application(tmp_path: Path) -> None:
     # Command k is sent 25 µs after its step was due; the input made from it is applied by the plant step that
     # began 3 ms after the same time.
     latency = Timing.of(read(run_with_times(), tmp_path)).operator_to_plant_ms
@@ -83,7 +83,7 @@ def test_from_operator_to_plant_counts_until_the_input_is_applied(tmp_path: Path
     )
 
 
-def test_a_restarted_filter_leaves_the_way_to_the_plant_untold(tmp_path: Path) -> None:
+def test_latency_is_unknown_after_a_filter_restart(tmp_path: Path) -> None:
     run = run_with_times()
     run.add(header("filter", 0, epoch=2), tick(0, (0.0, 0.0)))
     assert Timing.of(read(run, tmp_path)).operator_to_plant_ms is None
@@ -102,7 +102,7 @@ def test_nothing_is_made_up_without_messages(tmp_path: Path) -> None:
     assert timing.late_us == {}
 
 
-def test_ticks_missed_are_holes_in_the_schedule_and_not_in_the_log() -> None:
+def test_skipped_steps_are_gaps_in_the_schedule_not_in_the_log() -> None:
     def logged(sequence: int, step: int) -> LoggedMessage[FilterTick]:
         return LoggedMessage(header("filter", sequence, step=step), tick(sequence, (0.0, 0.0)))
 

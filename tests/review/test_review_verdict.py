@@ -44,7 +44,7 @@ def test_a_run_that_keeps_everything_holds(tmp_path: Path) -> None:
     assert verdict.h_min == pytest.approx((2 - 0.5 * reach) ** 2 - 1, abs=1e-12)
 
 
-def test_h_and_power_margin_are_recomputed_and_not_read_from_the_filter(tmp_path: Path) -> None:
+def test_h_and_power_margin_are_recomputed_not_read_from_ticks(tmp_path: Path) -> None:
     verdict = judged(coasting(Run()), tmp_path)  # the ticks claim a power margin of 99
     # h_u = 2‖x₂‖² − 2x₁ᵀx₂ = 4e⁻²ᵗ − 6e⁻ᵗ without input, which falls until e⁻ᵗ = 3/4.
     lowest = 4 * math.exp(-2 * 0.199) - 6 * math.exp(-0.199)
@@ -91,7 +91,7 @@ def test_the_input_of_a_period_counts_until_its_end(tmp_path: Path) -> None:
     assert verdict.power_margin_min == pytest.approx(end)
 
 
-def test_entering_the_disk_fails_only_where_safety_is_asked_for(tmp_path: Path) -> None:
+def test_entering_the_disk_fails_only_if_safety_is_required(tmp_path: Path) -> None:
     for mode, outcome in (("safe", "fails"), ("off", "holds")):
         run = Run(scenario(mode=mode))
         rollout(run, x0=(1.01, 0.0, -1.0, 0.0), u=lambda _: REST, steps=100)
@@ -198,7 +198,7 @@ def test_states_that_the_model_does_not_explain_fail(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("missing", [PlantState, FilterTick, PlantInput])
-def test_a_log_with_a_gap_is_unproven_and_says_where(tmp_path: Path, missing: type) -> None:
+def test_log_with_a_gap_is_unproven_and_locates_it(tmp_path: Path, missing: type) -> None:
     run = Run()
     rollout(run, x0=(2.0, 0.0, -0.5, 0.0), u=lambda k: (0.01 * k, 0.0), steps=50)
     path = run.write(
@@ -258,7 +258,7 @@ def test_a_robot_that_waits_for_its_first_input_is_not_judged(tmp_path: Path) ->
     assert verdict.verdict == "unproven"
 
 
-def test_a_state_told_twice_changes_nothing(tmp_path: Path) -> None:
+def test_duplicate_state_changes_nothing(tmp_path: Path) -> None:
     # A plant step that comes before the next period is over tells the state once more.
     run = Run()
     states = rollout(run, x0=(2.0, 0.0, -0.5, 0.0), u=lambda _: REST, steps=10)
@@ -269,7 +269,7 @@ def test_a_state_told_twice_changes_nothing(tmp_path: Path) -> None:
     assert verdict.duration_s == pytest.approx(0.010)
 
 
-def test_a_restarted_plant_begins_anew(tmp_path: Path) -> None:
+def test_restarted_plant_is_a_new_session(tmp_path: Path) -> None:
     run = Run(scenario(mode="safe"))
     for epoch, start in ((1, 2.0), (2, 3.0)):
         model, x = DampedPoint(), np.array([start, 0.0, -0.5, 0.0])

@@ -70,7 +70,7 @@ def test_a_field_that_holds_what_it_may_not_is_named(barrier: dict[str, Any], fi
         ([LIMITS, DISK | {"name": "a 2 high"}], "damped-point", 4, ("'a 2 high'", "each name once")),
     ],
 )
-def test_barriers_that_a_model_cannot_have_or_that_share_a_name_are_refused(
+def test_barriers_of_other_models_and_shared_names_are_refused(
     barriers: list[dict[str, Any]], model: str, states: int, words: tuple[str, ...]
 ) -> None:
     with pytest.raises(ScenarioError) as refused:
@@ -91,7 +91,7 @@ def test_a_barrier_of_one_point_keeps_its_name() -> None:
     ]
 
 
-def test_a_room_is_four_walls_and_limits_are_two_for_each_coordinate() -> None:
+def test_room_is_four_walls_and_each_coordinate_has_two_limits() -> None:
     single = with_barriers(ROOM | {"name": "room"}, LIMITS | {"name": "joint"}).barriers
 
     assert [one.name for one in single] == [

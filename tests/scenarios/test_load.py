@@ -26,7 +26,7 @@ def test_a_scenario_survives_json(tmp_path: Path) -> None:
     assert load_scenario(str(path)) == scenario
 
 
-def test_a_torn_file_is_told_in_one_line(tmp_path: Path) -> None:
+def test_truncated_file_is_reported_in_one_line(tmp_path: Path) -> None:
     path = tmp_path / "torn.toml"
     path.write_text("name = [", encoding="utf-8")
 
@@ -71,7 +71,7 @@ def test_an_entry_of_a_list_is_reached_by_number_or_by_name() -> None:
 
 
 @pytest.mark.parametrize("dotted", ["filter.barriers.disc.radius", "filter.barriers.1.radius", "plant.x0.4", "name.x"])
-def test_a_name_that_leads_nowhere_is_told(dotted: str) -> None:
+def test_unknown_override_name_is_reported(dotted: str) -> None:
     with pytest.raises(ScenarioError, match="allowed") as refusal:
         load_scenario(NAME, {dotted: 1.0})
 

@@ -27,7 +27,7 @@ def test_the_reference_scenario_becomes_the_papers_example() -> None:
 
 
 @pytest.mark.parametrize(("kind", "expected"), [("power", None), ("tank", 5.0)])
-def test_the_row_draws_on_the_tank_only_where_the_scenario_says_so(kind: str, expected: float | None) -> None:
+def test_passivity_row_uses_the_tank_only_if_configured(kind: str, expected: float | None) -> None:
     scenario = load_scenario(NAME, {"filter.passivity.kind": kind})
     tank = design_of(scenario, robot_of(scenario)).passivity.tank
 
@@ -68,7 +68,7 @@ def test_the_drag_point_is_not_linear() -> None:
     assert SafetyPassivityFilter(design_of(scenario, robot)).row_names[:2] == ("disk", "passivity")
 
 
-def test_parameters_and_states_that_do_not_fit_the_model_are_named() -> None:
+def test_parameters_and_states_of_other_models_are_named() -> None:
     with pytest.raises(ScenarioError, match=r"plant\.parameters"):
         robot_of(load_scenario(NAME, {"plant.parameters": {"mass": 1.0}}))
     with pytest.raises(ScenarioError, match=r"plant\.x0"):
@@ -112,7 +112,7 @@ def test_joints_are_counted_by_their_starts(states: int) -> None:
         robot_of(with_plant("joint-chain", states))
 
 
-def test_the_fail_safe_goes_by_the_gains_of_the_barriers_of_the_position() -> None:
+def test_fail_safe_uses_the_gains_of_the_position_barriers() -> None:
     limits = {"kind": "coordinate-limits", "name": "v", "of": "velocity", "low": [-9] * 2, "high": [9] * 2}
     others = (SPEED, limits | {"class_k": SPEED["class_k"]})
 

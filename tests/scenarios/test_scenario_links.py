@@ -23,7 +23,7 @@ def load(**values: object) -> Scenario:
     return load_scenario("notomista-cai-2020", values)
 
 
-def test_the_schema_knows_every_link_and_every_setting() -> None:
+def test_schema_has_every_link_and_every_setting() -> None:
     assert set(get_args(LinkName)) == set(LINKS)
     assert set(ScenarioLink.model_fields) - {"trace"} == {f.name for f in fields(LinkSettings)} - {"trace_s"}
     assert ScenarioLink().settings() == LinkSettings()
@@ -87,7 +87,7 @@ def test_what_a_link_cannot_be_is_refused_by_name(given: dict[str, Any], named: 
     assert "\n" not in str(caught.value)
 
 
-def test_every_distribution_can_be_asked_for() -> None:
+def test_every_distribution_can_be_configured() -> None:
     for name in DISTRIBUTIONS:
         table = [0.0, 1.0] if name == "histogram" else []
         assert load(**{f"links.{LINK}": {"distribution": name, "quantiles_s": table}}).links[LINK].distribution == name

@@ -60,9 +60,7 @@ def test_tight_limits_bind_in_magnitude_and_norm(tmp_path: Path) -> None:
         ("two-robots", {"room", "keep-apart"}, {2}),
     ],
 )
-def test_the_shipped_scenarios_show_relative_degrees_one_to_three(
-    name: str, kinds: set[str], degrees: set[int]
-) -> None:
+def test_shipped_scenarios_cover_relative_degrees_one_to_three(name: str, kinds: set[str], degrees: set[int]) -> None:
     barriers = load_scenario(name).filter.barriers
 
     assert {barrier.kind for barrier in barriers} == kinds

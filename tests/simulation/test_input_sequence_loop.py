@@ -58,7 +58,7 @@ def require_exact(run: ArmingRun, least: int = 1) -> None:
 )
 @example(delay_s=0.3, jitter_s=0.05, loss=0.6, seed=0)
 @example(delay_s=0.0, jitter_s=0.0, loss=0.0, seed=0)
-def test_every_input_meets_the_state_it_was_made_for_and_h_stays_positive(
+def test_every_input_meets_its_predicted_state_and_h_is_positive(
     delay_s: float, jitter_s: float, loss: float, seed: int
 ) -> None:
     run = ArmingRun(**bad_links(delay_s=delay_s, jitter_s=jitter_s, loss=loss, seed=seed)).run(2.0)
@@ -92,7 +92,7 @@ def test_it_does_not_depend_on_how_many_inputs_a_message_repeats(repeats: int) -
         ("moving-disk", {}),
     ],
 )
-def test_nonlinear_and_larger_plants_are_predicted_to_the_last_bit_too(name: str, overrides: dict[str, object]) -> None:
+def test_nonlinear_and_larger_plants_are_predicted_bit_exactly(name: str, overrides: dict[str, object]) -> None:
     run = ArmingRun(name, **overrides, **bad_links(delay_s=0.06, jitter_s=0.03, loss=0.3, seed=3)).run(1.5)
 
     require_exact(run, least=50)
@@ -100,7 +100,7 @@ def test_nonlinear_and_larger_plants_are_predicted_to_the_last_bit_too(name: str
     assert run.least_h() >= 0.0
 
 
-def test_without_delay_nothing_is_ever_missing_and_two_runs_are_the_same_to_the_last_byte() -> None:
+def test_without_delay_nothing_is_missing_and_runs_are_identical() -> None:
     first, second = ArmingRun().run(2.0), ArmingRun().run(2.0)
 
     assert first.sequence_breaks() == []
@@ -116,7 +116,7 @@ def test_constant_delay_breaks_nothing_either() -> None:
     assert run.least_h() >= 0.0
 
 
-def test_two_runs_over_a_bad_network_are_the_same_to_the_last_byte() -> None:
+def test_two_runs_over_a_bad_network_are_byte_identical() -> None:
     overrides = bad_links(delay_s=0.05, jitter_s=0.03, loss=0.3, seed=7)
 
     assert ArmingRun(**overrides).run(1.5).wire() == ArmingRun(**overrides).run(1.5).wire()
@@ -131,7 +131,7 @@ def test_without_play_out_time_and_without_delay_the_loop_runs() -> None:
 
 @pytest.mark.parametrize("cut", [INPUTS, STATES])
 @pytest.mark.parametrize("outage_s", [0.5, 2.0])
-def test_a_link_that_is_out_leads_to_the_fail_safe_and_back_without_a_jump(cut: type, outage_s: float) -> None:
+def test_outage_leads_to_the_fail_safe_and_back_without_a_jump(cut: type, outage_s: float) -> None:
     run = ArmingRun(**bad_links("filter-to-plant", "plant-to-filter", delay_s=0.04)).run(1.0)
     node = run.plant if cut is INPUTS else run.filter
     node.severed = {cut}
@@ -184,7 +184,7 @@ def test_a_filter_that_is_killed_and_started_again_takes_over(seed: int) -> None
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_a_plant_that_is_started_again_gets_an_arming_of_its_own(seed: int) -> None:
+def test_restarted_plant_gets_a_sequence_of_its_own(seed: int) -> None:
     rng = Random(seed)
     run = ArmingRun(**bad_links("filter-to-plant", "plant-to-filter", delay_s=rng.choice([0.0, 0.1])))
     run.run(rng.uniform(0.01, 1.0))
@@ -198,7 +198,7 @@ def test_a_plant_that_is_started_again_gets_an_arming_of_its_own(seed: int) -> N
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_after_a_burst_of_loss_the_loop_is_armed_again(seed: int) -> None:
+def test_new_sequence_begins_after_a_burst_of_loss(seed: int) -> None:
     rng = Random(100 + seed)
     delay_s = rng.choice([0.0, 0.05, 0.3])
     run = ArmingRun(**bad_links("filter-to-plant", "plant-to-filter", delay_s=delay_s, jitter_s=0.01, seed=seed))
@@ -217,7 +217,7 @@ def test_after_a_burst_of_loss_the_loop_is_armed_again(seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_a_plant_and_a_filter_that_flicker_are_armed_once_they_stay(seed: int) -> None:
+def test_sequence_begins_once_restarting_nodes_stay_up(seed: int) -> None:
     rng = Random(seed)
     run = ArmingRun(**bad_links(delay_s=0.02, jitter_s=0.02, loss=0.2, seed=seed))
     for _ in range(8):
@@ -267,7 +267,7 @@ def test_a_log_of_a_bad_network_steps_again_tick_by_tick(tmp_path: Path, estimat
     assert len(set(steps)) < len(steps)  # several inputs in a step
 
 
-def test_a_filter_that_does_not_predict_sends_inputs_of_no_arming_and_decides_on_the_newest_state() -> None:
+def test_unpredicted_filter_sends_unsequenced_inputs() -> None:
     run = ArmingRun(filter__prediction=False, **bad_links(delay_s=0.05)).run(1.0)
     inputs = [body for _, _, body in run.sent if isinstance(body, PlantInput)]
     states = {state.x for state in run.trajectory()}

@@ -26,7 +26,7 @@ def logged(path: Path, **overrides: object) -> RunLog:
     return RunLog.read(path)
 
 
-def test_over_a_bad_link_it_runs_is_near_the_truth_and_steps_again_exactly(tmp_path: Path) -> None:
+def test_estimate_over_a_bad_link_is_accurate_and_replayable(tmp_path: Path) -> None:
     overrides = {"operator.estimator": ESTIMATOR, "links.operator-to-filter": BAD_LINK}
     log = logged(tmp_path / "run.mcap", **overrides)
     ticks = [message.body for message in log.of(FilterTick)][200:]

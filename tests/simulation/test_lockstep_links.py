@@ -73,7 +73,7 @@ def balances(state: LinkState) -> bool:
     return state.entered + state.duplicated == state.delivered + dropped + state.in_flight
 
 
-def test_every_effect_is_told_one_by_one_and_the_account_balances() -> None:
+def test_every_effect_is_reported_and_the_account_balances() -> None:
     tape = run(**{f"links.{name}": EVERYTHING for name in LINKS})
     events = Counter((e.link, e.effect, e.cause) for _, e in tape.of(LinkEvent) if isinstance(e, LinkEvent))
     states = tape.last_states()
@@ -94,7 +94,7 @@ def test_every_effect_is_told_one_by_one_and_the_account_balances() -> None:
     assert {header.source for header, body in tape.of(LinkEvent) if body.link == "plant-to-operator"} == {"operator"}
 
 
-def test_what_the_filter_consumed_is_what_came_out_and_was_not_refused() -> None:
+def test_filter_consumes_what_the_link_delivered_and_accepted() -> None:
     tape = run(**{f"links.{name}": EVERYTHING for name in LINKS})
     ticks = [body for _, body in tape.of(FilterTick) if isinstance(body, FilterTick)]
     consumed = Counter(message.topic for tick in ticks for message in tick.consumed)
@@ -115,7 +115,7 @@ def test_links_that_do_nothing_are_accounted_for_too() -> None:
     assert balances(states["plant-to-filter"])
 
 
-def test_states_are_told_at_the_start_every_second_and_at_the_end() -> None:
+def test_link_states_are_reported_at_start_end_and_every_second() -> None:
     told = [(body.trigger, header.sent_ns) for header, body in run(2.2).of(LinkState) if body.link == "filter-to-plant"]
 
     assert [trigger for trigger, _ in told] == ["start", "period", "period", "end"]
@@ -184,7 +184,7 @@ def test_a_link_that_does_not_exist_is_refused() -> None:
         Lockstep([], period_ns=1, links={"filter-to-moon": LinkSettings()})
 
 
-def test_a_killed_reader_s_links_are_accounted_for_over_its_sessions(tmp_path: Path) -> None:
+def test_links_of_a_killed_reader_are_accounted_for(tmp_path: Path) -> None:
     overrides = {"duration_s": 0.6, **{f"links.{name}": EVERYTHING for name in LINKS}}
     scenario = load_scenario("notomista-cai-2020", overrides)
     path = tmp_path / "run.mcap"

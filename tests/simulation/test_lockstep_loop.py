@@ -48,7 +48,7 @@ def paper() -> Tape:
     return run(10.0)
 
 
-def test_both_keeps_the_disk_and_the_power_margin_as_in_the_reference_table(paper: Tape) -> None:
+def test_mode_both_keeps_barrier_and_power_margin(paper: Tape) -> None:
     x = np.array([state.x for state in paper.moving()])
     u = np.array([state.u for state in paper.moving()])
     x1, x2 = x[:, :2], x[:, 2:]
@@ -68,7 +68,7 @@ def test_every_tick_is_certified(paper: Tape) -> None:
     assert max(tick.certificate.primal_residual for tick in ticks) <= 1e-6
 
 
-def test_the_prediction_is_confirmed_by_the_plant_to_the_last_bit(paper: Tape) -> None:
+def test_plant_confirms_the_prediction_to_the_last_bit(paper: Tape) -> None:
     truth = {state.plant_ns: state for state in paper.moving()}
     ticks = [body for body in paper.of(FilterTick) if isinstance(body, FilterTick)]
     compared = [tick for tick in ticks if tick.effective_plant_ns in truth]
@@ -78,7 +78,7 @@ def test_the_prediction_is_confirmed_by_the_plant_to_the_last_bit(paper: Tape) -
     assert all(truth[tick.effective_plant_ns].u == tick.u for tick in compared)
 
 
-def test_two_runs_are_the_same_to_the_last_byte_with_bad_links_too() -> None:
+def test_two_runs_with_bad_links_are_byte_identical() -> None:
     overrides = bad_links(delay_s=0.02, jitter_s=0.01, loss=0.1, seed=4)
 
     first, second = run(0.5, **overrides).wire(), run(0.5, **overrides).wire()
@@ -92,14 +92,14 @@ def test_another_seed_gives_another_run() -> None:
     assert run(0.3, **bad_links(loss=0.3, seed=5)).wire() != first
 
 
-def test_delay_alone_changes_nothing_about_safety_because_the_filter_predicts() -> None:
+def test_delay_alone_does_not_affect_safety() -> None:
     tape = run(4.0, **bad_links(delay_s=0.2))
     x = np.array([state.x for state in tape.moving()])
 
     assert (x[:, :2] ** 2).sum(1).min() - 1 >= -1e-6
 
 
-def test_lost_messages_are_told_by_the_reader_of_the_link() -> None:
+def test_lost_messages_are_reported_by_the_reader_of_the_link() -> None:
     tape = run(0.3, **{"links.plant-to-filter": {"loss": 0.5, "seed": 1}})
     dropped = [body for body in tape.of(LinkEvent) if isinstance(body, LinkEvent)]
 
@@ -107,7 +107,7 @@ def test_lost_messages_are_told_by_the_reader_of_the_link() -> None:
     assert 0.35 < len(dropped) / len(tape.of(PlantState)) < 0.65
 
 
-def test_the_continuous_law_diverges_in_passive_and_says_so() -> None:
+def test_continuous_law_diverges_in_passive_and_is_reported() -> None:
     tape = run(4.0, filter__law="continuous", filter__mode="passive")
     ticks = [body for body in tape.of(FilterTick) if isinstance(body, FilterTick)]
     u = np.array([state.u for state in tape.moving()])
@@ -118,7 +118,7 @@ def test_the_continuous_law_diverges_in_passive_and_says_so() -> None:
     assert len(ticks) == 4006
 
 
-def test_a_tap_gets_what_the_node_hands_over_and_no_message_is_made_for_it() -> None:
+def test_tap_gets_outgoing_items_without_computing_messages() -> None:
     scenario = load_scenario("notomista-cai-2020", {"duration_s": 0.05})
     tape, states, records = Tape(), [], []
     lockstep_loop(scenario, tape, taps={STATE: states.append, TICK: records.append}).run(steps_of(scenario))
@@ -164,7 +164,7 @@ def test_what_is_derived_anew_has_another_key(overrides: dict[str, object]) -> N
     assert CompiledScenario.key_of(plain) != CompiledScenario.key_of(other)
 
 
-def test_without_an_observer_the_loop_runs_and_makes_no_telemetry() -> None:
+def test_loop_without_observer_computes_no_telemetry() -> None:
     scenario = load_scenario("notomista-cai-2020", {"duration_s": 0.05})
     loop = lockstep_loop(scenario)
     loop.run(steps_of(scenario))

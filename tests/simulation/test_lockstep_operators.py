@@ -54,7 +54,7 @@ def test_a_person_with_little_delay_needs_no_filter() -> None:
 
 
 @pytest.mark.parametrize(("share", "grows"), [(0.97, False), (1.03, True)])
-def test_without_the_filter_the_loop_is_lost_at_the_delay_that_the_margin_predicts(share: float, grows: bool) -> None:
+def test_unfiltered_loop_diverges_at_the_predicted_delay_margin(share: float, grows: bool) -> None:
     """Little of the margin goes to the loop itself: play-out and two ticks, 15 ms at 200 Hz."""
     source = {
         "kind": "human",
@@ -80,7 +80,7 @@ def test_without_the_filter_the_loop_is_lost_at_the_delay_that_the_margin_predic
 
 
 @pytest.mark.parametrize("delay_s", [0.4, 1.0])
-def test_late_commands_lead_through_the_walls_and_the_filter_keeps_the_robot_from_them(delay_s: float) -> None:
+def test_filter_keeps_delayed_commands_from_the_walls(delay_s: float) -> None:
     assert run_of("human-steers", filter__mode="off", links=late(delay_s), duration_s=8.0).h_min < -0.5
     assert run_of("human-steers", filter__mode="both", links=late(delay_s), duration_s=8.0).h_min >= 0
 

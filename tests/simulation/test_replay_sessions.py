@@ -52,7 +52,7 @@ def test_a_last_step_that_was_cut_short_is_no_difference(log: RunLog) -> None:
     assert result.ticks == last + 1
 
 
-def test_a_step_in_the_middle_that_is_cut_short_is_missing_something(log: RunLog) -> None:
+def test_step_cut_short_in_the_middle_counts_as_missing(log: RunLog) -> None:
     without = first_of_a_step_with_several(log) + 1
     result = replay_filter(with_ticks(log, lambda index: index != without))
     assert (result.missing, result.first_difference) == (1, "")
@@ -60,14 +60,14 @@ def test_a_step_in_the_middle_that_is_cut_short_is_missing_something(log: RunLog
     assert not result.exact
 
 
-def test_a_missing_tick_is_named_as_missing_and_not_as_a_difference(log: RunLog) -> None:
+def test_missing_tick_is_reported_as_missing_not_as_different(log: RunLog) -> None:
     result = replay_filter(with_ticks(log, lambda index: index not in {200, 201}))
     assert result.missing == 2
     assert result.identical == result.ticks == 200
     assert not result.exact
 
 
-def test_a_tick_that_nobody_made_is_a_difference(log: RunLog) -> None:
+def test_tick_missing_in_the_replay_is_a_difference(log: RunLog) -> None:
     ticks: list[LoggedMessage[Message]] = list(log.messages[TICK.name])
     head, body = ticks[-1]
     ticks.append(LoggedMessage(structs.replace(head, sequence=head.sequence + 1), body))

@@ -30,7 +30,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> tuple[RunLog, list[str
     return RunLog.read(only_log(folder)), demo.lines, code
 
 
-def test_a_live_run_ends_by_itself_with_a_verdict_and_the_logs_path(
+def test_live_run_ends_with_a_verdict_and_the_path_of_the_log(
     finished: tuple[RunLog, list[str], int],
 ) -> None:
     log, lines, code = finished
@@ -74,7 +74,7 @@ def test_the_filter_of_a_live_run_steps_again_to_the_last_bit(finished: tuple[Ru
     assert result.exact, result
 
 
-def test_ctrl_c_ends_cleanly_with_the_verdict_and_leaves_nothing_behind(tmp_path: Path) -> None:
+def test_ctrl_c_ends_with_the_verdict_and_leaves_nothing_behind(tmp_path: Path) -> None:
     with running_demo(tmp_path, "--headless") as demo:
         demo.wait_for("running; end with Ctrl-C")
         pids = list(demo.children().values())
@@ -88,7 +88,7 @@ def test_ctrl_c_ends_cleanly_with_the_verdict_and_leaves_nothing_behind(tmp_path
 
 
 @pytest.mark.parametrize("victim", ["router", "recorder", "dashboard", "operator", "filter", "plant"])
-def test_a_killed_process_is_named_within_a_second_and_the_log_is_readable(victim: str, tmp_path: Path) -> None:
+def test_killed_process_is_named_and_the_log_is_readable(victim: str, tmp_path: Path) -> None:
     with running_demo(tmp_path, "--rate", "1000") as demo:
         demo.wait_for("running; end with Ctrl-C")
         pids = demo.children()

@@ -73,7 +73,7 @@ def test_show_tells_settings_and_counts_of_every_link(changed: Changed) -> None:
     assert states["plant-to-operator"]["entered"] == states["plant-to-operator"]["delivered"] > 0
 
 
-def test_set_returns_with_the_value_in_force_and_the_states_are_late_from_then_on(changed: Changed) -> None:
+def test_set_returns_the_value_in_force_and_delays_the_states(changed: Changed) -> None:
     log = changed.log
     assert changed.set.returncode == 0, changed.set.stderr
     assert changed.set.stdout == f"plant-to-filter: delay={DELAY_S} jitter=0.01\n"
@@ -101,7 +101,7 @@ def test_the_log_ends_with_the_state_of_every_link(changed: Changed) -> None:
     assert {name: state.trigger for name, state in last.items()} == dict.fromkeys(LINKS, "end")
 
 
-def test_the_page_s_server_changes_a_link_and_answers_with_what_is_in_force(changed: Changed) -> None:
+def test_dashboard_changes_a_link_and_returns_its_settings(changed: Changed) -> None:
     assert changed.put.status_code == 200, changed.put.text
     assert changed.put.json()["settings"]["delay_s"] == 0.25
     answered = next(s for s in changed.log.of(LinkState) if s.body.config_source == "dashboard")

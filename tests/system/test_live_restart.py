@@ -57,7 +57,7 @@ def is_fresh(_header: Header, body: Message) -> bool:
     return isinstance(body, FilterTick) and body.status in {FilterStatus.PASSED, FilterStatus.MODIFIED}
 
 
-def test_filter_router_and_operator_are_killed_and_the_robot_stays_safe_and_goes_on(tmp_path: Path) -> None:
+def test_robot_stays_safe_when_filter_router_and_operator_die(tmp_path: Path) -> None:
     with running_demo(tmp_path, "--restart", "--headless", "--rate", "250") as demo:
         demo.wait_for("running; end with Ctrl-C")
         first = demo.children()

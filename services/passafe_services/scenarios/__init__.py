@@ -1,1 +1,1 @@
-"""Scenario files, their schema, and how they become objects of the core."""
+"""Scenario files: schema, loading, and construction of the core's objects."""

@@ -1,4 +1,4 @@
-"""From a scenario to the core's objects: robot, storage, barriers, filter design, sampled plant."""
+"""Builds the core's objects of a scenario: robot, storage, barriers, filter design, sampled plant."""
 
 import casadi as ca
 
@@ -42,7 +42,7 @@ def robot_of(scenario: Scenario) -> Robot:
 
 
 def _largest_gain(scenario: Scenario, level: int) -> float:
-    """Largest gain of one class-K function among the barriers of the position."""
+    """Return the largest gain of one class-K function among the barriers of the position."""
     gains = [
         barrier.class_k[level].gain
         for barrier in scenario.barriers
@@ -82,7 +82,7 @@ def barriers_of(scenario: Scenario, robot: Robot) -> tuple[Barrier, ...]:
 
 
 def tank_of(scenario: Scenario) -> Tank:
-    """Return the scenario's energy ledger; it is kept and reported whether or not the passivity row draws on it."""
+    """Return the scenario's energy tank; it is tracked and reported even if the passivity row does not use it."""
     passivity = scenario.filter.passivity
     return Tank(
         initial_j=passivity.tank_initial_j,
@@ -96,7 +96,7 @@ def design_of(scenario: Scenario, robot: Robot) -> FilterDesign:
     """Return the design of the scenario's filter.
 
     Raises:
-        DesignError: Parts that do not fit together, for example a barrier that the input never reaches.
+        DesignError: Parts of the design do not fit together, for example a barrier without relative degree.
     """
     config = scenario.filter
     passivity = config.passivity
@@ -124,7 +124,7 @@ def design_of(scenario: Scenario, robot: Robot) -> FilterDesign:
 
 
 def limits_of(scenario: Scenario, robot: Robot) -> Limits:
-    """Return what the scenario's actuators can do."""
+    """Return the scenario's input limits."""
     config = scenario.filter
     m = robot.system.m
     return Limits.of(m, config.input_bound, config.input_norm_bound, config.input_rate_bound_per_s)

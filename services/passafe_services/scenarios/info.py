@@ -1,4 +1,4 @@
-"""What a run is, for its log: the effective configuration and the versions that compute it."""
+"""Identity of a run for its log: effective scenario and versions of passafe and its dependencies."""
 
 import json
 import platform
@@ -14,17 +14,17 @@ COMPUTES_WITH: Final = ("passafe", "casadi", "piqp", "numpy", "scipy", "eclipse-
 
 
 def versions() -> dict[str, str]:
-    """Return the versions of passafe, of what it computes with and of the interpreter."""
+    """Return the versions of passafe, its numerical dependencies and the interpreter."""
     return dict(_versions())
 
 
-@cache  # reading them takes longer than building a loop
+@cache  # reading the metadata takes longer than building a loop
 def _versions() -> dict[str, str]:
     return {name: version(name) for name in COMPUTES_WITH} | {"python": platform.python_version()}
 
 
 def scenario_info(scenario: Scenario, driver: str) -> ScenarioInfo:
-    """Return the effective configuration as a message.
+    """Return the effective scenario as a message.
 
     Args:
         scenario: The effective scenario.

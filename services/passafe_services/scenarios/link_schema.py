@@ -1,4 +1,4 @@
-"""What a scenario file may say of its links."""
+"""Schema of the links in scenario files."""
 
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Literal, Self
@@ -75,10 +75,10 @@ class ScenarioLink(LinkFields):
         return self
 
     def settings(self, trace_s: tuple[float, ...] = ()) -> LinkSettings:
-        """Return the settings as the link takes them.
+        """Return the settings for ``Link``.
 
         Args:
-            trace_s: What the file ``trace`` holds.
+            trace_s: Times in the file ``trace``, s.
         """
         return LinkSettings(**self.model_dump(exclude={"trace"}), trace_s=trace_s)
 
@@ -104,10 +104,10 @@ class LinkChangeConfig(Config):
 def changed_links(
     links: Mapping[LinkName, ScenarioLink], changes: Sequence[LinkChangeConfig]
 ) -> list[tuple[LinkChangeConfig, ScenarioLink]]:
-    """Return every change in order of time, with all settings that are in force from then on.
+    """Return every change in order of time, with all settings in force from then on.
 
     Raises:
-        ValueError: Settings that do not go together.
+        ValueError: Settings contradict each other.
     """
     in_force = dict(links)
     changed = []

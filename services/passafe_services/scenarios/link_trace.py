@@ -1,4 +1,4 @@
-"""Reads a trace of packet-delivery times: a CSV file of one column."""
+"""Reads a trace of packet delivery times: a CSV file with one column."""
 
 import csv
 from pathlib import Path
@@ -20,11 +20,11 @@ def read_trace(path: Path) -> tuple[float, ...]:
     """Return the times of a trace, s.
 
     Args:
-        path: A file with one time a line, in order. A first line ``time_s`` or ``time_ms`` names the unit; without
-            one they are ms.
+        path: A file with one time per line, in order. A first line ``time_s`` or ``time_ms`` sets the unit; without
+            one it is ms.
 
     Raises:
-        LinkTraceError: The file cannot be read, or is no such trace.
+        LinkTraceError: The file cannot be read, or is not a valid trace.
     """
     try:
         with path.open(newline="", encoding="utf-8") as file:

@@ -1,4 +1,4 @@
-"""From a scenario to the settings of its links."""
+"""Link settings of a scenario."""
 
 from pathlib import Path
 
@@ -20,7 +20,7 @@ def link_settings(scenario: Scenario) -> dict[str, LinkSettings]:
 
 
 def link_changes(scenario: Scenario) -> tuple[LinkChange, ...]:
-    """Return the changes of these settings that the scenario plans, in order of time.
+    """Return the changes of these settings that the scenario schedules, in order of time.
 
     Raises:
         LinkTraceError: A trace that cannot be used.

@@ -1,4 +1,4 @@
-"""Finds, reads and checks scenario files; the one place where configuration is loaded."""
+"""Finds, reads and validates scenario files; the only place where configuration is loaded."""
 
 import json
 import tomllib

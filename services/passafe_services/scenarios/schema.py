@@ -1,4 +1,4 @@
-"""What a scenario file may say: pydantic models with ranges, units in the names, no unknown keys."""
+"""Schema of scenario files: pydantic models with ranges and units in the names, unknown keys refused."""
 
 from typing import Annotated, Literal, Self
 
@@ -79,13 +79,13 @@ Estimator = Annotated[AsSentEstimator | WhiteAccelerationEstimator, Field(discri
 
 
 class OperatorConfig(Config):
-    """Who drives, and what the filter makes of the commands.
+    """The operator: source of the commands and their treatment at the filter.
 
     Attributes:
-        source: Who or what drives.
-        stale_s: Age from which a command is stale at the filter, s.
-        fade_s: How long the request then takes to fade to zero, s; also after the dead-man is released.
-        estimator: How the filter derives u_h and its rate from the commands.
+        source: Script, device, simulated person or adversary.
+        stale_s: Age above which a command is stale at the filter, s.
+        fade_s: Time in which the request then fades to zero, s; also after a release of the dead-man switch.
+        estimator: Derivation of u_h and its rate from the commands.
     """
 
     source: SourceConfig

@@ -1,4 +1,4 @@
-"""Who or what drives: the ``operator.source`` of a scenario file."""
+"""Schema of ``operator.source`` in scenario files: script, device, simulated person or adversary."""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -167,7 +167,7 @@ class AdversarySource(Config):
 
 
 ScriptSource = LagSource | ConstantSource | SineSource | WaypointSource | RecordedSource | KeyboardSource
-"""Sources that need to know no more of the robot than how many inputs it has."""
+"""Sources that depend on the robot only through its number of inputs."""
 
 SourceConfig = Annotated[ScriptSource | HumanSource | AdversarySource, Field(discriminator="kind")]
 
