@@ -17,7 +17,7 @@ from passafe_services.scenarios.barrier_kinds.registry import SHIPPED, kind_word
 from passafe_services.scenarios.link_schema import ScenarioLink
 from passafe_services.scenarios.load import load_scenario, scenario_from
 from passafe_services.scenarios.robot_models import ROBOT_MODELS
-from passafe_services.scenarios.source_schema import AdversarySource, HumanSource, Source
+from passafe_services.scenarios.source_schema import AdversarySource, HumanSource, SourceConfig
 from passafe_services.simulation import lockstep_loop
 from passafe_services.tools.experiment.check import check
 from passafe_services.tools.experiment.load import Study, experiment_from
@@ -69,7 +69,7 @@ def test_every_kind_of_barrier_motion_and_robot_is_shown() -> None:
 
 def test_every_operator_and_its_parameters_are_in_tables() -> None:
     page = text_of(OPERATORS)
-    for kind in kinds_of(Source):
+    for kind in kinds_of(SourceConfig):
         assert f"| `{kind}` |" in page, kind
     for name, field in HumanSource.model_fields.items():
         if name not in ("kind", "targets"):

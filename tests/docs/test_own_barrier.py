@@ -113,7 +113,7 @@ def test_outline_of_the_guide_is_where_h_is_zero(folder: Path) -> None:
     assert done.stdout == "True\n", done.stderr
 
 
-def test_misspelt_key_of_the_new_kind_is_refused_with_a_suggestion(folder: Path) -> None:
+def test_misspelt_key_of_the_new_kind_is_refused_with_a_hint(folder: Path) -> None:
     text = (folder / "table.toml").read_text(encoding="utf-8").replace("half_width_m", "half_widht_m")
     (folder / "misspelt.toml").write_text(text, encoding="utf-8")
     done = passafe(folder, "simulate", "--scenario", "misspelt.toml", "--out", "none.mcap")

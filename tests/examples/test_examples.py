@@ -56,7 +56,6 @@ def test_log_to_pandas_reads_a_simulated_run(tmp_path: Path) -> None:
     assert "MODIFIED" in out
 
 
-@pytest.mark.xfail(reason="experiment files of schema version 2 are on their way")
 def test_delay_experiment_shows_what_prediction_is_worth(tmp_path: Path) -> None:
     table = _run("delay_experiment.py", "delay", cwd=tmp_path).splitlines()[-3:]
 
