@@ -109,7 +109,7 @@ def _divide(a: Ball, b: Ball) -> Ball:
 
 
 def _root(a: Ball) -> Ball:
-    """√a of a ≥ 0: concave, so furthest from the centre's at the lower end, unless that is cut off at zero."""
+    """Return √a of a ≥ 0: concave, so furthest from the centre's at the lower end, unless that is cut off at zero."""
     centre = ca.sqrt(a.centre)
     lower, upper = ca.sqrt(ca.fmax(a.centre - a.radius, 0)), ca.sqrt(a.centre + a.radius)
     return Ball(centre, ca.fmax(centre - lower, upper - centre))
@@ -150,7 +150,7 @@ def _sign(a: Ball) -> Ball:
 
 
 def _compare(function: Callable[[ca.SX, ca.SX], ca.SX]) -> Callable[[Ball, Ball], Ball]:
-    """A truth value, 0 or 1; its radius is 1 where it may be either."""
+    """Return a truth value, 0 or 1; its radius is 1 where it may be either."""
 
     def compared(a: Ball, b: Ball) -> Ball:
         reach = a.radius + b.radius

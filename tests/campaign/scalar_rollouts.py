@@ -68,7 +68,7 @@ def into_passivity(seen: Decision | None, m: int) -> Array:
 
 
 def rollout(scenario: Scenario, seed: int, duration_s: float) -> RolloutResult:
-    """What a rollout comes to when nothing is done at once."""
+    """Roll out one state at a time, without batching."""
     robot = robot_of(scenario)
     core = SafetyPassivityFilter(design_of(scenario, robot))
     plant, tank, mathematics = sampled_plant_of(scenario, robot), tank_of(scenario), CoreEvaluator(scenario)

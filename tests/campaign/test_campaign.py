@@ -94,7 +94,7 @@ def test_a_box_without_a_safe_start_is_refused() -> None:
 
 
 def decided(x: tuple[float, ...], count: int) -> BatchFilter:
-    """The reference scenario's filter at rest in one state, in every element."""
+    """Return the reference scenario's filter at rest in one state, in every element."""
     scenario = load_scenario(NAME)
     many = BatchFilter(SafetyPassivityFilter(design_of(scenario, robot_of(scenario))), count)
     zero = np.zeros((2, count))

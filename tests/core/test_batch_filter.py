@@ -72,7 +72,7 @@ def one_by_one(core: SafetyPassivityFilter, asked: Request, *, start: bool = Fal
 
 
 def assert_same(many: BatchFilter, expected: Sequence[Decision]) -> None:
-    """The same decisions; where the filter itself took them, to the last bit."""
+    """Check for the same decisions, to the last bit where the filter itself took them."""
     relaxed_above = many.core.design.passivity.relaxed_above
     for lane, decision in enumerate(expected):
         status = Status(many.status[lane])

@@ -37,7 +37,7 @@ def modules_of(package: ModuleType) -> Iterator[ModuleType]:
 
 
 def suites(base: type, module: ModuleType) -> list[type]:
-    """The suite's subclasses that a test module makes pytest collect."""
+    """Return the suite's subclasses that a test module makes pytest collect."""
     return [one for name, one in vars(module).items() if name.startswith("Test") and issubclass(one, base)]
 
 

@@ -23,7 +23,7 @@ def numbers(residuals: Residuals[float]) -> list[float]:
 
 
 def accepted(residuals: Residuals[float]) -> bool:
-    """The filter's own acceptance."""
+    """Evaluate the filter's own acceptance."""
     return accepts(TOLERANCE, residuals)
 
 

@@ -55,7 +55,7 @@ def assert_near_minimiser(decision: Decision) -> None:
 
 
 def assert_all_that_the_bound_leaves(decision: Decision) -> None:
-    """An answer that the rows alone would have beyond the bound: on it, and the rows kept if anything keeps them."""
+    """Check an answer that rows alone put beyond the bound: on it, and the rows kept if any input keeps them."""
     assert max(map(abs, decision.u)) == pytest.approx(BOUND, rel=1e-5)
     if decision.status is not Status.UNCERTIFIED:
         assert_consistent_with_relaxation(decision)

@@ -66,7 +66,7 @@ def test_among_many_rows_it_finds_what_one_or_two_of_them_decide(M: int) -> None
 
 
 def nearest_by_trying(G: Array, d: Array) -> Array | None:
-    """The nearest point that at most two of the rows decide, by trying all of them."""
+    """Return the nearest point with at most two active rows, by trying all of them."""
     kept = [np.zeros(G.shape[1])] if (d <= 1e-12).all() else []
     for pair in combinations(range(len(d)), 2):
         exact = solve_exactly(G[list(pair)], d[list(pair)])

@@ -49,7 +49,7 @@ def h_u(x1: Array, x2: Array, u: Array) -> float:
 
 
 def b_x(x1: Array, x2: Array, u: Array, phi: Array) -> float:
-    """The right-hand side of the safety row, as printed: right."""
+    """Return the right-hand side of the safety row as printed, which is correct."""
     drift = (2 * x1 + 2 * (2 - SIGMA) * x2 + 2 * u) @ x2 + (4 * x2 + 2 * (2 - SIGMA) * x1) @ (-SIGMA * x2 + u)
     return float(drift + 2 * x1 @ phi + GAIN_X * psi_2(x1, x2, u) ** 3)
 

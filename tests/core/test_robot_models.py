@@ -174,7 +174,7 @@ SETS = {"disk": (disk, disk_slope), "half-plane": (wall, wall_slope)}
 
 
 def handed_over(rng: np.random.Generator, gamma_1: float, safe_set: str) -> Array:
-    """A random state in the safe set with ψ₁ = ḣ + γ₁h ≥ 0, often as fast towards the boundary as that allows."""
+    """Draw a state in the safe set with ψ₁ = ḣ + γ₁h ≥ 0, often as fast towards the boundary as that allows."""
     h, slope = SETS[safe_set]
     while True:
         x1 = rng.uniform(-3, 3, 2)

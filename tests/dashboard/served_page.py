@@ -123,7 +123,7 @@ def frames(connection: ClientConnection, count: int) -> list[dict[str, Any]]:
 
 @contextmanager
 def client_that_reads_nothing(page: ServedPage) -> Iterator[socket.socket]:
-    """A WebSocket client with a small receive buffer that never reads after the handshake."""
+    """Return a WebSocket client with a small receive buffer that never reads after the handshake."""
     with socket.socket() as client:
         client.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
         client.connect(("127.0.0.1", page.port))

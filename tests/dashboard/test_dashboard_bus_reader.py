@@ -11,13 +11,13 @@ from passafe_services.loop.pace import Pace
 
 
 class FakeReader:
-    """What a test makes arrive."""
+    """Reader of the messages of a test."""
 
     def __init__(self) -> None:
         self.arrived: list[bytes] = []
 
     def drain(self) -> list[bytes]:
-        """What a bus reader gives."""
+        """Return the messages of the test."""
         arrived, self.arrived = self.arrived, []
         return arrived
 
@@ -30,7 +30,7 @@ class FakeBus:
         self.queues: set[int] = set()
 
     def reader(self, topic: Topic) -> FakeReader:
-        """A reader of its own for each topic."""
+        """Return a separate reader for each topic."""
         self.queues.add(topic.queue)
         return self.readers.setdefault(topic.name, FakeReader())
 

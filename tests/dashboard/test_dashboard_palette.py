@@ -31,7 +31,7 @@ def contrast(one: str, other: str) -> float:
 
 
 def as_deuteranope(colour: str) -> list[float]:
-    """What is left of a colour without green receptors (Viénot, Brettel & Mollon, 1999), linear RGB."""
+    """Return a colour as seen without green receptors (Viénot, Brettel & Mollon, 1999), linear RGB."""
     red, green, blue = (c**2.2 for c in channels(colour))
     mixed = 0.29275 * red + 0.70725 * green
     return [mixed, mixed, -0.02234 * red + 0.02234 * green + blue]

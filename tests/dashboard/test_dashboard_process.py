@@ -30,7 +30,7 @@ PATIENCE_S = 60.0
 
 @contextmanager
 def child(*arguments: object) -> Iterator[subprocess.Popen[str]]:
-    """A process that does not outlive its block."""
+    """Start a process that does not outlive the block."""
     process = subprocess.Popen(
         [sys.executable, str(CHILD), *map(str, arguments)],
         stdin=subprocess.PIPE,
@@ -69,7 +69,7 @@ def router_port() -> Iterator[int]:
 
 @contextmanager
 def dashboard(router_port: int) -> Iterator[tuple[subprocess.Popen[str], str]]:
-    """A ready dashboard and its address, host:port."""
+    """Start a dashboard; yield it and its address, host:port."""
     with child(router_port, 0) as process:
         said = lines_until(process, ready_line("dashboard"))
         address = re.fullmatch(r"page at http://([\d.]+:\d+)/", said[0])

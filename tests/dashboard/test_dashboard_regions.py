@@ -32,7 +32,7 @@ def words(chart: figure) -> list[str]:
 
 
 def places(chart: figure, kind: type) -> list[dict[str, list[float]]]:
-    """Data of the regions' glyphs of one kind."""
+    """Return the data of the regions' glyphs of one kind."""
     return [
         {column: list(one.data_source.data[column]) for column in (P1, P2)}
         for one in chart.renderers

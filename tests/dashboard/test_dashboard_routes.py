@@ -22,7 +22,7 @@ def run() -> FastRun:
 
 @pytest.fixture
 def page(run: FastRun) -> Iterator[ServedPage]:
-    """A page of its own, for tests that change something."""
+    """Serve a separate page, for tests that change something."""
     with serve_page(run) as served:
         yield served
 
@@ -34,7 +34,7 @@ def shared_page() -> Iterator[ServedPage]:
 
 
 def last_words(connection: ClientConnection, end: type[Exception], *, timeout_s: float) -> str | bytes:
-    """What was received last before ``end`` was raised."""
+    """Return the last message before ``end`` was raised."""
     last: str | bytes = ""
     with suppress(end):
         while True:

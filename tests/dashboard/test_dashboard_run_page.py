@@ -20,7 +20,7 @@ def page() -> str:
 
 
 def markup(page: str) -> str:
-    """The page without scripts and styles."""
+    """Return the page without scripts and styles."""
     return re.sub(r"<(script|style)>.*?</\1>", "", page, flags=re.DOTALL)
 
 

@@ -50,7 +50,7 @@ def passafe(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with the guide's files, installed as its distribution would be."""
+    """Return a folder with the guide's files, laid out like an installed distribution."""
     folder = tmp_path_factory.mktemp("own")
     kind, _ = blocks("python")
     project, scenario = blocks("toml")

@@ -31,7 +31,7 @@ def scenario(duration_s: float = 0.3, **overrides: object) -> tuple[StudyRunner,
 
 @pytest.fixture(scope="module")
 def same(tmp_path_factory: pytest.TempPathFactory) -> tuple[Verdict, Metrics]:
-    """A verdict on a log, and the metrics, of the same run in lockstep."""
+    """Return the verdict on a log and the metrics of the same run in lockstep."""
     runner, chosen = scenario()
     path = tmp_path_factory.mktemp("log") / "run.mcap"
     metadata = run_metadata(scenario_json=chosen.model_dump_json(), versions=versions(), driver="lockstep")

@@ -32,7 +32,7 @@ def bisected() -> Experiment:
 
 
 def h_of(run: Run) -> float:
-    """The first cell fails from 0.3 on, the other from 0.8 on, each with one seed only."""
+    """Fail the first cell from 0.3 on, the other from 0.8 on, each with one seed only."""
     threshold = 0.3 if run.cell == 0 else 0.8
     return -1.0 if run.probe is not None and run.probe > threshold and run.seed == 1 else 1.0
 

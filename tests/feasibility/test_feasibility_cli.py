@@ -11,7 +11,7 @@ from passafe_services.cli import app
 
 
 class Done(NamedTuple):
-    """How a command ended."""
+    """Result of a command."""
 
     returncode: int
     stdout: str
@@ -23,7 +23,7 @@ Feasibility = Callable[..., Done]
 
 @pytest.fixture
 def feasibility(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Feasibility:
-    """The command in this process, with ``tmp_path`` as its folder: the console script's ``main``, as typed."""
+    """Run the command in this process, with ``tmp_path`` as its folder, through the console script's ``main``."""
 
     def run(*arguments: str) -> Done:
         monkeypatch.chdir(tmp_path)

@@ -1,4 +1,4 @@
-"""What can be kept, against closed forms and against the filter's own verdicts."""
+"""Feasibility of rows, against closed forms and the filter's own decisions."""
 
 from math import sqrt
 

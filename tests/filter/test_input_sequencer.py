@@ -1,4 +1,4 @@
-"""Which inputs a step makes: an unbroken series, and a new one only when the plant cannot follow the old one."""
+"""Input sequences: unbroken, and replaced only when the plant cannot follow them."""
 
 import pytest
 from passafe_protocol.messages import UNSEQUENCED, PlantInput, PlantPhase, PlantState

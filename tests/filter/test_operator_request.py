@@ -1,4 +1,4 @@
-"""What the operator's commands ask for, as sent and estimated."""
+"""Request of the operator, passed through and estimated."""
 
 import pytest
 from passafe_protocol.messages import Header, OperatorCommand, Received

@@ -33,7 +33,7 @@ def barrier(name: str, h: ca.SX, levels: int = 3, gain: float = 10.0) -> Barrier
 
 
 def wall(name: str, sign: float, at: float) -> Barrier:
-    """The wall sign·p₁ ≥ at."""
+    """Return the wall sign·p₁ ≥ at."""
     return barrier(name, half_plane(ROBOT.position, normal=(sign, 0.0), offset=at))
 
 

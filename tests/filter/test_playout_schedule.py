@@ -21,7 +21,7 @@ def make_schedule(playout_ms: int = 5) -> PlayoutSchedule:
 
 
 def started(playout_ms: int = 5) -> PlayoutSchedule:
-    """A schedule by which the step at 100 ms made the input for plant time 0."""
+    """Return a schedule whose step at 100 ms has the effective plant time 0."""
     schedule = make_schedule(playout_ms)
     schedule.effective_ns(100 * MS, state(0, phase=WAITING))
     return schedule

@@ -240,7 +240,7 @@ def test_the_tank_follows_the_plants_energies() -> None:
 
 @pytest.mark.parametrize("phase", PlantPhase)
 def test_only_a_plant_that_was_never_driven_has_a_full_tank(phase: PlantPhase) -> None:
-    """What another filter left in the tank is not known: no more than the reserve, which only safety draws on."""
+    """Energy left by another filter is unknown: it counts as the reserve, which only safety uses."""
     tank = Tank(initial_j=3.0, reserve_j=0.5)
     predictor = make_predictor(tank)
     for _ in range(2):  # a plant, and the next one

@@ -80,7 +80,7 @@ class Toy:
 
 @pytest.fixture
 def start() -> Iterator[Callable[..., Toy]]:
-    """Starts toy processes and disposes of them after the test."""
+    """Start toy processes and end them after the test."""
     toys: list[Toy] = []
 
     def start_toy(*arguments: object) -> Toy:
@@ -94,7 +94,7 @@ def start() -> Iterator[Callable[..., Toy]]:
 
 @pytest.fixture
 def port() -> int:
-    """A port that is free now."""
+    """Return a free port."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         return probe.getsockname()[1]
@@ -102,7 +102,7 @@ def port() -> int:
 
 @pytest.fixture
 def router(start: Callable[..., Toy], port: int) -> Toy:
-    """A router on ``port``, ready."""
+    """Start a router on ``port``."""
     toy = start("router", "--port", port)
     toy.wait_ready("router")
     return toy

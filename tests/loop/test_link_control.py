@@ -18,7 +18,7 @@ def control(*changes: LinkChange) -> tuple[LinkControl, dict[str, MessageLink]]:
 
 
 def step(links: LinkControl, now_ns: int) -> list[tuple[str, str]]:
-    """What a driver does each step: link and trigger of the states told."""
+    """Execute a driver's step and return link and trigger of the states reported."""
     if now_ns < links.due_ns:
         return []
     links.advance(now_ns)

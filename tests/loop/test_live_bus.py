@@ -191,7 +191,7 @@ def test_recording_reader_gets_messages_of_a_router_outage(start: Callable, port
 
 
 def test_a_long_message_is_not_dropped_for_its_length(sender: Bus, receiver: Bus) -> None:
-    """It takes several batches at once, behind one that is still on its way."""
+    """A message of several batches follows one that is still in flight."""
     reader = receiver.reader(COMMAND)
     put = sender.publisher(COMMAND, "operator")
     wait_for_reader(put, reader)

@@ -22,14 +22,14 @@ LoggedMessage = list[tuple[Header, Message]]
 
 
 class Log:
-    """What a recorder hears, decoded, by key."""
+    """Messages received by a recorder, decoded, by key."""
 
     def __init__(self, bus: Bus) -> None:
         self._reader = bus.recording_reader()
         self.heard: dict[str, LoggedMessage] = {}
 
     def wait_for(self, key: str, enough: Callable[[LoggedMessage], bool]) -> LoggedMessage:
-        """What came under a key, once it is enough."""
+        """Return the messages of a key once there are enough."""
         end = time.monotonic() + PATIENCE_S
         while not enough(self.heard.get(key, [])):
             assert time.monotonic() < end, {name: len(logged) for name, logged in self.heard.items()}

@@ -91,7 +91,7 @@ def test_running_link_is_changed_and_answers_with_its_settings(
 
 
 def _lag_s(body: Message) -> float:
-    """How long a command was under way: the toy filter answers with the times."""
+    """Return the transit time of a command, from the answer of the toy filter."""
     _, received_ns, _, sent_ns = body.u
     return (received_ns - sent_ns) * 1e-9
 

@@ -29,7 +29,7 @@ def toy(
 
 
 class Terminal:
-    """What a supervisor prints, with the time, and the pids that the toys say."""
+    """Output of a supervisor with times, and the pids that the toys print."""
 
     def __init__(self) -> None:
         self.lines: list[tuple[float, str]] = []
@@ -49,7 +49,7 @@ class Terminal:
                 self.on_pid(name.strip(), said["pid"])
 
     def when(self, text: str) -> float:
-        """When the first line with ``text`` came."""
+        """Return the time of the first line with ``text``."""
         return next(at for at, line in self.lines if text in line)
 
     @property
@@ -72,7 +72,7 @@ def alive(pid: int) -> bool:
 
 
 def gone(pids: list[int]) -> bool:
-    """Whether all of them end in bounded time."""
+    """Wait until all of them have ended; return false after a timeout."""
     end = time.monotonic() + PATIENCE_S
     while any(alive(pid) for pid in pids):
         if time.monotonic() > end:
@@ -301,7 +301,7 @@ def test_duration_includes_the_time_of_restarts(terminal: Terminal) -> None:
 
 
 def test_restarted_process_that_is_not_ready_is_killed_and_named(terminal: Terminal, tmp_path: Path) -> None:
-    """It is ready the first time only: then it finds its mark."""
+    """The toy is ready the first time only: later it finds its mark."""
     code = (
         "import json, os, pathlib, sys, time; from passafe_services.loop.readiness import announce_ready; "
         "mark = pathlib.Path(sys.argv[1]); again = mark.exists(); mark.touch(); "

@@ -1,4 +1,4 @@
-"""How a supervised run is told to have ended."""
+"""Exits of processes and outcomes of supervised runs."""
 
 import pytest
 from passafe_services.loop.process_exit import Exit, ExitCause, RunOutcome

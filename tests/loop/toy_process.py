@@ -127,7 +127,7 @@ def stubborn(options: argparse.Namespace) -> None:
 
 
 def plain(options: argparse.Namespace) -> None:
-    """Say the pid, be ready if asked to, and wait for the end."""
+    """Print the pid, report readiness if requested, and wait for the end."""
     with stop_requests(lifeline=True) as stop:
         say(pid=os.getpid())
         sys.stderr.write("to standard error\n")

@@ -43,7 +43,7 @@ class Person:
 
 
 def held(key: Key, start_s: float, end_s: float, *, wait_s: float = 0.5) -> list[tuple[float, Key]]:
-    """What a terminal tells of a key held from start to end: the press, a wait, then 25 repeats a second."""
+    """Return the events of a held key: the press, a delay, then 25 repeats a second."""
     repeats = range(int((end_s - start_s - wait_s) / 0.04) + 1) if end_s - start_s >= wait_s else range(0)
     return [(start_s, key), *((start_s + wait_s + 0.04 * index, key) for index in repeats)]
 

@@ -1,4 +1,4 @@
-"""How a terminal spells the keys."""
+"""Decoding of keys from terminal input."""
 
 from itertools import pairwise
 

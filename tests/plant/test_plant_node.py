@@ -36,7 +36,7 @@ def head(epoch: int = 1, scheduled_ns: int = 0) -> Header:
 
 
 def loose(tick: int, due_ms: int, at_ms: int, u: tuple[float, ...] = U, hold_ns: int = 10 * MS) -> Received:
-    """An input of no arming."""
+    """Return an unsequenced input."""
     return Received(head(), PlantInput(tick, u, due_ms * MS, hold_ns), at_ms * MS)
 
 
@@ -52,7 +52,7 @@ def armed(
     made_ms: int = 0,
     hold_ns: int = 10 * MS,
 ) -> Received:
-    """An input of the arming that begins at ``first``; its tick is the one that made the input of that period."""
+    """Return an input of the sequence that begins at ``first``, with the tick of its period."""
     known_break_ns = UNSEQUENCED if basis is None else basis * MS
     body = PlantInput(due_ms + 1, u, due_ms * MS, hold_ns, first * MS, known_break_ns, previous_u)
     return Received(head(epoch, made_ms * MS), body, at_ms * MS)

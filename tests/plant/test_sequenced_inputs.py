@@ -1,4 +1,4 @@
-"""What an arming lets take effect: the series without a hole, at its times, for the break that it rests on."""
+"""Input sequences at the plant: applied without gaps, at their times, for the break from which they were predicted."""
 
 from itertools import count
 

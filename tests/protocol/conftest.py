@@ -144,5 +144,5 @@ def body(request: pytest.FixtureRequest) -> Message:
 
 @pytest.fixture
 def body_of() -> dict[type[Message], Message]:
-    """The valid message of each type."""
+    """Return a valid message of each type."""
     return {type(body): body for body in BODIES}

@@ -41,7 +41,7 @@ each_topic = pytest.mark.parametrize("topic", TOPICS, ids=lambda topic: topic.na
 
 
 def unchecked(header: Header, body: Message) -> ProtobufMessage:
-    """The protobuf message without any validation, as a careless sender would make it."""
+    """Encode a message without validation, like a faulty sender."""
     message = getattr(passafe_pb2, type(body).__name__)()
     message.header.schema_version = SCHEMA_VERSION
     codec._fill("test", codec.shape_of(Header), message.header, header, "")
@@ -55,7 +55,7 @@ def wire(message: ProtobufMessage) -> bytes:
 
 
 def decodes_or_refuses(topic: Topic, data: bytes) -> None:
-    """What holds for any bytes: a typed error, or a message that may be sent on."""
+    """Check that bytes raise a typed error or give a message that can be sent on."""
     try:
         header, body = decode(topic, data)
     except ProtocolError:

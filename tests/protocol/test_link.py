@@ -1,4 +1,4 @@
-"""What comes out of a link, when, and how reproducibly; statistics have a file of their own."""
+"""Output of a link, its times and its reproducibility; statistics are in a file of their own."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -26,7 +26,7 @@ share = st.sampled_from([0.0, 0.0, 0.2, 0.5, 1.0])
 
 @st.composite
 def any_settings(draw: st.DrawFn) -> LinkSettings:
-    """Settings with any effects, many of them at once."""
+    """Draw settings with any combination of effects."""
     distribution = draw(st.sampled_from(DISTRIBUTIONS))
     by_table = distribution == "histogram"
     limit = draw(st.sampled_from(["none", "rate", "trace"]))

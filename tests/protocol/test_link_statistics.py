@@ -35,13 +35,13 @@ def delays_s(settings: LinkSettings, count: int = COUNT) -> np.ndarray:
 
 
 def losses(settings: LinkSettings, count: int = COUNT) -> list[bool]:
-    """Whether each message was lost."""
+    """Return whether each message was lost."""
     link: Link[int] = Link("a-to-b", settings)
     return [link.put(0, i) == DROPPED_BY_LOSS for i in range(count)]
 
 
 def within(got: int, share: float, count: int) -> bool:
-    """Tell whether a binomial count is within ``SIGMAS`` standard deviations of what it should be."""
+    """Check whether a binomial count is within ``SIGMAS`` standard deviations of its mean."""
     return abs(got - share * count) < SIGMAS * sqrt(count * share * (1 - share))
 
 

@@ -154,7 +154,7 @@ class Oracle:
         return min(self.gaps_before + here, 2**64 - 1)
 
     def classify(self, message: Header) -> Arrival:
-        """What the message is to those before it."""
+        """Classify a message by all messages before it."""
         if message.epoch < self.epoch:
             return Arrival.ENDED_SESSION
         if message.epoch > self.epoch:

@@ -1,4 +1,4 @@
-"""What LogWriter writes opens in the standard reader and comes back byte for byte."""
+"""Logs of LogWriter, read back byte for byte by the standard reader."""
 
 import errno
 import subprocess

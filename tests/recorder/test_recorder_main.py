@@ -49,7 +49,7 @@ Start = Callable[..., "subprocess.Popen[str]"]
 
 @pytest.fixture
 def start() -> Iterator[Start]:
-    """Starts a Python process and waits until it is ready; none outlives the test."""
+    """Start a Python process and wait until it is ready; none outlives the test."""
     started: list[subprocess.Popen[str]] = []
 
     def start_ready(name: str, program: str, *arguments: str) -> subprocess.Popen[str]:
@@ -74,7 +74,7 @@ def start() -> Iterator[Start]:
 
 @pytest.fixture
 def endpoint(start: Start) -> RouterEndpoint:
-    """A router's."""
+    """Return the port of a router."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
@@ -89,7 +89,7 @@ def start_recorder(start: Start, endpoint: RouterEndpoint, path: Path) -> "subpr
 
 
 def health_with(reader: TopicReader, received: int) -> TopicHealth:
-    """What the recorder says of the events, once it says that it received so many."""
+    """Return the recorder's health of the events once it has received a number of them."""
     give_up_s = time.monotonic() + PATIENCE_S
     while time.monotonic() < give_up_s:
         for data in reader.drain():

@@ -1,4 +1,4 @@
-"""What the recorder counts and logs of each message."""
+"""Messages logged and counted by the recorder."""
 
 from pathlib import Path
 

@@ -20,7 +20,7 @@ MS = 1_000_000
 
 
 def write_log(path: Path, *, flushes: int = 5, between: int = 10) -> list[int]:
-    """A log of two channels; returns the size of the file after every flush."""
+    """Write a log of two channels; return the size of the file after every flush."""
     sizes = []
     with LogWriter(path, {"driver": {"kind": "live"}}) as log:
         for k in range(flushes * between):

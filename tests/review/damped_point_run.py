@@ -41,7 +41,7 @@ Array = NDArray[np.float64]
 
 
 def scenario(*, mode: str = "both", kind: str = "power", **filter_keys: object) -> Scenario:
-    """The paper's scenario with another mode, kind of passivity or other keys of its filter."""
+    """Return the paper's scenario with another mode, kind of passivity or other keys of its filter."""
     content: dict[str, Any] = tomllib.loads(PAPER.read_text())
     content["filter"] |= {"mode": mode, **filter_keys}
     content["filter"]["passivity"]["kind"] = kind
@@ -149,7 +149,7 @@ class Run:
         self.sent[index] = (head, replace(body, **keys))
 
     def indices(self, body: type[Message]) -> list[int]:
-        """Where the messages with this body are."""
+        """Return the indices of the messages with this body."""
         return [index for index, (_, found) in enumerate(self.sent) if isinstance(found, body)]
 
     def write(self, path: Path, *, without: Callable[[Header, Message], bool] = lambda _h, _b: False) -> Path:

@@ -1,4 +1,4 @@
-"""What was sent, lost, copied, delivered and under way balances exactly, or the review says by how much it does not."""
+"""Accounts of links: they balance exactly, or the review reports the differences."""
 
 from collections.abc import Callable
 from pathlib import Path

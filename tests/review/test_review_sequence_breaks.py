@@ -1,4 +1,4 @@
-"""When a plant was without inputs, from states whose phases are known."""
+"""Sequence breaks, from states with known phases."""
 
 from pathlib import Path
 

@@ -48,7 +48,7 @@ def h(barrier: PlaceBarrier, p: tuple[float, float]) -> float:
 
 
 def covers(polygon: tuple[tuple[float, float], ...], p: tuple[float, float]) -> bool:
-    """Tell whether a ray from p crosses the polygon's line an odd number of times."""
+    """Check whether a ray from p crosses the polygon an odd number of times."""
     odd = False
     for (x1, y1), (x2, y2) in itertools.pairwise((*polygon, polygon[0])):
         if (y1 > p[1]) != (y2 > p[1]) and p[0] < x1 + (p[1] - y1) / (y2 - y1) * (x2 - x1):

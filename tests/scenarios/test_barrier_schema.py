@@ -1,4 +1,4 @@
-"""What a scenario file may say of barriers, and what is said of what it may not."""
+"""Schema of barriers in scenario files and its error messages."""
 
 from typing import Any
 

@@ -89,12 +89,12 @@ class ArmingRun:
 
     @property
     def state(self) -> PlantState:
-        """What the plant said last."""
+        """Newest state of the plant."""
         return next(body for _, _, body in reversed(self.sent) if isinstance(body, PlantState))
 
     @property
     def armed(self) -> bool:
-        """Whether an input that was made for it is in force at the plant."""
+        """True while the plant applies an input of a sequence."""
         return self.state.phase is PlantPhase.RUNNING
 
     def seconds_until_armed(self, at_most_s: float) -> float:
@@ -110,7 +110,7 @@ class ArmingRun:
         return [body for _, _, body in self.sent if isinstance(body, FilterTick)]
 
     def trajectory(self) -> list[PlantState]:
-        """The plant's states once it moved, one for every plant time."""
+        """Return the plant's states from its first input on, one per plant time."""
         moving: dict[int, PlantState] = {}
         for _, _, body in self.sent:
             if isinstance(body, PlantState) and body.phase is not PlantPhase.WAITING:

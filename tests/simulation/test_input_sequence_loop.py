@@ -148,7 +148,7 @@ def test_outage_leads_to_the_fail_safe_and_back_without_a_jump(cut: type, outage
 
 
 def assert_no_jump(run: ArmingRun) -> None:
-    """The first input after a fail-safe is u⁺ = u + dt(φ + v), u the fail-safe's last one.
+    """Check that the first input after a fail-safe is u⁺ = u + dt(φ + v), u the fail-safe's last input.
 
     So ‖u⁺ − u‖ ≤ dt(‖φ‖ + ‖v‖), where φ tracks û and v is what the rows demand.
     """

@@ -53,7 +53,7 @@ def is_stopped(_header: Header, body: Message) -> bool:
 
 
 def is_fresh(_header: Header, body: Message) -> bool:
-    """Whether the filter hears the operator, and the plant."""
+    """Check that the filter receives the operator and the plant."""
     return isinstance(body, FilterTick) and body.status in {FilterStatus.PASSED, FilterStatus.MODIFIED}
 
 

@@ -1,4 +1,4 @@
-"""What an experiment came to: files in a folder, and tables in the terminal."""
+"""Reports of an experiment: files in a folder and tables in the terminal."""
 
 from collections.abc import Sequence
 from pathlib import Path

@@ -117,7 +117,7 @@ class RunTrace:
         return np.array(self._states.all()["lead_ns"])
 
     def inputs(self) -> SentInputs:
-        """Inputs that the filter sent."""
+        """Return the inputs that the filter sent."""
         rows = self._up_to_the_end(self._sent)
         return SentInputs(largest=np.abs(rows["u"]).max(axis=1, initial=0.0), at_ns=np.array(rows["at_ns"]))
 
@@ -134,7 +134,7 @@ class RunTrace:
         )
 
     def requests(self) -> Requests | None:
-        """What the filter was asked for and what it withheld; ``None`` where that was not kept."""
+        """Return the requests and what the filter held back; ``None`` if they were not kept."""
         return Requests.of(
             (at_ns, tuple(decision.part("u_h").tolist()), tuple(decision.u_nominal.tolist()), decision.u)
             for at_ns, decision in self._asked

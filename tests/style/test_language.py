@@ -1,0 +1,90 @@
+"""Rules of language that no linter checks: lengths of test names, first words of docstrings, unique class names."""
+
+import ast
+from collections import Counter
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from typing import Final
+
+ROOT: Final = Path(__file__).resolve().parents[2]
+PACKAGES: Final = ("passafe", "protocol/passafe_protocol", "services/passafe_services", "dashboard/passafe_dashboard")
+FOLDERS: Final = (*PACKAGES, "tests", "benchmarks", "examples", "wheel_build")
+LONGEST_TEST_NAME: Final = 60
+
+PENDING: Final = (
+    "passafe",
+    "services/passafe_services/tools/experiment",
+    "services/passafe_services/tools/runs",
+    "tests/campaign",
+    "tests/core",
+    "tests/docs",
+    "tests/experiment",
+    "tests/runs",
+)
+"""Folders that do not follow the rules yet."""
+
+QUESTION_WORDS: Final = frozenset(
+    {"What", "How", "Whether", "Where", "Which", "Who", "Whom", "Whose", "When", "Why"}
+    | {"That", "Those", "These", "Tell", "Tells", "Say", "Says", "It"}
+)
+"""First words of docstrings that describe neither an action nor a thing; ruff's D401 checks functions further."""
+
+Documented = ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
+
+
+@cache
+def tree_of(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
+def sources(*folders: str) -> Iterator[Path]:
+    for folder in folders:
+        for path in sorted((ROOT / folder).rglob("*.py")):
+            name = path.relative_to(ROOT).as_posix()
+            if not name.endswith("_pb2.py") and not name.startswith(PENDING):
+                yield path
+
+
+def place(path: Path, node: ast.AST) -> str:
+    return f"{path.relative_to(ROOT)}:{getattr(node, 'lineno', 1)}"
+
+
+def test_test_names_are_short() -> None:
+    long = [
+        f"{place(path, node)}: {node.name}"
+        for path in sources("tests")
+        for node in ast.walk(tree_of(path))
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
+        and node.name.startswith("test_")
+        and len(node.name) > LONGEST_TEST_NAME
+    ]
+
+    assert not long, "\n".join(long)
+
+
+def test_docstrings_begin_with_a_verb_or_a_noun() -> None:
+    questions = []
+    for path in sources(*FOLDERS):
+        for node in ast.walk(tree_of(path)):
+            text = ast.get_docstring(node) if isinstance(node, Documented) else None
+            is_property = isinstance(node, ast.FunctionDef) and any(
+                isinstance(each, ast.Name) and each.id == "property" for each in node.decorator_list
+            )
+            word = text.split(maxsplit=1)[0].rstrip(",:;.") if text else ""
+            if word in QUESTION_WORDS and not (is_property and word == "Whether"):
+                questions.append(f"{place(path, node)}: {word} …")
+
+    assert not questions, "\n".join(questions)
+
+
+def test_public_class_names_are_unique() -> None:
+    classes = [
+        (node.name, place(path, node))
+        for path in sources(*PACKAGES)
+        for node in tree_of(path).body
+        if isinstance(node, ast.ClassDef) and not node.name.startswith("_")
+    ]
+    counts = Counter(name for name, _ in classes)
+
+    assert not [f"{at}: {name}" for name, at in classes if counts[name] > 1]
