@@ -19,7 +19,7 @@ def test_design_errors_say_what_got_and_allowed(kind: type[DesignError]) -> None
     assert str(error) == "disk radius: got -1.0, allowed a positive number, m"
 
 
-def test_relative_degree_errors_name_the_barrier_and_the_derivatives_taken() -> None:
+def test_relative_degree_error_names_barrier_and_derivatives() -> None:
     error = RelativeDegreeError("disk", 4)
 
     assert (error.barrier, error.tried, error.field) == ("disk", 4, "barrier 'disk'")

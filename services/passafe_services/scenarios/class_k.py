@@ -12,6 +12,11 @@ class ClassKConfig(Config):
     """One extended class-K function γ: ``linear`` is gain·s, ``cubic`` gain·s³.
 
     ``piecewise`` is gain·s for s > 0 and gain_below·s otherwise.
+
+    Attributes:
+        kind: Kind of function.
+        gain: Gain, 1/s; per squared unit of s and second for ``cubic``.
+        gain_below: Gain of ``piecewise`` for s ≤ 0, 1/s.
     """
 
     kind: Literal["linear", "cubic", "piecewise"]

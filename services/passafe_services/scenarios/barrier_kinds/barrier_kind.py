@@ -20,9 +20,9 @@ class BarrierKind(Config, ABC):
     """A barrier as a scenario file states it: one barrier with one h, or several.
 
     Attributes:
-        kind: Selects the kind; each kind narrows it to its own words.
-        name: Identifies the barrier in rows, reports and events.
-        class_k: γ₁ … γ_{r+1} of its chain.
+        kind: Kind of barrier.
+        name: Name in rows, reports and events; each counts once.
+        class_k: Class-K functions γ₁ … γ_{r+1} of its chain, r the relative degree.
         least_points: Number of points in the plane that a robot model must move to have such a barrier.
     """
 

@@ -59,7 +59,12 @@ class CoordinatesBarrier(BarrierKind):
     """Limits between which every coordinate of the position or the velocity stays.
 
     Two barriers for coordinate i, counted from 1: ``<name> <i> low`` with h = qᵢ − low, ``<name> <i> high`` with
-    h = high − qᵢ, in the coordinate's unit. ``low`` and ``high`` have one number for each.
+    h = high − qᵢ, in the coordinate's unit.
+
+    Attributes:
+        of: Quantity that is limited.
+        low: Lowest value of each coordinate, m or rad, or per second.
+        high: Highest value of each coordinate.
     """
 
     kind: Literal["coordinate-limits"]

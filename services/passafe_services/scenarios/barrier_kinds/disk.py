@@ -11,7 +11,12 @@ from passafe_services.scenarios.fields import Place, Positive
 
 
 class DiskBarrier(PlaceBarrier):
-    """A disk to keep out of, h = ‖p − centre‖² − radius², m², or to stay in, −h."""
+    """A disk to keep out of, h = ‖p − centre‖² − radius², m², or to stay in, −h.
+
+    Attributes:
+        centre: Centre before it has moved, m.
+        radius: Radius, m.
+    """
 
     kind: Literal["disk-keep-out", "disk-keep-in"]
     centre: Place

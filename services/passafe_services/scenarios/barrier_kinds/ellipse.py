@@ -15,6 +15,11 @@ class EllipseBarrier(PlaceBarrier):
     """An ellipse to keep out of, h = a²(‖D⁻¹Rᵀ(p − centre)‖² − 1), m², or to stay in, −h.
 
     D has the semi-axes on its diagonal, a is the shorter one, R turns by ``rotation_rad``, counter-clockwise.
+
+    Attributes:
+        centre: Centre before it has moved, m.
+        semi_axes_m: Lengths of the first and the second semi-axis, m.
+        rotation_rad: Angle from the first coordinate to the first semi-axis, rad.
     """
 
     kind: Literal["ellipse-keep-out", "ellipse-keep-in"]

@@ -12,7 +12,12 @@ from passafe_services.scenarios.fields import Finite, Place
 
 
 class HalfPlaneBarrier(PlaceBarrier):
-    """A side of a line to stay on: h = normalᵀp − offset; m where the normal has unit length."""
+    """A side of a line to stay on: h = normalᵀp − offset; m where the normal has unit length.
+
+    Attributes:
+        normal: Normal of the line, to the safe side.
+        offset: Value of normalᵀp on the line, before it has moved.
+    """
 
     kind: Literal["half-plane"]
     normal: Place

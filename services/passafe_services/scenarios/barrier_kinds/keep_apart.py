@@ -11,7 +11,11 @@ from passafe_services.scenarios.fields import Positive
 
 
 class ApartBarrier(SingleBarrier):
-    """A distance that the two robots of model ``two-points`` keep: h = ‖p₁ − p₂‖² − distance², m²."""
+    """A distance that the two robots of model ``two-points`` keep: h = ‖p₁ − p₂‖² − distance², m².
+
+    Attributes:
+        distance_m: Distance, m.
+    """
 
     least_points: ClassVar[int] = 2
 

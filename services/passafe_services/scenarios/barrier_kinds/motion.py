@@ -19,7 +19,7 @@ class MotionKind(Config, ABC):
     """A displacement d(t) from where the scenario file places a barrier.
 
     Attributes:
-        kind: Selects the kind of motion.
+        kind: Kind of motion.
         returns: Whether the barrier comes back again and again, so that a picture can hold all of its way.
     """
 
@@ -36,7 +36,11 @@ class MotionKind(Config, ABC):
 
 
 class Travel(MotionKind):
-    """Steady motion: d = velocity·t."""
+    """Steady motion: d = velocity·t.
+
+    Attributes:
+        velocity_m_per_s: Velocity, m/s.
+    """
 
     kind: Literal["travel"]
     velocity_m_per_s: Place
@@ -49,7 +53,13 @@ class Travel(MotionKind):
 
 
 class Swing(MotionKind):
-    """Oscillation on a line: d = amplitude·sin(2π f t + phase)."""
+    """Oscillation on a line: d = amplitude·sin(2π f t + phase).
+
+    Attributes:
+        amplitude_m: Largest displacement, m.
+        frequency_hz: f, Hz.
+        phase_rad: Phase at plant time 0, rad.
+    """
 
     kind: Literal["swing"]
     amplitude_m: Place
@@ -64,7 +74,13 @@ class Swing(MotionKind):
 
 
 class Circle(MotionKind):
-    """Counter-clockwise motion on a circle: d = radius·(cos, sin)(2π f t + phase)."""
+    """Counter-clockwise motion on a circle: d = radius·(cos, sin)(2π f t + phase).
+
+    Attributes:
+        radius_m: Radius of the circle, m.
+        frequency_hz: f, Hz.
+        phase_rad: Phase at plant time 0, rad.
+    """
 
     kind: Literal["circle"]
     radius_m: Positive

@@ -19,7 +19,7 @@ class PointKind(BarrierKind):
     """A barrier of each point, or of one.
 
     Attributes:
-        point: Number of the point that it holds for, from 1; every point where it is not given.
+        point: Number of the point it holds for, from 1; every point by default.
     """
 
     least_points: ClassVar[int] = 1
@@ -60,7 +60,7 @@ class PlaceBarrier(PointBarrier):
     A kind defines ``h_at``, ``still_outline`` and ``h_unit``; the motion is taken care of here.
 
     Attributes:
-        motion: Displacement of the set as a function of plant time.
+        motion: Displacement of the set as a function of plant time; none by default.
     """
 
     motion: Motion | None = None

@@ -16,7 +16,12 @@ _WALLS: Final = (("left", 0, 1.0), ("right", 0, -1.0), ("bottom", 1, 1.0), ("top
 
 
 class RoomBarrier(PointKind):
-    """A room to stay in: four half-planes, ``<name> left``, ``right``, ``bottom`` and ``top``; h in m."""
+    """A room to stay in: four half-planes, ``<name> left``, ``right``, ``bottom`` and ``top``; h in m.
+
+    Attributes:
+        low_m: Lowest corner, m.
+        high_m: Highest corner, m.
+    """
 
     kind: Literal["room"]
     low_m: Place

@@ -11,7 +11,11 @@ from passafe_services.scenarios.fields import Positive
 
 
 class SpeedBarrier(PointBarrier):
-    """A speed to stay below: h = limit² − ‖v‖², (m/s)²."""
+    """A speed to stay below: h = limit² − ‖v‖², (m/s)².
+
+    Attributes:
+        limit_m_per_s: Largest speed, m/s.
+    """
 
     kind: Literal["speed-limit"]
     limit_m_per_s: Positive
