@@ -1,5 +1,6 @@
 """Runs ``passafe demo`` for a benchmark and reads its messages."""
 
+import contextlib
 import os
 import signal
 import socket
@@ -80,6 +81,19 @@ def is_running(body: Message) -> bool:
     return isinstance(body, PlantState) and body.phase is PlantPhase.RUNNING
 
 
+def wait_for_router(process: "subprocess.Popen[str]", port: int, lines: Path) -> None:
+    """Wait until a demo's router listens.
+
+    Raises:
+        NoRobotError: The demo ended before that.
+    """
+    while process.poll() is None:
+        with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", port), timeout=1.0):
+            return
+        time.sleep(0.05)
+    raise NoRobotError(lines.read_text(encoding="utf-8").strip())
+
+
 @contextmanager
 def live_demo(scenario: Path, out: Path, rate_hz: float) -> Iterator[LiveDemo]:
     """Run a demo that restarts what dies; nothing of it is left afterwards.
@@ -96,6 +110,7 @@ def live_demo(scenario: Path, out: Path, rate_hz: float) -> Iterator[LiveDemo]:
         process = subprocess.Popen([*command, *arguments], stdout=lines, stderr=lines, text=True)  # noqa: S603 - ours
         request_realtime(RECORDER_PRIORITY)  # after the demo was started, which would inherit it
         try:
+            wait_for_router(process, port, out / "demo.txt")
             with open_bus(RouterEndpoint(port=port), timeout_s=START_S) as bus:
                 demo = LiveDemo(process, bus)
                 if not demo.receives(STATE, lambda _, body: is_running(body), START_S):

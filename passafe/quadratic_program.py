@@ -12,7 +12,7 @@ program solved, limits included.
 """
 
 from collections.abc import Iterator
-from typing import Final
+from typing import Final, cast
 
 import numpy as np
 
@@ -45,7 +45,7 @@ class QuadraticProgram:
         self._block, self._rows, self._norm_asked = block, rows, norm_asked
         answer, program, m = block.answer, block.program, len(block.program.u_ref)
         self._z, self._lam = answer.z.data, answer.lam.data
-        self._largest_bound = program.largest_bound.data
+        self._largest_bound = cast("memoryview[float]", program.largest_bound.data)
         self._constraint_lam = answer.lam[: rows.constraints].data
         self._constraint_solver = PiqpSolver(program.G, program.d) if rows.constraints else None
         self._used_tangents = 0

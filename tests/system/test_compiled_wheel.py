@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-pytestmark = pytest.mark.compiled
+pytestmark = [pytest.mark.compiled, pytest.mark.timeout(900)]  # a loaded machine compiles slowly
 
 ROOT = Path(__file__).parents[2]
 PARTS = ("passafe", "protocol", "services", "dashboard", "wheel_build")
