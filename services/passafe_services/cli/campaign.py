@@ -81,7 +81,7 @@ def _run(
     bar: Progress,
     stop: Stop,
 ) -> None:
-    """Run the rollouts that are missing, write them down, and show how far it is."""
+    """Run the rollouts that are missing, write their results, and display the progress."""
     known = [file.results[seed].h_min for seed in seeds if seed in file.results]
     missing = [seed for seed in seeds if seed not in file.results]
     lowest = min(known, default=float("inf"))
@@ -106,11 +106,11 @@ def show(summaries: list[CampaignSummary]) -> None:
         "ticks": lambda of: f"{of.ticks}",
         **{name: _count_of(name) for name in ("RELAXED", "INFEASIBLE", "UNCERTIFIED")},
         "without margin": lambda of: f"{of.between_samples_unproven}",
-        "decided one by one": lambda of: f"{of.decided_scalar / of.ticks:.2%}",
+        "decided by the scalar filter": lambda of: f"{of.decided_scalar / of.ticks:.2%}",
         "holds": lambda of: "yes" if of.holds else "[bold red]NO[/]",
     }
-    for name, figure in rows.items():
-        table.add_row(name, *map(figure, summaries))
+    for name, cell_text in rows.items():
+        table.add_row(name, *map(cell_text, summaries))
     Console().print(table)
 
 

@@ -67,12 +67,12 @@ def experiment(
     study = _study(file, seeds)
     check(study)
     folder = writable_folder(out)
-    file_of_results = experiment_results(folder / "results.jsonl", study)
-    plan = Plan(study.experiment, file_of_results.results)
+    results_file = experiment_results(folder / "results.jsonl", study)
+    plan = Plan(study.experiment, results_file.results)
     console = Console(highlight=False, soft_wrap=True)
     with stop_requests(lifeline=False) as stop:
         with workers_for(StudyJob.of(study), workers, scheduler) as pool:
-            _run(plan, file_of_results, pool, stop)
+            _run(plan, results_file, pool, stop)
         exit_if_interrupted(stop, len(plan.results), folder, console)
         kept = _keep(chosen(plan, keep, keep_most), study, folder, workers, stop)
         exit_if_interrupted(stop, len(plan.results), folder, console)
@@ -97,7 +97,7 @@ def _study(file: str, seeds: int | None) -> Study:
 
 
 def _run(plan: Plan, results: ResultsFile[RunKey, RunResult], workers: Workers[Run, RunResult], stop: Stop) -> None:
-    """Run what is wanted, write it down, and show how far it is."""
+    """Run what the plan wants, write the results, and display the progress."""
     errors = sum(bool(result.error) for result in plan.results.values())
     columns = (
         TextColumn("{task.description}"),
@@ -124,7 +124,7 @@ def _error_text(errors: int) -> str:
 
 
 def _keep(wanted: list[RunResult], study: Study, folder: Path, workers: int, stop: Stop) -> list[KeptLog]:
-    """Write the logs that are to be kept, in processes of this machine; return them in the order of ``wanted``."""
+    """Write the logs of the wanted runs, in processes of this machine; return them in the order of ``wanted``."""
     if not wanted:
         return []
     kept: dict[RunKey, KeptLog] = {}

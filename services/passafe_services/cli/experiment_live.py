@@ -1,4 +1,4 @@
-"""Runs of an experiment as real processes, beside the same in lockstep."""
+"""Compares cells of an experiment, run as real processes, with the same in lockstep."""
 
 import subprocess
 import sys
@@ -53,7 +53,7 @@ def live_beside_lockstep(plan: Plan, study: Study, most: int, folder: Path, cons
 
 
 def spread(cells: Sequence[Cell], most: int) -> list[Cell]:
-    """Return so many cells, the first and the last among them where there is more than one."""
+    """Return ``most`` cells, evenly spread; the first and the last are among them if ``most`` is above 1."""
     if most >= len(cells):
         return list(cells)
     if most == 1:
@@ -65,7 +65,7 @@ def run_live(scenario: Scenario, folder: Path) -> Verdict:
     """Run a scenario as `passafe demo` does, without a page, and return the verdict on its log.
 
     Raises:
-        LiveRunError: It left no log, or a process of it died.
+        LiveRunError: The run left no log, or one of its processes died.
     """
     folder.mkdir(parents=True, exist_ok=True)
     file = folder / "scenario.json"
@@ -89,13 +89,13 @@ def run_live(scenario: Scenario, folder: Path) -> Verdict:
     logs = sorted(set(folder.glob("*.mcap")) - before)
     if not logs or done.returncode == DIED:
         lines = (done.stdout + done.stderr).strip().splitlines()
-        telling = [line for line in lines if " died" in line] or lines[-1:]
-        raise LiveRunError(file, " ".join(telling[:1]) or f"exit code {done.returncode}")
+        reasons = [line for line in lines if " died" in line] or lines[-1:]
+        raise LiveRunError(file, " ".join(reasons[:1]) or f"exit code {done.returncode}")
     return Verdict.of(until(RunLog.read(logs[-1]), scenario.duration_s), CoreEvaluator(scenario))
 
 
 def show_agreement(found: Sequence[Agreement], console: Console) -> None:
-    """Print which metrics disagree, or that none does."""
+    """Print the metrics that disagree, and how many agree."""
     wrong = [one for one in found if not one.agrees]
     table = Table("cell", "metric", "live", "lockstep", "outside by", "allowed", title="Live beside lockstep")
     for one in wrong:

@@ -22,7 +22,7 @@ from passafe_services.tools.experiment.tables import (
 )
 
 MOST_ROWS: Final = 40
-"""Rows that the terminal shows."""
+"""Most rows of a table in the terminal."""
 
 
 def write_report(
@@ -42,14 +42,14 @@ def write_report(
 
 
 def show(summary: ExperimentSummary, experiment: Experiment, console: Console) -> None:
-    """Print what every cell came to: boundaries where an axis was bisected, else shares that break a criterion."""
+    """Print a row for every cell: its boundaries if an axis was bisected, else the shares that break a criterion."""
     title = f"{experiment.title}: {summary.runs} runs"
     names = list(experiment.criteria)
     if summary.boundaries:
         table = Table("variant", *summary.values, *names, title=title, title_justify="left")
         for found in summary.boundaries[:MOST_ROWS]:
-            told = [found.boundaries[name].describe() for name in names]
-            table.add_row(found.cell.variant, *map(displayed, found.cell.values.values()), *told)
+            texts = [found.boundaries[name].describe() for name in names]
+            table.add_row(found.cell.variant, *map(displayed, found.cell.values.values()), *texts)
         left_out = len(summary.boundaries) - MOST_ROWS
     else:
         worst = experiment.worst.metric
@@ -77,6 +77,6 @@ def show_kept(kept: Sequence[KeptLog], console: Console) -> None:
 def _cells_of(cell: CellSummary, experiment: Experiment) -> list[str]:
     shares = [f"{share.kept} of {share.of}" if share.kept else "none" for share in cell.breaking.values()]
     spread = cell.metrics[experiment.worst.metric]
-    upside_down = experiment.worst.at_most is not None
-    worst = "unknown" if spread is None else f"{spread.max if upside_down else spread.min:.3g} ({cell.worst.seed})"
+    largest_is_worst = experiment.worst.at_most is not None
+    worst = "unknown" if spread is None else f"{spread.max if largest_is_worst else spread.min:.3g} ({cell.worst.seed})"
     return [cell.cell.variant, *map(displayed, cell.cell.values.values()), str(cell.runs), *shares, worst]

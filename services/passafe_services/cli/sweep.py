@@ -1,4 +1,4 @@
-"""The part that the commands of many runs have in common: workers and Ctrl-C."""
+"""Starts workers and handles Ctrl-C for the commands of many runs."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -24,11 +24,11 @@ INTERRUPTED: Final = 130
 
 @contextmanager
 def workers_for(job: Job[Task, R], workers: int, scheduler: str | None = None) -> Iterator[Workers[Task, R]]:
-    """Give the workers that the options ask for; processes of this machine are killed in the end.
+    """Yield the workers that the options ask for; processes of this machine are killed at the end.
 
     Args:
-        job: What they work for.
-        workers: How many processes; 0: one for each processor.
+        job: The work.
+        workers: Number of processes; 0: one for each processor.
         scheduler: Address of a Dask scheduler whose cluster does the work instead.
     """
     if scheduler is not None:
@@ -44,9 +44,9 @@ def exit_if_interrupted(stop: Stop, results: int, folder: Path, console: Console
 
     Args:
         stop: The requests to stop.
-        results: How many results there are.
+        results: Number of results so far.
         folder: Where they are.
-        console: Where to say so.
+        console: Where the interruption is reported.
     """
     if stop.reason is not None:
         console.print(f"interrupted after {results} runs; the same command resumes in {folder}")
