@@ -184,4 +184,4 @@ def test_campaign_resumes_and_reports_its_worst(tmp_path: Path) -> None:
     assert len((tmp_path / "notomista-cai-2020.jsonl").read_text().splitlines()) == 1 + 5
     summary = json.loads((tmp_path / "notomista-cai-2020.summary.json").read_text())
     assert summary["rollouts"] == 5
-    assert summary["h_min"]["value"] > 0
+    assert summary["worst"]["h_min"]["value"] > 0
