@@ -12,7 +12,7 @@ from passafe.errors import DesignError, RelativeDegreeError
 from passafe.system import System
 
 ROUNDING = 1e-12
-"""What is left of a gradient that cancels, evaluated at numbers of the order of one."""
+"""Rounding error of a gradient that cancels, at arguments of the order of one."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -20,7 +20,7 @@ class Barrier:
     """A safe set {x : h(x, t) ≥ 0} and the class-K functions of its chain.
 
     Attributes:
-        name: How rows, reports and events call it.
+        name: Its name in rows, reports and events.
         h: Scalar expression of the system's x, and of its t where the set moves.
         class_k: γ₁ … γ_{r+1} for relative degree r; γ_{r+1} acts in the continuous law only.
     """
@@ -66,7 +66,7 @@ def derive_chain(system: System, barrier: Barrier) -> BarrierChain:
         The chain, with as many ψ as the relative degree asks for, plus ψ₀.
 
     Raises:
-        ShapeError: h is no scalar.
+        ShapeError: h is not a scalar.
         RelativeDegreeError: u does not appear within n derivatives.
         DesignError: The number of class-K functions is not r + 1.
     """
@@ -93,7 +93,7 @@ def derive_chain(system: System, barrier: Barrier) -> BarrierChain:
 
 
 def _depends_on_input(system: System, expression: ca.SX) -> bool:
-    """Tell whether u is in an expression, after what cancels has cancelled.
+    """Return whether an expression depends on u, after cancellation.
 
     Symbolic structure keeps terms such as 0·u; so the gradient is also evaluated, at states and inputs in
     general position, and an identical zero does not count.

@@ -1,7 +1,7 @@
 """The certificate of an answer: its residuals, and the one function that accepts it.
 
 An answer to min ½‖z‖² subject to G z ≥ d is a pair (z, λ). Whichever solver computed it, it is used only if ``accepts``
-says so of the residuals of the optimality conditions.
+is true of the residuals of the optimality conditions.
 """
 
 from dataclasses import dataclass

@@ -28,7 +28,7 @@ class Status(IntEnum):
 
     @property
     def is_fallback(self) -> bool:
-        """Whether a hard row is given up, or may be."""
+        """True if a hard row is violated, or may be."""
         return self >= Status.UNCERTIFIED
 
 

@@ -34,12 +34,12 @@ class Request(Stage[T], frozen=True, eq=False, gc=False):
 
 
 class Linearization(Stage[T], frozen=True, eq=False, gc=False):
-    """Where rows that are not affine in u are replaced by tangents, and for which inputs their margins are good.
+    """Input about which rows that are not affine in u are linearized, and the region in which their margins are valid.
 
     Attributes:
-        u_lin: Where tangents touch and about which margins are good, m.
-        trust_asked: Change of u_lin for which margins shall be good, m; 0 where the filter's functions choose it.
-        tightening: By how much constraints are kept beyond ε, 1.
+        u_lin: Input at which tangents touch, centre of the trust region, m.
+        trust_asked: Radius of the trust region that is asked for, m; 0 to have it reach u_ref.
+        tightening: Distance beyond ε by which constraints are kept, 1.
     """
 
     u_lin: T
@@ -56,7 +56,7 @@ class Program(Stage[T], frozen=True, eq=False, gc=False):
         u_ref: Input if v = 0, within the limits, m.
         low: Least input that magnitude and rate allow, m.
         high: Largest one, m.
-        trust: Change of u_lin for which margins are good, m.
+        trust: Radius of the trust region in which margins are valid, m.
         eps: Margin ε of every enforced barrier between samples.
         G: Rows of the constraints, of unit length, shape (C, k).
         d: Their bounds, C.
@@ -93,7 +93,7 @@ class Answer(Stage[T], frozen=True, eq=False, gc=False):
     Attributes:
         z: u⁺ − u_ref and, with a soft row, its slack times √ρ, k.
         lam: Multipliers λ of all rows, N.
-        relax: By how much hard rows that contradict one another are not asked to be kept, H.
+        relax: Relaxation of hard rows that conflict, H.
         conflict: 1; positive where ``relax`` proves that the hard rows cannot be kept within the limits.
     """
 
@@ -104,7 +104,7 @@ class Answer(Stage[T], frozen=True, eq=False, gc=False):
 
 
 class Evaluation(Stage[T], frozen=True, eq=False, gc=False):
-    """What follows from an answer.
+    """Consequences of an answer.
 
     Attributes:
         margins: G z − d of all rows, limits included, N.
@@ -127,10 +127,10 @@ class Assessment(Residuals[T], frozen=True, eq=False, gc=False):
     Residuals come first.
 
     Attributes:
-        norm_overreach: By how much it is longer than asked for; 0 without a limit of the norm.
+        norm_overreach: Length beyond the one asked for; 0 without a limit of the norm.
         slack: δ of the passivity row, W; 0 where there is none.
-        shortfall: By how much u⁺ misses what keeps barriers at and between samples; ≤ 0 if it does not.
-        outside_trust_region: By how much u⁺ is further from u_lin than margins are good for; ≤ 0 if it is not.
+        shortfall: Distance by which u⁺ violates a barrier's row with its margin; ≤ 0 if it keeps all.
+        outside_trust_region: Distance of u⁺ from the trust region; ≤ 0 inside.
     """
 
     norm_overreach: T

@@ -20,7 +20,7 @@ from passafe.symbolic.whole_program import RowLayout
 from passafe.workspace import BlockLayout, dense_function, expressions
 
 TIGHTENING: Final = 2.0
-"""By how much more than asked constraints are kept, in units of the residual that an answer may have."""
+"""Distance by which constraints are kept beyond what is asked, in units of the residual that an answer may have."""
 
 Symbols = TypeVar("Symbols", bound=Stage[ca.SX])
 

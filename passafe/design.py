@@ -1,4 +1,4 @@
-"""What a filter is made of: plant, feedback, barriers, passivity, law and mode."""
+"""The design of a filter: plant, feedback, barriers, passivity, law and mode."""
 
 from dataclasses import dataclass, field
 from enum import Enum
@@ -15,7 +15,7 @@ from passafe.system import System
 
 
 class Law(Enum):
-    """Which rows the quadratic program has.
+    """Rows of the quadratic program.
 
     The sampled law puts ψ_r and h_u on the input that is held over the next period; the continuous law is the
     paper's, which puts their time derivatives on v and can diverge (``docs/theory.md``, section 4).
@@ -26,7 +26,7 @@ class Law(Enum):
 
 
 class Mode(Enum):
-    """Which properties the filter enforces."""
+    """Properties that the filter enforces."""
 
     OFF = "off"
     SAFE = "safe"
@@ -35,12 +35,12 @@ class Mode(Enum):
 
     @property
     def enforces_safety(self) -> bool:
-        """Whether the barriers' rows are in the quadratic program."""
+        """True if the barriers' rows are in the quadratic program."""
         return self in {Mode.SAFE, Mode.BOTH}
 
     @property
     def enforces_passivity(self) -> bool:
-        """Whether the passivity row is in the quadratic program."""
+        """True if the passivity row is in the quadratic program."""
         return self in {Mode.PASSIVE, Mode.BOTH}
 
 
@@ -51,7 +51,7 @@ class FilterDesign:
     Attributes:
         system: The plant.
         u_fb: State feedback, expression of x, shape (m, 1).
-        fail_safe: The plant's own law for when nothing better can be had, expression of x, shape (m, 1).
+        fail_safe: The plant's own law, used where no answer is accepted, expression of x, shape (m, 1).
         barriers: Any number, with unique names.
         passivity: Storage function and passivity row; the power margin is reported in every mode.
         k_i: α/2 of the tracking term, 1/s.
@@ -59,14 +59,12 @@ class FilterDesign:
         input_bound: Largest magnitude of u: one number for every axis, or one for each.
         input_norm_bound: Largest ‖u‖, if that is limited too.
         input_rate_bound_per_s: Largest rate of change of u: one number for every axis, or one for each.
-        law: Which rows.
-        mode: Which properties.
+        law: Kind of rows.
+        mode: Properties that are enforced.
         between_samples: Whether the sampled law's rows have the margin that keeps barriers between samples too.
         hold_s: How long an input may stay in force where no other follows, s; one period if not given. The margin
             between samples covers all of it.
-        held_s: The longer of ``dt_s`` and ``hold_s``.
         tolerance: Residuals up to which an answer is accepted.
-        limits: What the three bounds amount to.
     """
 
     system: System
@@ -84,8 +82,6 @@ class FilterDesign:
     between_samples: bool = True
     hold_s: float | None = None
     tolerance: Tolerance = field(default_factory=Tolerance)
-    limits: Limits = field(init=False)
-    held_s: float = field(init=False)
 
     def __post_init__(self) -> None:
         """Refuse parts that do not fit together."""
@@ -97,11 +93,19 @@ class FilterDesign:
             raise DesignError("k_i", self.k_i, f"less than 1/dt_s = {1 / self.dt_s:g}, or the tracking oscillates")
         if self.hold_s is not None and not 0.0 <= self.hold_s < inf:
             raise DesignError("hold_s", self.hold_s, "a finite number, zero or more")
-        object.__setattr__(self, "held_s", max(self.dt_s, self.hold_s or 0.0))
-        limits = Limits.of(self.system.m, self.input_bound, self.input_norm_bound, self.input_rate_bound_per_s)
-        object.__setattr__(self, "limits", limits)
+        _ = self.limits  # refuses bounds that cannot be used
         self.system.require_state_function("u_fb", self.u_fb, self.system.m)
         self.system.require_state_function("fail_safe", self.fail_safe, self.system.m)
         names = [barrier.name for barrier in self.barriers]
         if len(set(names)) != len(names):
             raise DesignError("barriers", f"the names {names}", "each name once")
+
+    @property
+    def limits(self) -> Limits:
+        """Limits of the actuators that the three bounds amount to."""
+        return Limits.of(self.system.m, self.input_bound, self.input_norm_bound, self.input_rate_bound_per_s)
+
+    @property
+    def held_s(self) -> float:
+        """Longest time for which an input is in force, s: the longer of ``dt_s`` and ``hold_s``."""
+        return max(self.dt_s, self.hold_s or 0.0)

@@ -13,7 +13,7 @@ import casadi as ca
 from passafe.errors import DesignError
 
 UNKNOWN: Final = 1e30
-"""Radius where nothing is known: large, but not infinite, which times zero would be no number."""
+"""Radius where nothing is known: large but finite, because infinity times zero is NaN."""
 
 
 class Ball(NamedTuple):

@@ -31,7 +31,7 @@ from passafe.symbolic.whole_program import NORM_TOLERANCE, norm_asked
 from passafe.workspace import BlockLayout
 
 ATTEMPTS: Final = 14
-"""How often margins and tangents are moved to the answer; the last margin is good for every input."""
+"""Programs that are solved to settle margins and tangents, at most; the last margin is valid for every input."""
 
 FULL_STEPS: Final = 3
 SHORT_STEP: Final = 0.6
@@ -42,7 +42,7 @@ NARROWER: Final = 0.1
 """The next trust radius, as a share of the way to the answer, or of the radius before."""
 
 RELAXED_NORM: Final = 1e4
-"""How many times further beyond the norm it may be where hard rows are given up: shortening costs them little more."""
+"""Factor on the norm's tolerance where hard rows are relaxed: there shortening costs little more."""
 
 # Reaching a member through its enumeration takes 0.7 µs on Python 3.11, a tenth of a decision.
 _PASSED: Final = Status.PASSED
@@ -116,8 +116,8 @@ class SafetyPassivityFilter:
                 limits of the rate left out, instead of the one nearest to u + dt·φ.
 
         Returns:
-            A decision for every argument whatever, NaN and infinity included: its u is finite and within the
-            limits, its status says whether it is certified.
+            A decision for any arguments, NaN and infinity included: its u is finite and within the
+            limits, and its status shows whether it is certified.
 
         Raises:
             ShapeError: An argument of the wrong length.
@@ -199,7 +199,7 @@ class SafetyPassivityFilter:
         return Attempt(status, solver, not self.derivation.has_margins, assessment)
 
     def _accepted_solver(self) -> str | None:
-        """Return whose answer to the whole program is accepted; the hard rows are relaxed if nobody's is before."""
+        """Return the solver whose answer to the whole program is accepted, relaxing the hard rows if there is none."""
         solver = self._first_accepted()
         if solver is None and self._program.relax_hard_rows():
             solver = self._first_accepted()
@@ -217,10 +217,11 @@ class SafetyPassivityFilter:
         return overreach <= self._norm_tolerance * (RELAXED_NORM if self._block.answer.relax.any() else 1.0)
 
     def _settle(self, attempt: Attempt) -> Attempt:
-        """Solve again with margins and tangents that suit the answer, for as long as that asks for others.
+        """Solve again with margins and tangents moved to the answer, until they suit it.
 
-        Rows that conflict with a margin for inputs far and wide, or with tangents far away, need not with those near
-        by: then the margin is for fewer, until it is for those near to one input alone, and tangents go half-way back.
+        Rows that conflict with a margin for a wide trust region, or with tangents far from the answer, need not
+        conflict with nearer ones: then the trust region is narrowed, down to its least radius, and the tangents move
+        half-way back.
         """
         linearization, least = self._block.linearization, LEAST_TRUST * np.array(self.design.limits.magnitude)
         u_lin, trust, u_plus = linearization.u_lin, linearization.trust_asked, self._block.evaluation.u_plus

@@ -1,7 +1,7 @@
-"""What the operator asks for between and after the samples that came: u_h and its rate, with a model of the hand.
+"""The operator's input between and after samples: u_h and its rate, estimated with a model of the hand.
 
-Each axis is a Kalman filter whose rate is a random walk (white acceleration), discretised exactly for whatever time
-lies between two samples (Bar-Shalom, Li & Kirubarajan 2001, section 6.2). Decision 0006 says why this one.
+Each axis is a Kalman filter whose rate is a random walk (white acceleration), discretised exactly for the time
+between two samples (Bar-Shalom, Li & Kirubarajan 2001, section 6.2). Decision 0006 says why this one.
 """
 
 from collections import deque
@@ -15,20 +15,20 @@ from msgspec import Struct
 from passafe.errors import DesignError
 
 KEPT: Final = 64
-"""Samples kept so that one that comes late can be put where it belongs; what is older than all of them is ignored."""
+"""Samples kept, so that a late one can be inserted in order; one older than all of them is ignored."""
 
 START_S: Final = 1.0
 """The first sample's rate is as uncertain as a rate known exactly this long before."""
 
 GAP_S: Final = 1.0
-"""Samples this far apart have nothing to do with one another: the later one starts anew."""
+"""Samples this far apart are unrelated: the later one restarts the estimate."""
 
 LARGEST: Final = 1e100
 """Samples with a larger number are ignored, so that no product here leaves what a float holds."""
 
 NEAR_S: Final = 0.004
-"""An overtaken sample nearer than this to one that counts is ignored: it says little that the other does not, and
-taking in again what came after it would cost more than the rest of a tick where commands come every millisecond."""
+"""An overtaken sample nearer than this to an accepted one is ignored: it adds little information, and replaying the
+later samples would cost more than the rest of a tick where commands come every millisecond."""
 
 PROPORTIONS: Final = (1e-3, 1e5)
 """Least and largest agility/resolution. Above, p_rr − k_r·p_ur cancels so far that a variance could become negative."""
@@ -36,16 +36,16 @@ PROPORTIONS: Final = (1e-3, 1e5)
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class HandModel:
-    """How the operator's input moves, how well it is told, and how far ahead it may be continued.
+    """Model of the operator's input: its motion, its resolution, and how far ahead it is extrapolated.
 
-    Only ``agility``/``resolution`` decides how much a sample is believed; their size does not.
+    Only the ratio ``agility``/``resolution`` decides how much weight a sample gets.
 
     Attributes:
         agility: √S, S the spectral density of the input's second derivative, units of u per s^1.5: over a time t
             the rate changes by about √(S·t).
         resolution: Step q of the samples' quantisation, units of u; it counts as white noise of variance q²/12.
-        horizon_s: How long after the newest sample its rate is believed, s.
-        fade_s: How long after that the rate takes to fall to zero, linearly, s.
+        horizon_s: Time after the newest sample for which its rate is kept, s.
+        fade_s: Time in which the rate then falls to zero, linearly, s.
     """
 
     agility: float
@@ -54,7 +54,7 @@ class HandModel:
     fade_s: float
 
     def __post_init__(self) -> None:
-        """Refuse what would make the recursion useless or leave what a float holds."""
+        """Refuse values for which the recursion is useless or overflows."""
         for name, low, high in (
             ("agility", 1e-9, 1e9),
             ("resolution", 1e-9, 1e9),
@@ -83,7 +83,7 @@ class HumanInput(NamedTuple):
 
 
 class _Belief(Struct, frozen=True, gc=False):
-    """What is known just after a sample: means of every axis, and the covariance that all share, over q²/12."""
+    """The estimate just after a sample: means of every axis, and the covariance that all share, over q²/12."""
 
     time_s: float
     sample: tuple[float, ...]
@@ -103,7 +103,7 @@ class HumanInputEstimator:
     """
 
     def __init__(self, model: HandModel, inputs: int) -> None:
-        """Start with nothing heard.
+        """Start without samples.
 
         Args:
             model: The model of the operator's hand.
@@ -121,14 +121,14 @@ class HumanInputEstimator:
         self._beliefs: deque[_Belief] = deque(maxlen=KEPT)
 
     def restart(self) -> None:
-        """Forget everything: until the next sample u_h is zero, and that sample says nothing about the rate."""
+        """Forget all samples: until the next one u_h is zero, and that one leaves the rate unknown."""
         self._beliefs.clear()
 
     def add(self, time_s: float, sample: Sequence[float]) -> bool:
-        """Take in what the operator asked for at a time.
+        """Add a sample of the operator's input.
 
         Args:
-            time_s: When it was asked for, s, on the same clock as ``at``'s.
+            time_s: Time of the sample, s, on the same clock as ``at``'s.
             sample: m numbers, units of u.
 
         Returns:
@@ -176,7 +176,7 @@ class HumanInputEstimator:
         return HumanInput(tuple(u_h), tuple(u_h_rate))
 
     def _insert(self, time_s: float, sample: tuple[float, ...]) -> bool:
-        """Put an overtaken sample where it belongs and take in again what came after it."""
+        """Insert an overtaken sample in order and replay the later ones."""
         beliefs, later = self._beliefs, []
         for known in reversed(beliefs):
             if abs(known.time_s - time_s) < NEAR_S:

@@ -1,4 +1,4 @@
-"""How far the hard rows are from contradicting one another within the limits: a linear program, with proof.
+"""The distance of the hard rows from a conflict within the limits: a linear program, with proof.
 
     max t  subject to  gᵢᵀw − dᵢ ≥ t for every hard row,  u_ref + w within the limits.
 
@@ -11,7 +11,7 @@ reached where it is kept that well, and no other row is missed by more there. Ot
 
 DAQP solves strictly convex programs, so the linear one is solved by proximal points, min ½‖z − c‖² − t/η with
 z = (w, t) and c the answer before; for a linear program that ends after finitely many steps (Rockafellar 1976), nearly
-always the first. No answer is taken on trust: the value of any admissible w is a lower bound of the maximum, and any
+always the first. No answer is trusted: the value of any admissible w is a lower bound of the maximum, and any
 weights μ ≥ 0 with Σμ = 1 give the upper bound max_w Σμᵢ(gᵢᵀw − dᵢ), which has a closed form over the limits.
 """
 
@@ -42,7 +42,7 @@ _SOLVED: Final = 1
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Distance:
-    """What is proven of the largest t.
+    """Proven bounds of the largest t.
 
     Attributes:
         lower: Some admissible input keeps every hard row with this much to spare, units of u.
@@ -68,13 +68,13 @@ class _Program(Struct, frozen=True, eq=False):
         return float(np.minimum.reduce(self.G @ w - self.d))
 
     def admissible(self, w: Array, known: Array) -> Array:
-        """Return the last admissible point on the way from an admissible one to w."""
+        """Return the last admissible point on the segment from an admissible one to w."""
         w = np.minimum(np.maximum(w, self.low), self.high)
         if self.norm == inf:
             return w
-        start, way = self.u_ref + known, w - known
-        a, b, c = float(way @ way), float(start @ way), max(self.norm**2 - float(start @ start), 0.0)
-        return w if a + 2 * b <= c else known + way * ((sqrt(b * b + a * c) - b) / a)
+        start, step = self.u_ref + known, w - known
+        a, b, c = float(step @ step), float(start @ step), max(self.norm**2 - float(start @ start), 0.0)
+        return w if a + 2 * b <= c else known + step * ((sqrt(b * b + a * c) - b) / a)
 
     def most(self, pull: Array) -> float:
         """Return the largest pullᵀw over the axes' limits."""
@@ -82,14 +82,14 @@ class _Program(Struct, frozen=True, eq=False):
 
 
 class DistanceToInfeasibility:
-    """Solves the linear program of the module for one decision after the other.
+    """Solves the linear program of each decision.
 
     The answer is a function of the decision alone: the solver starts afresh every time.
 
     Attributes:
-        reach: Longest way between two inputs within the magnitudes, units of u. No distance is larger: without hard
-            rows, or with rows further away than any input can go, it is this.
-        floor: What stands for rows that are no numbers, units of u; no distance is smaller.
+        reach: Largest distance between two inputs within the magnitudes, units of u. No distance to infeasibility is
+            larger: without hard rows, or with rows further away than any input can go, it is this.
+        floor: Value for rows with a NaN, units of u; no distance is smaller.
     """
 
     def __init__(self, limits: Limits, hard: int) -> None:
@@ -183,7 +183,7 @@ class DistanceToInfeasibility:
         self._linear[:m], self._linear[m] = 0.0, -1 / ETA
 
     def _ask(self) -> tuple[Array, Array] | None:
-        """Return w and the weights of rows and tangents, or ``None`` where the solver says that it failed."""
+        """Return w and the weights of rows and tangents, or ``None`` where the solver fails."""
         self._A[:] = self._rows  # the solver may scale its rows in place
         self._model.update(A=self._A, f=self._linear, bupper=self._above, blower=self._below, sense=self._cold)
         x, _, flag, info = self._model.solve()

@@ -1,7 +1,7 @@
 """The margin ε(T) that keeps a barrier while an input is held, not only at samples (``docs/theory.md``, section 6).
 
 Let p = ψ_{r−1} be the last function of a chain before u appears, and u⁺ be held over [0, T]: a period, or longer where
-the plant holds an input because no other follows. If −p̈ ≤ M on the way,
+the plant holds an input because no other follows. If −p̈ ≤ M meanwhile,
 
     p(τ) ≥ p(0) + τ ṗ(0) − ½ τ² M   for 0 ≤ τ ≤ T,
 
@@ -19,14 +19,14 @@ from passafe.enclosure import UNKNOWN, enclose
 from passafe.system import System
 
 GROWTH: Final = 2.0
-"""How much wider than what was last seen to be reached the tube around a period is guessed."""
+"""Factor by which the guessed tube around a period is wider than what was last found to be reached."""
 
 
 def curvature_bound(system: System, p: ca.SX, held_s: float, input_radius: ca.SX, steps: int) -> ca.SX:
     """Return M(x, u, t) with −p̈ ≤ M over the next ``held_s`` seconds under any held input near u, scalar expression.
 
     p̈ is enclosed over a tube around x that no trajectory leaves before T is over: a tube with radius R such that
-    T·|f| ≤ R all over it (Picard–Lindelöf). Where the guessed R is too small, M is as good as infinite.
+    T·|f| ≤ R all over it (Picard–Lindelöf). Where the guessed R is too small, M is ``UNKNOWN``, practically infinite.
 
     Args:
         system: The plant.

@@ -1,4 +1,4 @@
-"""What the actuators can do: magnitude of every axis, length of the whole input, and how fast it may change."""
+"""Limits of the actuators: magnitude of every axis, norm of the whole input, and rate of change."""
 
 from dataclasses import dataclass
 from math import inf, sqrt
@@ -12,7 +12,7 @@ from passafe.workspace import Array
 
 LEAST_WAY: Final = 1e-300
 LARGEST: Final = 1e150
-"""What an infinite number counts as, so that its square is one too."""
+"""Finite stand-in for infinity, whose square is finite too."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -43,7 +43,7 @@ class Limits:
 
         Raises:
             ShapeError: Another number of axes.
-            DesignError: A limit that is no positive finite number.
+            DesignError: A limit that is not a positive finite number.
         """
         if norm is not None:
             _require_positive("input_norm_bound", norm)
@@ -52,7 +52,7 @@ class Limits:
 
     @property
     def reach(self) -> float:
-        """Longest way between two inputs whose magnitudes are admissible, whatever their norm, units of u."""
+        """Largest distance between two inputs within the magnitudes, whatever their norm, units of u."""
         return 2 * sqrt(sum(b * b for b in self.magnitude))
 
     def interval(self, u: ca.SX, dt_s: float) -> tuple[ca.SX, ca.SX]:
@@ -66,8 +66,8 @@ class Limits:
     def clip(self, u_plus: ca.SX, u: ca.SX | ca.DM, low: ca.SX | ca.DM, high: ca.SX | ca.DM) -> ca.SX:
         """Return an input within the limits near u⁺, shape (m, 1): into the interval axis by axis, then to the norm.
 
-        The way back leads towards u, the input before, as far as needed: both limits are convex and hold there, so they
-        hold on the way. Only where u itself is too long it leads towards zero.
+        The correction leads towards u, the input before, as far as needed: both limits are convex and hold there, so
+        they hold along it. Only where u itself is too long does it lead towards zero.
 
         Args:
             u_plus: Shape (m, 1).
@@ -86,11 +86,11 @@ class Limits:
         return ca.if_else(too_long, origin + share * way, clipped)
 
     def nearest(self, u_plus: Array, u: Array, low: Array, high: Array) -> Array:
-        """Return ``clip`` of plain numbers; 0 or what is nearest to it stands for what is no number.
+        """Return ``clip`` of plain numbers; a NaN counts as 0.
 
         Args:
             u_plus: Any numbers, shape (m,).
-            u: Input before, shape (m,); what is no number counts as zero.
+            u: Input before, shape (m,); a NaN counts as zero.
             low: Least u⁺, shape (m,).
             high: Largest u⁺, shape (m,).
         """

@@ -1,4 +1,4 @@
-"""What the filter changed in one decision, by which rows, and how much of the command would have passed unchanged.
+"""The override of one decision: the change of the request, its causes, and the part that would have passed.
 
 Asked for is u_want = u + dt·φ, or û where there was no input before. The decision is
 
@@ -44,7 +44,7 @@ class OverrideCause:
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Override:
-    """What became of a request.
+    """The change of a request by the filter.
 
     Attributes:
         change: u⁺ − u_want, shape (m,), units of u.
@@ -53,7 +53,7 @@ class Override:
         causes: Active rows, the one with the largest share first; none under the fail-safe law.
         allowed_fraction: Largest s in [0, 1] for which the command s·(u_h, u̇_h) would have passed without a change: no
             row relaxed, no slack, no limit in the way. 0 where no s would have.
-        unavoidable: Whether no s in [0, 1] would have.
+        unavoidable: True if no s in [0, 1] would have.
     """
 
     change: Array
@@ -79,7 +79,7 @@ class Explainer:
     """
 
     def __init__(self, core: SafetyPassivityFilter) -> None:
-        """Take from the filter what does not change."""
+        """Derive and compile the explanation of a filter's decisions."""
         self._names = core.row_names
         shapes = core.layout.shapes
 
@@ -100,7 +100,7 @@ class Explainer:
         self._read_push, self._read_share = space.reader("push"), space.reader("share")
 
     def override(self, decision: Decision) -> Override:
-        """Return what became of the decision's request."""
+        """Return the override of a decision."""
         self._decided[:] = decision.block
         self._evaluate()
         explanation = self._explanation
@@ -123,7 +123,7 @@ class Explainer:
 
 
 class _Explanation(Stage[T], frozen=True, eq=False, gc=False):
-    """What is computed of a decision: the allowed fraction is −1 where there is none."""
+    """Expressions or values of one decision: the allowed fraction is −1 where there is none."""
 
     change: T
     held_back: T

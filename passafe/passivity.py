@@ -13,7 +13,7 @@ from passafe.tank import Tank
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Passivity:
-    """What the filter demands of the energy.
+    """Demand of the filter on the energy.
 
     The row is soft: ``h_u ≥ −δ`` without a tank, ``h_u ≥ −κ(E − E_r) − δ`` with one, at the price
     ½·slack_weight·δ² beside ½‖u⁺ − u_ref‖². The continuous law of the paper has it hard.

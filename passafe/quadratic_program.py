@@ -57,7 +57,7 @@ class QuadraticProgram:
         )
 
     def solve_constraints(self) -> tuple[str, SolverOutcome]:
-        """Solve over the constraints alone; return whose answer it is and what the solver says of it.
+        """Solve over the constraints alone; return the solver's name and the outcome that it reports.
 
         The answer is blank before: where no constraint asks for anything it stays so.
         """
@@ -67,7 +67,7 @@ class QuadraticProgram:
         return solver.name, solver.solve(self._z, self._constraint_lam)
 
     def solve_whole(self) -> Iterator[tuple[str, SolverOutcome]]:
-        """Solve constraints and limits, hard rows relaxed by what the answer says, with one solver after the other."""
+        """Solve over constraints and limits, hard rows relaxed by ``relax``, with one solver after the other."""
         hard = self._rows.hard
         self._d[:hard] = self._block.program.d[:hard] - self._block.answer.relax
         for solver in self._solvers:
@@ -98,7 +98,7 @@ class QuadraticProgram:
         cuts[:] = np.eye(1, cuts.shape[1])
 
     def relax_hard_rows(self) -> bool:
-        """Relax hard rows as little as the limits allow; return whether a certified answer says by how much."""
+        """Relax hard rows as little as the limits allow; return whether that has a certified answer."""
         rows, program = self._rows, self._block.program
         hard, limits, m = slice(rows.hard), slice(rows.constraints, None), len(program.u_ref)
         least = least_violation(self._G[hard, :m], program.d[hard], self._G[limits, :m], self._d[limits])

@@ -1,4 +1,4 @@
-"""What single numbers of a design may be."""
+"""Checks of single numbers of a design."""
 
 from math import inf, isfinite
 
@@ -6,7 +6,7 @@ from passafe.errors import DesignError
 
 
 def require_positive(part: str, value: float, unit: str) -> None:
-    """Refuse what is no positive finite number.
+    """Refuse a number that is not positive and finite.
 
     Raises:
         DesignError: It is not.
@@ -16,7 +16,7 @@ def require_positive(part: str, value: float, unit: str) -> None:
 
 
 def require_not_negative(part: str, value: float, unit: str) -> None:
-    """Refuse what is no finite number from zero on.
+    """Refuse a number that is negative or not finite.
 
     Raises:
         DesignError: It is not.
@@ -26,7 +26,7 @@ def require_not_negative(part: str, value: float, unit: str) -> None:
 
 
 def require_finite(part: str, value: float, unit: str) -> None:
-    """Refuse what is no finite number.
+    """Refuse a number that is not finite.
 
     Raises:
         DesignError: It is not.

@@ -104,8 +104,8 @@ def continuous_rows(
 def stack(rows: Sequence[ConstraintRow], m: int, reach: float) -> tuple[ca.SX, ca.SX, float]:
     """Return (G, d, √ρ) of G z ≥ d with rows of unit length; √ρ is 0 where no row is soft.
 
-    A bound further away than any input can go, ``reach``, is drawn in to it: a row that always holds goes on
-    holding and a hard row that cannot hold goes on failing, but no number is left for the solver to choke on.
+    A bound further away than any input can go, ``reach``, is drawn in to it: a row that always holds still
+    holds and a hard row that cannot hold still fails, but the solver meets no huge numbers.
 
     Args:
         rows: At most one of them soft.
@@ -126,7 +126,7 @@ def stack(rows: Sequence[ConstraintRow], m: int, reach: float) -> tuple[ca.SX, c
 
 
 def _rate_row(system: System, name: str, function: ca.SX, gamma: ClassK, phi: ca.SX, dt_s: float) -> ConstraintRow:
-    """ConstraintRow of d/dt function + γ(function) ≥ 0 along ẋ = f, u̇ = φ + v, times dt."""
+    """Return the row d/dt function + γ(function) ≥ 0 along ẋ = f, u̇ = φ + v, times dt."""
     gradient = ca.gradient(function, system.u)
     drift = system.rate(function) + ca.dot(gradient, phi) + gamma(function)
     return ConstraintRow(name=name, value=dt_s * drift, gradient=gradient)

@@ -54,7 +54,7 @@ class HeldStep(Stage[T], frozen=True, eq=False, gc=False):
 
 
 class AfterStep(Stage[T], frozen=True, eq=False, gc=False):
-    """What a step leads to.
+    """The plant after a step.
 
     Attributes:
         x_next: State at its end, n.
@@ -116,7 +116,7 @@ class SampledPlant:
         self._read_energy = space.scalar_reader(StepEnergy[float])
 
     def at(self, x: Sequence[float]) -> Sample:
-        """Return the sample of a state that no period has led to.
+        """Return the sample of a state at the start.
 
         Args:
             x: State, n numbers.
@@ -176,7 +176,7 @@ class SampledPlant:
 
 
 def is_linear(system: System) -> bool:
-    """Tell whether f is linear in (x, u) and g linear in x, both up to constants."""
+    """Return whether f is linear in (x, u) and g linear in x, both up to constants."""
     z = ca.vertcat(system.x, system.u)
     slopes = [ca.jacobian(system.f, z), ca.jacobian(system.y, system.x)]
     return not any(ca.symvar(ca.simplify(slope)) for slope in slopes)
@@ -201,7 +201,7 @@ def held_flow(system: System, h: float | ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
 
 
 def _linear_flow(system: System, h: float) -> tuple[ca.SX, ca.SX]:
-    """X and q = ∫y after h seconds: the flow of [ẋ; q̇; u̇; 1̇] = M [x; q; u; 1]."""
+    """Return x and q = ∫y after h seconds: the flow of [ẋ; q̇; u̇; 1̇] = M [x; q; u; 1]."""
     x, u, n, m = system.x, system.u, system.n, system.m
     parts = [ca.jacobian(system.f, x), ca.jacobian(system.f, u), ca.jacobian(system.y, x)]
     A, B, C = (ca.DM(ca.simplify(part)).full() for part in parts)
@@ -215,7 +215,7 @@ def _linear_flow(system: System, h: float) -> tuple[ca.SX, ca.SX]:
 
 
 def _runge_kutta_flow(system: System, h: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """x, q = ∫y and the error estimate of x after h seconds."""
+    """Return x, q = ∫y and the error estimate of x after h seconds."""
     n = system.n
     rate = ca.Function("rate", [system.x, system.u], [ca.vertcat(system.f, system.y)])
 

@@ -1,4 +1,4 @@
-"""A stage of a decision: numbers with names, declared once and held in whatever form a task needs."""
+"""Stages of a computation: named numbers, declared once and held in the form that a task needs."""
 
 from collections.abc import Callable
 from typing import Annotated, Any, Final, Generic, Self, TypeAlias, TypeVar, cast, get_type_hints

@@ -1,4 +1,4 @@
-"""The energy tank: what the robot has been given and not yet used (Duindam & Stramigioli 2004)."""
+"""The energy tank: energy that the robot was given and has not yet used (Duindam & Stramigioli 2004)."""
 
 from dataclasses import dataclass
 from math import inf
@@ -47,7 +47,7 @@ class Tank:
         return min(self.max_j, level_j)
 
     def balance_many(self, level_j: Array, energy_in_j: Array, stored_change_j: Array) -> Array:
-        """Return ``balance`` of many ledgers, J; what is no number stays none.
+        """Return ``balance`` of many ledgers, J; a NaN stays one.
 
         Args:
             level_j: E of each before the period, J.

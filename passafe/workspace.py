@@ -25,7 +25,7 @@ Scalars = TypeVar("Scalars", bound=Stage[float])
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class BlockLayout:
-    """Where each named part of a block lies.
+    """Places and shapes of the named parts of a block.
 
     Attributes:
         parts: Slice of every part, in the order in which they were named.

@@ -41,10 +41,10 @@ def finite_column(part: str, vector: Sequence[float]) -> ca.DM:
 
 
 def require_column(part: str, expression: ca.SX) -> None:
-    """Refuse an expression that is no column.
+    """Refuse an expression that is not a column.
 
     Raises:
-        ShapeError: It is none.
+        ShapeError: It is not a column.
     """
     if not expression.is_column():
         raise ShapeError(part, f"shape {expression.shape}", "a column")

@@ -113,7 +113,7 @@ class BatchFilter:
         if start or scalar:
             self.scalar[:] = True
         else:
-            with np.errstate(all="ignore"):  # what is no number fails the certificate
+            with np.errstate(all="ignore"):  # a NaN fails the certificate
                 self._decide_batch()
         for element in np.flatnonzero(self.scalar[used]).tolist():
             self._decide_scalar(element, start=start)

@@ -1,10 +1,9 @@
 """CasADi functions evaluated for many elements of a batch at once, with NumPy arrays in the place of numbers.
 
-A function's scalar operations are done one after the other, each for all elements, in the order of CasADi's own
-evaluation. So an element's results do not depend on the elements beside it, and what is made of sums, products,
-quotients and roots is the same to the last bit (IEEE 754); other operations are the same up to their rounding. The
-more elements, the less of the cost of calling an operation falls on each: at a thousand, it takes a tenth of what
-CasADi takes.
+A function's scalar operations are applied one by one, each to all elements, in the order of CasADi's own
+evaluation. So an element's results do not depend on its neighbours, and sums, products, quotients and roots are the
+same to the last bit (IEEE 754); other operations are the same up to rounding. The more elements, the
+less of the cost of calling an operation falls on each: at a thousand, it takes a tenth of what CasADi takes.
 """
 
 from collections.abc import Callable, Sequence

@@ -1,7 +1,4 @@
-"""Many blocks of numbers side by side, on which CasADi functions are evaluated for all of them at once.
-
-A lane is one block of a ``BlockLayout``: one element of the batch.
-"""
+"""Blocks of a whole batch, on which CasADi functions are evaluated for all elements at once."""
 
 from collections.abc import Callable, Sequence
 
@@ -13,12 +10,12 @@ from passafe.workspace import Array, BlockLayout
 
 
 class BatchWorkspace:
-    """A ``Workspace`` with many lanes.
+    """A ``Workspace`` with one block, a column, for each element of a batch.
 
     Attributes:
         layout: Names and places of the parts.
-        used: Number of lanes that hold something.
-        count: Number of lanes, a few more than are used.
+        used: Number of elements.
+        count: Number of columns: the elements, and a few that fill the last vector of the processor.
         block: The numbers, shape (layout.size, count).
     """
 
@@ -26,8 +23,8 @@ class BatchWorkspace:
         """Make room.
 
         Args:
-            layout: Parts of every lane.
-            used: Number of lanes that are needed.
+            layout: Parts of every block.
+            used: Number of elements.
         """
         self.layout = layout
         self.used = used
@@ -43,7 +40,7 @@ class BatchWorkspace:
         return self.part(name).reshape(*reversed(self.layout.shapes[name]), self.count)
 
     def bind(self, function: ca.Function, arguments: Sequence[str], results: Sequence[str]) -> Callable[[], None]:
-        """Tie a function to parts of the lanes and return what evaluates it for all of them.
+        """Tie a function to parts of the blocks and return what evaluates it for all elements.
 
         Args:
             function: Dense inputs and outputs of the parts' sizes.

@@ -1,4 +1,4 @@
-"""What a shipped robot model offers beyond its dynamics."""
+"""A robot model: its dynamics, the quantities for barriers and feedback, and its fail-safe law."""
 
 from dataclasses import dataclass
 

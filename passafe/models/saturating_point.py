@@ -11,7 +11,7 @@ from passafe.ranges import require_not_negative, require_positive
 from passafe.system import System
 
 RESERVE: Final = 2.0
-"""How much harder than an unsaturated drive would need it the fail-safe brakes."""
+"""Factor by which the fail-safe brakes harder than an unsaturated drive would have to."""
 
 
 def saturating_point(*, sigma: float = 1.0, force: float = 20.0, gamma_1: float = 0.0) -> Robot:
@@ -21,8 +21,8 @@ def saturating_point(*, sigma: float = 1.0, force: float = 20.0, gamma_1: float 
 
     The fail-safe is u = −K x₂ with K = 2(γ₁ − σ), or 0 if γ₁ ≤ σ. It brakes along the velocity with the rate
     σ + K/√(1 + K²‖x₂‖²/F²), which is at least γ₁ as long as ‖x₂‖ ≤ √¾·F/(γ₁ − σ), and grows as the speed falls. So
-    from such a speed the path is a straight segment no longer than ‖x₂‖/κ with κ = max(γ₁, σ), and keeps what is said
-    in ``passafe.models.braking``.
+    from such a speed the path is a straight segment no longer than ‖x₂‖/κ with κ = max(γ₁, σ), and keeps what
+    ``passafe.models.braking`` states.
 
     Args:
         sigma: Damping σ, 1/s, positive.

@@ -41,7 +41,7 @@ class DaqpSolver:
     def solve(self, z: memoryview, lam: memoryview) -> SolverOutcome:
         """Solve for the present G and d; see ``Solver.solve``."""
         self._rows[:] = self._G
-        # Senses given anew: otherwise it would start from the active set found before, and a log would not step again.
+        # Fresh senses: otherwise it would start from the previous active set, and a log would not replay.
         updated = self._model.update(A=self._rows, bupper=self._above, blower=self._d, sense=self._cold)
         if updated < 0:
             return FAILED

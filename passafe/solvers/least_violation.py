@@ -1,6 +1,6 @@
 """Relaxes hard rows that contradict one another or the limits, as little as possible.
 
-min ½‖s‖² + ½η‖w‖² subject to G w + s ≥ d and w within the limits: s is by how much each row is not kept. With η as
+min ½‖s‖² + ½η‖w‖² subject to G w + s ≥ d and w within the limits: s is the violation of each row. With η as
 small as it is, s exceeds the least possible by no more than √η·‖w‖. The s that solves it is also its own multiplier,
 hence Farkas' proof that the rows cannot be kept (``passafe.symbolic.conflict_proof``). Second step of a lexicographic
 programme: the ordinary quadratic program then follows with d − s in the place of d.
@@ -24,7 +24,7 @@ TIGHT: Final = Tolerance(residual=1e-9, gap=1e-9)
 """Residuals up to which an answer is accepted: tighter than elsewhere, because z holds s/√η beside w."""
 
 ROOM: Final = 1e-9
-"""By how much more than needed the rows are relaxed, so that rounding leaves the relaxed program feasible."""
+"""Relaxation beyond the needed one, so that rounding leaves the relaxed program feasible."""
 
 
 def least_violation(G: Array, d: Array, limits_G: Array, limits_d: Array) -> Array | None:

@@ -1,7 +1,7 @@
 """PIQP as the filter's solver: set up once, then updated in place.
 
-Its plain build is used whatever the processor: it is the fastest for the few rows of a filter, and builds for other
-instruction sets round differently, so that a log would step again bit for bit on the same kind of processor only
+Its plain build is used on every processor: it is the fastest for the few rows of a filter, and builds for other
+instruction sets round differently, so that a log would replay bit for bit on the same kind of processor only
 (``docs/decisions/0005-plain-piqp.md``).
 """
 
@@ -62,7 +62,7 @@ class PiqpSolver:
             lam: Receives the multipliers, N numbers.
 
         Returns:
-            What the solver says. A NaN or an infeasible problem also fills ``z``.
+            The outcome that the solver reports. A NaN or an infeasible problem also fills ``z``.
         """
         solver = self._solver
         solver.update(None, None, None, None, self._G, self._d)

@@ -1,11 +1,11 @@
-"""What a solver of the filter's quadratic program is: min ½‖z‖² subject to G z ≥ d, for arrays that change in place."""
+"""The protocol of a solver of min ½‖z‖² subject to G z ≥ d, for arrays that change in place."""
 
 from enum import Enum
 from typing import Protocol
 
 
 class SolverOutcome(Enum):
-    """What a solver says of its own answer; the certificate decides whether it is used."""
+    """Outcome that a solver reports; the certificate decides whether the answer is used."""
 
     SOLVED = "solved"
     INFEASIBLE = "infeasible"
@@ -34,6 +34,6 @@ class Solver(Protocol):
             lam: Receives the multipliers, N numbers.
 
         Returns:
-            What the solver says.
+            The outcome that the solver reports.
         """
         ...

@@ -7,7 +7,7 @@ from passafe.limits import Limits
 
 
 def conflict(limits: Limits, program: Program[ca.SX], weights: ca.SX) -> ca.SX:
-    """Return by how much weighted hard rows ask for more than any input gives, scalar; positive proves the conflict.
+    """Return the demand of weighted hard rows beyond what any input gives, scalar; positive proves the conflict.
 
     Σμᵢdᵢ − max (Σμᵢgᵢ)ᵀw over all w = u⁺ − u_ref within the limits, which has a closed form.
 

@@ -1,4 +1,4 @@
-"""The barriers that a design enforces: their rows' functions, margins between samples, and what an input misses."""
+"""The barriers that a design enforces: their rows, margins between samples, and shortfall."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from passafe.intersample_margin import curvature_bound, held_function
 from passafe.rows import TINY, ConstraintRow, row_at
 
 TANGENT_ERROR: Final = 1e-5
-"""By how much u⁺ may miss a row that is not affine in u where no margin between samples is asked for, units of u."""
+"""Largest violation of a row that is not affine in u where no margin between samples is asked for, units of u."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -52,7 +52,7 @@ class EnforcedBarriers:
         return ca.vertcat(ca.SX(0, 1), *(self._margin(chain, u_lin, trust) for chain in self.chains))
 
     def rows(self, u_ref: ca.SX, u_lin: ca.SX, eps: ca.SX, tightening: ca.SX) -> list[ConstraintRow]:
-        """Return the sampled law's rows, kept by ε and the tightening more than asked.
+        """Return the sampled law's rows, kept with ε and the tightening to spare.
 
         Args:
             u_ref: Where w is zero, shape (m, 1).
@@ -68,7 +68,7 @@ class EnforcedBarriers:
         return rows
 
     def shortfall(self, u_plus: ca.SX, eps: ca.SX) -> ca.SX:
-        """Return by how much u⁺ misses what keeps barriers at and between samples, units of u; ≤ 0 if it does not.
+        """Return the distance by which u⁺ violates a row with its margin, scalar, units of u; ≤ 0 if it keeps all.
 
         Args:
             u_plus: Shape (m, 1).

@@ -1,4 +1,4 @@
-"""What follows from an answer: the input that is sent, margins and barrier chains under it, and its assessment."""
+"""The evaluation of an answer: the input that is sent, margins and barrier chains under it, and its assessment."""
 
 from collections.abc import Sequence
 

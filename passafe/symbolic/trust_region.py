@@ -1,4 +1,4 @@
-"""The inputs for which a decision's margins between samples are good: a box about u_lin."""
+"""The trust region of a decision: the box about u_lin in which its margins between samples are valid."""
 
 from typing import Final
 
@@ -24,7 +24,7 @@ def trust_radius(limits: Limits, linearization: Linearization[ca.SX], u_ref: ca.
 
 
 def outside_trust_region(linearization: Linearization[ca.SX], u_plus: ca.SX, trust: ca.SX) -> ca.SX:
-    """Return by how much u⁺ is further from u_lin than the radius, scalar, units of u; ≤ 0 inside.
+    """Return the distance of u⁺ from the trust region, scalar, units of u; ≤ 0 inside.
 
     Args:
         linearization: Symbols.

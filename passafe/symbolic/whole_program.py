@@ -14,7 +14,7 @@ TANGENTS_PER_AXIS: Final = 6
 """Tangents by which a limit of the norm is replaced, at most, for each axis."""
 
 NORM_TOLERANCE: Final = 1e-7
-"""By how much an answer may be longer than asked for, relative to the norm's limit; so much less is asked for."""
+"""Length beyond the one asked for, relative to the norm's limit; the length asked for is less by as much."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -195,7 +195,7 @@ class BarrierSuite:
                 difference = _slope(lambda s, psi=psi, u=u: psi(s[:-1], u, s[-1:])[0], np.vstack([x, t]))
                 assert slope(x, u, t) == pytest.approx(difference, rel=1e-6, abs=1e-6)
 
-    def test_each_psi_is_the_rate_of_the_one_before_plus_its_class_k_function(self, case: Case) -> None:
+    def test_psi_is_the_previous_rate_plus_its_class_k_function(self, case: Case) -> None:
         for x, u, t in case.everywhere(6):
             for i in range(case.degree):
                 rate = _rate_along(case, i, x, u, t)

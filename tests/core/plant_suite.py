@@ -64,7 +64,7 @@ class PlantSuite:
         for x, u in held_inputs(self.shipped, robot, 1):
             assert f(x[:, None], u[:, None])[:, 0] == pytest.approx(self.shipped.rate(x, u), rel=1e-12, abs=1e-12)
 
-    def test_positions_come_first_then_velocities_which_are_the_output(self, robot: Robot) -> None:
+    def test_positions_come_before_velocities_which_are_the_output(self, robot: Robot) -> None:
         k, x = self.shipped.coordinates, robot.system.x
         for part, expected in (
             (robot.position, x[:k]),

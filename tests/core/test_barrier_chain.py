@@ -70,7 +70,7 @@ def test_gamma_acts_on_the_psi_before_it() -> None:
 
 
 @pytest.mark.parametrize("count", [0, 1, 2, 3, 5])
-def test_the_number_of_class_k_functions_is_one_more_than_the_relative_degree(count: int) -> None:
+def test_chain_needs_one_class_k_more_than_its_relative_degree(count: int) -> None:
     with pytest.raises(DesignError) as refused:
         derive_chain(TRIPLE, barrier(x[0], count))
 
@@ -106,7 +106,7 @@ def test_an_input_that_cancels_does_not_count() -> None:
 
 
 @pytest.mark.parametrize("h", [x[0] * x[1], (x[0] - 0.37) * (x[0] + 0.48)])
-def test_an_input_whose_effect_vanishes_only_here_and_there_counts(h: ca.SX) -> None:
+def test_input_with_isolated_zeros_of_its_effect_counts(h: ca.SX) -> None:
     system = System(x=x, u=u, f=ca.vertcat(u, x[2], x[0]), y=x[1])
 
     assert derive_chain(system, barrier(h, 2)).relative_degree == 1
@@ -124,7 +124,7 @@ def test_a_barrier_is_a_scalar_function_of_the_state() -> None:
         derive_chain(TRIPLE, barrier(x[0] + u, 2))
 
 
-def test_a_moving_set_s_chain_follows_the_clock_as_well_as_the_state() -> None:
+def test_chain_of_a_moving_set_includes_the_time_derivative() -> None:
     centre = ca.vertcat(2 * ca.sin(3 * TRIPLE.t), 0.5 * TRIPLE.t**2, 0.0)
     moving = Barrier(name="moving", h=ca.sumsqr(TRIPLE.x - centre) - 1, class_k=gains(1.0, 2.0))
     chain = derive_chain(TRIPLE, moving)

@@ -183,7 +183,7 @@ def test_nothing_is_left_of_decisions_before() -> None:
 
 
 @pytest.mark.parametrize("hostile", [nan, inf, -inf, 1e300, -1e300, 5e-324])
-def test_hostile_numbers_get_the_filter_s_answer_and_leave_the_neighbours_alone(hostile: float) -> None:
+def test_hostile_elements_get_the_scalar_answer_alone(hostile: float) -> None:
     design = drag_design()
     core = SafetyPassivityFilter(design)
     asked = requests(design, 40, seed=22)
@@ -201,7 +201,7 @@ def test_hostile_numbers_get_the_filter_s_answer_and_leave_the_neighbours_alone(
         assert (many.status[: len(asked)] >= Status.UNCERTIFIED).all()
 
 
-def test_rows_that_meet_contradict_one_another_or_have_no_gradient() -> None:
+def test_meeting_conflicting_and_zero_gradient_rows() -> None:
     """Three rows of a filter that reads them from its state: every number of active rows, infeasible ones too."""
     core = row_filter(hard=2, soft=True, input_bound=5.0)
     rng = np.random.default_rng(23)
@@ -225,7 +225,7 @@ def test_rows_that_meet_contradict_one_another_or_have_no_gradient() -> None:
     assert len(at_once) > len(states) / 4
 
 
-def test_where_a_row_pushes_beyond_a_limit_both_are_guessed_to_bind() -> None:
+def test_guess_binds_row_and_limit_where_both_are_active() -> None:
     """From (4.5, 0), (0.6, 0.8)ᵀu ≥ 6 leads beyond u₁ ≤ 5, to (5, 3.75) with it; the same to all sides."""
     core = row_filter(hard=1, soft=False, input_bound=5.0)
     sides = [np.diag(signs)[order] for signs in product((1.0, -1.0), repeat=2) for order in ([0, 1], [1, 0])]

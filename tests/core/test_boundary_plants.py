@@ -62,7 +62,7 @@ class TestSpringEnergy(StorageSuite):
 
 
 @pytest.mark.parametrize("name", ["damped point", "drag point", "two points", "joint chain"])
-def test_what_a_force_does_without_delay_is_dissipated_or_stored_as_kinetic_energy(name: str) -> None:
+def test_power_is_dissipated_or_stored_as_kinetic_energy(name: str) -> None:
     """h_u ≥ 0 whatever the input: these robots are passive by themselves, with V = ½‖v‖²."""
     robot = ROBOTS[name].build(0.0, 0.0)
     h_u = columns([robot.system.x, robot.system.u], power_margin(robot.system, kinetic_energy(robot.velocity)))

@@ -14,7 +14,7 @@ NORM = 6.0
 
 
 @pytest.mark.parametrize("norm", [None, NORM])
-def test_a_conflict_is_what_weighted_rows_ask_for_beyond_all_that_the_limits_give(norm: float | None) -> None:
+def test_conflict_is_demand_of_weighted_rows_beyond_the_limits(norm: float | None) -> None:
     """Σλᵢdᵢ − max (Σλᵢgᵢ)ᵀw over the box, by its corners, and over the disc, where ‖pull‖·B is reached."""
     design = drag_design(input_bound=tuple(BOUND.tolist()), input_norm_bound=norm)
     derivation = SafetyPassivityFilter(design).derivation

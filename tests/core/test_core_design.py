@@ -24,7 +24,7 @@ def test_what_each_mode_enforces(mode: Mode, *, safety: bool, passivity: bool) -
     assert (mode.enforces_safety, mode.enforces_passivity) == (safety, passivity)
 
 
-def test_scenario_files_and_messages_name_laws_and_modes_by_value() -> None:
+def test_laws_and_modes_have_the_values_of_files_and_messages() -> None:
     assert [law.value for law in Law] == ["sampled", "continuous"]
     assert [mode.value for mode in Mode] == ["off", "safe", "passive", "both"]
 
@@ -59,7 +59,7 @@ def test_tracking_that_would_oscillate_is_refused() -> None:
 
 
 @pytest.mark.parametrize("part", ["u_fb", "fail_safe"])
-def test_feedback_and_fail_safe_are_functions_of_the_state_for_every_input(part: str) -> None:
+def test_feedback_and_fail_safe_need_one_row_for_every_input(part: str) -> None:
     with pytest.raises(ShapeError, match=rf"{part}: got shape \(1, 1\), allowed shape \(2, 1\)"):
         paper_design(**{part: ca.SX(0.0)})
     with pytest.raises(DesignError, match=rf"{part}: got the symbols \['wind'\]"):

@@ -105,7 +105,7 @@ def test_vectors_have_one_number_for_each_coordinate() -> None:
 
 
 @given(centre=points, radius=st.floats(1e-3, 1e3), turn=st.floats(-7, 7), at=points)
-def test_an_ellipse_with_equal_semi_axes_is_the_disk_however_it_is_turned(
+def test_ellipse_with_equal_semi_axes_is_a_disk(
     centre: tuple[float, float], radius: float, turn: float, at: tuple[float, float]
 ) -> None:
     shape = ellipse_keep_out(p, centre=centre, semi_axes=(radius, radius), rotation_rad=turn)
@@ -149,7 +149,7 @@ def test_a_box_has_two_sides_for_every_coordinate() -> None:
     assert sides([-5, 9]).tolist() == [-4, 8, 11, -5]
 
 
-def test_a_speed_limit_and_a_separation_are_differences_of_squares() -> None:
+def test_speed_limit_and_separation_are_differences_of_squares() -> None:
     q = ca.SX.sym("q", 2)
 
     assert numeric([p], speed_limit(p, limit=6))([3, 4])[0] == 11

@@ -71,7 +71,7 @@ def test_without_rows_the_nominal_input_passes() -> None:
     assert decision.v == pytest.approx([0, 0], abs=1e-9)
 
 
-def test_a_row_in_the_way_is_met_exactly_and_the_input_is_the_nearest_one() -> None:
+def test_one_active_row_is_met_exactly_by_the_nearest_input() -> None:
     """One row in closed form: u⁺ = u_ref − ψ₂(x, u_ref) g/‖g‖² with g = 2x₁."""
     made = SafetyPassivityFilter(paper_design(mode=Mode.SAFE, between_samples=False))
     decision = made.decide((1.2, 0.0, -1.0, 0.3), ZERO, ZERO, ZERO)
@@ -132,7 +132,7 @@ def test_safety_is_never_paid_for_with_passivity() -> None:
     assert_consistent(made, decision)
 
 
-def test_continuous_rows_hold_along_the_input_that_is_applied_also_where_the_nominal_one_is_clipped() -> None:
+def test_continuous_rows_hold_along_a_clipped_applied_input() -> None:
     """d/dt ψ₂ + γ₃(ψ₂) ≥ 0 along u̇ = (u⁺ − u)/dt for every decision that is not a fallback."""
     design = paper_design(law=Law.CONTINUOUS, mode=Mode.SAFE, input_bound=20.0)
     made = SafetyPassivityFilter(design)
@@ -157,7 +157,7 @@ def test_continuous_rows_hold_along_the_input_that_is_applied_also_where_the_nom
     assert clipped > 0
 
 
-def test_a_design_whose_barrier_cannot_be_derived_is_refused_when_the_filter_is_made() -> None:
+def test_underivable_design_is_refused_by_the_constructor() -> None:
     design = paper_design()
     disk = design.barriers[0]
 

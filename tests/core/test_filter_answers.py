@@ -125,7 +125,7 @@ def test_every_accepted_answer_is_guaranteed_whatever_the_rows() -> None:
     assert accepted > 750
 
 
-def test_conflicts_and_demands_beyond_the_bound_are_never_accepted() -> None:
+def test_conflicts_and_demands_beyond_the_bound_are_refused() -> None:
     made = row_filter(hard=2, soft=False, input_bound=BOUND)
     refused: Counter[Status] = Counter()
     for kind, G, b in hard_programs(53, 1000, ("antiparallel", "nearly antiparallel", "without gradient")):

@@ -40,7 +40,7 @@ def fail_safe(x: Sequence[float], bound: float) -> Array:
 
 
 @pytest.mark.parametrize("law", Law)
-def test_conflicting_walls_are_infeasible_and_share_what_cannot_be_kept(law: Law) -> None:
+def test_conflicting_walls_are_infeasible_and_share_violation(law: Law) -> None:
     """−1·u₀ and +1·u₀ cannot both be at least c: the least squares of what is missing shares it."""
     made = channel(left=1.0, right=-1.0, law=law, between_samples=False)
     x = (0.0, 0.0, 0.0, -20.0)
@@ -60,7 +60,7 @@ def test_walls_that_leave_room_are_not_infeasible() -> None:
     assert decision.status is Status.PASSED
 
 
-def test_a_bound_too_small_for_the_rows_is_infeasible_and_used_up() -> None:
+def test_bound_too_small_for_the_rows_is_infeasible_and_reached() -> None:
     x = (-0.99, 0.0, -5.0, 1.0)  # 5 m/s into a wall 1 cm away needs ψ₂ = u + 5 − 100 + 1 ≥ 0: u ≥ 94
     enough = channel(-1.0, 9.0, input_bound=95.0, between_samples=False)
     too_little = channel(-1.0, 9.0, input_bound=40.0)
@@ -74,7 +74,7 @@ def test_a_bound_too_small_for_the_rows_is_infeasible_and_used_up() -> None:
 
 
 @pytest.mark.parametrize("tolerance", [Tolerance(residual=1e-17), Tolerance(gap=1e-17)])
-def test_an_answer_that_fails_the_certificate_is_asked_of_the_next_solver(tolerance: Tolerance) -> None:
+def test_next_solver_is_asked_after_a_failed_certificate(tolerance: Tolerance) -> None:
     """An interior-point method is never exact to the last bit; the active-set method is, on one row."""
     decision = channel(-1.0, 9.0, tolerance=tolerance).decide((-0.99, 0.0, -5.0, 1.0), (1.0, 1.0), ZERO, ZERO)
 
@@ -157,7 +157,7 @@ def above_floor(rate: Callable[[ca.SX], ca.SX], gain: float, **changes: object) 
     return SafetyPassivityFilter(replace(design, **changes))  # type: ignore[arg-type]  # by name
 
 
-def test_a_tangent_that_promised_too_much_is_followed_by_one_that_spares_twice_what_was_missed() -> None:
+def test_tangent_that_misses_is_tightened_by_twice_the_shortfall() -> None:
     """ẋ = u − u²/10 at x = 1/2: the tangent at 0 gives u = −1, which misses u − u²/10 + 1 ≥ 0 by 1/12."""
     made = above_floor(lambda u: u - u**2 / 10, 2.0, between_samples=False)
     decision = made.decide((0.5,), (0.0,), (-3.0,), (0.0,), start=True)
@@ -166,7 +166,7 @@ def test_a_tangent_that_promised_too_much_is_followed_by_one_that_spares_twice_w
     assert decision.u == pytest.approx((-1 + 1 / 12 + 2 * (1 / 12 - 1e-5),), abs=1e-7)
 
 
-def test_a_tangent_that_led_to_where_no_row_can_be_kept_is_followed_by_one_half_way_back() -> None:
+def test_tangent_that_leads_to_a_conflict_goes_half_way_back() -> None:
     """A wing that lifts at angles about 2 alone: the tangent at 0.8 leads to 3.7, the one there beyond all."""
     made = above_floor(lambda u: ca.exp(-2 * (u - 2) ** 2) - 0.9, 1.0, input_bound=8.0)
     decision = made.decide((0.05,), (0.8,), (0.8,), (0.0,), start=True)
@@ -176,7 +176,7 @@ def test_a_tangent_that_led_to_where_no_row_can_be_kept_is_followed_by_one_half_
     assert decision.u[0] == pytest.approx(2 - np.sqrt(-np.log(0.85) / 2), abs=0.05)
 
 
-def test_without_margins_a_row_that_is_not_affine_is_followed_by_its_tangents() -> None:
+def test_without_margins_tangents_follow_a_row_not_affine_in_u() -> None:
     made = SafetyPassivityFilter(pump_design(between_samples=False, mode=Mode.SAFE))
     held = numeric([made.design.system.x, made.design.system.u], made.chains[0].psi[1])
     rng = np.random.default_rng(83)

@@ -60,7 +60,7 @@ def best_on_a_grid(made: SafetyPassivityFilter, decision_parts: tuple[Array, Arr
     return float((w[:, kept] ** 2).sum(axis=0).min() / 2)
 
 
-def test_within_a_norm_the_answer_is_the_nearest_one_that_keeps_the_rows() -> None:
+def test_within_a_norm_the_answer_is_the_nearest_one() -> None:
     made = SafetyPassivityFilter(drag_design(mode=Mode.SAFE, input_norm_bound=3.0, between_samples=False))
     rng = np.random.default_rng(90)
     cut = 0
@@ -111,7 +111,7 @@ def test_the_norm_is_kept_with_seven_axes_too() -> None:
     assert seen == {Status.MODIFIED}
 
 
-def test_the_first_input_is_the_nearest_to_the_nominal_one_that_keeps_every_row() -> None:
+def test_first_input_is_nearest_to_the_nominal_one() -> None:
     """The paper starts at u = 0, where its example's ψ₂ is outside the set that its theorem protects."""
     made = SafetyPassivityFilter(paper_design(mode=Mode.SAFE, input_rate_bound_per_s=10.0))
     first = made.decide(PAPER_START, ZERO, (-3.0, 0.0), ZERO, start=True)

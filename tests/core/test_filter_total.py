@@ -100,7 +100,7 @@ def number() -> st.SearchStrategy[float]:
 @pytest.mark.parametrize("name", FILTERS)
 @settings(max_examples=40)  # the two tests below go through the hostile numbers one by one
 @given(data=st.data())
-def test_any_numbers_whatever_get_a_bounded_input_and_an_honest_status(name: str, data: st.DataObject) -> None:
+def test_any_numbers_get_a_bounded_input_and_a_true_status(name: str, data: st.DataObject) -> None:
     made = FILTERS[name]
     count = sum(lengths(made))
     asked = request(made, data.draw(st.lists(number(), min_size=count, max_size=count)))
@@ -153,7 +153,7 @@ def test_the_fallback_is_the_fail_safe_within_the_bound(speed: float, spread: fl
         assert held == (0.0 if isnan(expected) else min(max(expected, -100.0), 100.0))
 
 
-def test_an_argument_without_a_number_in_it_makes_no_claim_to_a_solver() -> None:
+def test_nan_argument_names_no_solver() -> None:
     decision = FILTERS["off"].decide((nan, 0, 0, 0), (0, 0), (0, 0), (0, 0))
 
     assert (decision.status, decision.u) == (Status.UNCERTIFIED, (0.0, 0.0))
@@ -200,7 +200,7 @@ def test_any_sequence_of_numbers_will_do() -> None:
 
 
 @pytest.mark.parametrize("name", FILTERS)
-def test_the_same_arguments_get_the_same_decision_bit_for_bit_in_any_order(name: str) -> None:
+def test_same_arguments_get_the_same_bits_in_any_order(name: str) -> None:
     made = FILTERS[name]
     rng = np.random.default_rng(61)
     asked = []

@@ -44,7 +44,7 @@ def test_before_a_sample_and_after_a_restart_it_is_zero() -> None:
     assert estimator.at(1.0) == zero
 
 
-def test_the_first_sample_is_the_value_and_says_nothing_about_the_rate() -> None:
+def test_first_sample_is_the_value_with_an_unknown_rate() -> None:
     assert fed([(1.0, (3.0, -4.0))]).at(1.04) == HumanInput((3.0, -4.0), (0.0, 0.0))
 
 
@@ -54,7 +54,7 @@ def test_a_constant_is_followed_exactly() -> None:
     assert estimator.at(9.0) == HumanInput((0.7, 0.0), (0.0, 0.0))
 
 
-def test_constant_velocity_is_followed_without_lag_between_irregular_samples_too() -> None:
+def test_constant_velocity_is_followed_without_lag() -> None:
     samples = [(t, (2.0 + 3.0 * t, -t)) for t, _ in irregular(200)]
     newest_s = samples[-1][0]
 
@@ -74,7 +74,7 @@ def test_the_second_sample_is_weighed_against_what_a_rate_may_be() -> None:
     assert rate < 0.4 * z / dt  # a finite difference would take one step of the quantisation at its word
 
 
-def test_it_is_the_least_squares_solution_of_all_samples_together() -> None:
+def test_estimate_is_the_least_squares_solution_of_all_samples() -> None:
     """Unknowns: value and rate at every sample; equations weighted by the inverse square roots of their variances."""
     samples = irregular(12)
     size = 2 * len(samples)
@@ -132,7 +132,7 @@ def test_what_counts_and_what_does_not_is_told() -> None:
 
 
 @pytest.mark.parametrize("time_s", [1.0 + 0.9 * NEAR_S, 2.0 - 0.9 * NEAR_S, 1.0, 2.0])
-def test_an_overtaken_sample_near_another_is_ignored_and_a_newest_one_never(time_s: float) -> None:
+def test_overtaken_sample_is_ignored_only_near_another(time_s: float) -> None:
     samples = [(1.0, (0.0,)), (2.0, (1.0,))]
     estimator = fed(samples)
 
@@ -162,7 +162,7 @@ def test_a_bad_sample_is_ignored(time_s: float, sample: tuple[float, ...]) -> No
     assert estimator.at(1.2) == before
 
 
-def test_beyond_the_horizon_the_rate_falls_linearly_to_zero_and_the_value_is_its_integral() -> None:
+def test_beyond_the_horizon_the_rate_fades_linearly_to_zero() -> None:
     estimator = fed([(0.1 * i, (0.1 * i,)) for i in range(60)])
     newest_s = 0.1 * 59
     u, rate = (part[0] for part in estimator.at(newest_s))

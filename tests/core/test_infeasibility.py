@@ -141,7 +141,7 @@ def test_within_a_norm_it_is_the_optimum_of_the_convex_program() -> None:
 
 
 @pytest.mark.parametrize("builder", DESIGNS)
-def test_what_is_infeasible_has_a_negative_distance_and_nothing_else(builder: Builder) -> None:
+def test_exactly_infeasible_decisions_have_a_negative_distance(builder: Builder) -> None:
     core = SafetyPassivityFilter(builder(input_bound=3.0, between_samples=False))
     hard = core.derivation.rows.hard
     solver, system = DistanceToInfeasibility(core.design.limits, hard), core.design.system
@@ -176,7 +176,7 @@ def test_without_hard_rows_it_is_the_reach() -> None:
     assert solver.of(decision) == Distance(lower=solver.reach, upper=solver.reach)
 
 
-def test_a_row_further_away_than_any_input_can_go_counts_as_the_reach() -> None:
+def test_row_out_of_reach_has_the_reach_as_distance() -> None:
     assert in_a_box([(1.0, 0.0, 1e3)], 10.0) == Distance(lower=2 * hypot(10, 10), upper=2 * hypot(10, 10))
 
 
@@ -198,7 +198,7 @@ def test_where_one_row_decides_no_program_is_solved(monkeypatch: pytest.MonkeyPa
     assert (distance.lower, distance.upper) == pytest.approx((13.0, 13.0))
 
 
-def test_where_the_solver_fails_decision_and_single_rows_are_the_bounds(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_failed_solver_leaves_the_bounds_of_single_rows(monkeypatch: pytest.MonkeyPatch) -> None:
     """u₁ ≥ 0 and u₁ ≤ 0: at u₁ = 4 the second is missed by 4, and neither is kept by more than 10."""
     solver = DistanceToInfeasibility(Limits.of(2, 10.0, None, None), 2)
     box = np.full(2, 10.0)

@@ -53,7 +53,7 @@ def test_no_trajectory_bends_down_more_than_the_bound(build: Builder) -> None:
                 assert value(s)[0] >= straight - tau**2 / 2 * M - 1e-10 * (1 + abs(straight))
 
 
-def test_where_one_state_may_leave_its_tube_the_bound_is_as_good_as_infinite() -> None:
+def test_bound_is_huge_where_a_state_may_leave_its_tube() -> None:
     """ẋ₂ = 2000·x₂ grows further within 1 ms than is guessed; that another state keeps to its tube changes nothing."""
     x, u = ca.SX.sym("x", 2), ca.SX.sym("u")
     system = System(x=x, u=u, f=ca.vertcat(u, 2000 * x[1]), y=x[0])
@@ -77,7 +77,7 @@ def test_a_moving_set_s_bend_is_in_the_bound() -> None:
 
 
 @pytest.mark.parametrize(("gamma", "steep"), [(Cubic(gain=100.0), True), (Piecewise(gain=1.0, gain_below=9.0), False)])
-def test_a_sampled_input_is_not_allowed_to_use_more_than_a_period_s_worth(gamma: Cubic, steep: bool) -> None:
+def test_sampled_input_may_use_one_period_of_the_margin_only(gamma: Cubic, steep: bool) -> None:
     design = paper_design()
     system = design.system
     disk = replace(design.barriers[0], class_k=gains(10.0, gamma, 1.0))
@@ -109,7 +109,7 @@ def speed_limit(margin: bool, dt_s: float = 0.02, hold_s: float | None = None) -
 
 
 @pytest.mark.parametrize("margin", [True, False])
-def test_with_the_margin_a_speed_limit_holds_between_slow_samples_and_without_it_does_not(margin: bool) -> None:
+def test_speed_limit_holds_between_samples_only_with_margin(margin: bool) -> None:
     """50 Hz, an operator who turns the push around again and again."""
     made = speed_limit(margin)
     system = made.design.system
@@ -127,7 +127,7 @@ def test_with_the_margin_a_speed_limit_holds_between_slow_samples_and_without_it
     assert lowest > -1.0
 
 
-def test_an_answer_that_is_used_has_the_margin_of_its_own_neighbourhood() -> None:
+def test_accepted_answer_has_the_margin_of_its_neighbourhood() -> None:
     """Not affine in u, bent hard, large steps: nearly all find theirs, the others are not used."""
     made = SafetyPassivityFilter(pump_design())
     value = numeric([made.design.system.x], made.chains[0].psi[0])
@@ -165,7 +165,7 @@ def second_answers(made: SafetyPassivityFilter) -> Iterator[Decision]:
             yield decision
 
 
-def test_a_second_margin_is_for_half_the_way_to_the_first_answer_and_a_thousandth_of_the_bound() -> None:
+def test_second_margin_covers_half_the_step_to_the_first_answer() -> None:
     made = SafetyPassivityFilter(paper_design(mode=Mode.SAFE))
     for decision in islice(second_answers(made), 20):
         way = np.abs(decision.part("u_lin") - decision.part("u"))
@@ -181,7 +181,7 @@ def test_the_last_margin_is_for_every_input(monkeypatch: pytest.MonkeyPatch) -> 
     assert decision.part("trust") == pytest.approx([made.design.limits.reach] * 2)
 
 
-def test_rows_that_conflict_with_a_margin_are_tried_with_one_for_a_tenth_as_far() -> None:
+def test_conflicting_margin_is_retried_for_a_tenth_of_the_radius() -> None:
     """Drag, 20 ms: the margin for all the way to û leaves no input, that for a tenth of it does."""
     made = SafetyPassivityFilter(drag_design(dt_s=0.02, k_i=40.0))
     decision = made.decide((0.4456, 0.4684, 0.8762, 0.2565), (-0.474, -1.294), (52.8, -112.5), (0.0, 0.0))
@@ -203,7 +203,7 @@ def test_a_margin_that_does_not_settle_is_not_claimed(monkeypatch: pytest.Monkey
 
 
 @pytest.mark.parametrize("covered", [True, False])
-def test_an_input_that_is_held_for_as_long_as_it_may_be_keeps_the_barrier_too(covered: bool) -> None:
+def test_input_held_for_the_longest_time_keeps_the_barrier(covered: bool) -> None:
     """At 1 kHz every input is held for 20 ms, in thought; with a margin for one period that breaks the speed limit."""
     made = speed_limit(margin=True, dt_s=1e-3, hold_s=0.02 if covered else None)
     flow = numeric([made.design.system.x, made.design.system.u], made.design.system.f)

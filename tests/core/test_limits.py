@@ -47,11 +47,11 @@ def test_the_interval_is_magnitude_and_rate_together() -> None:
     assert interval(Limits.of(2, 3.0, None, None), [2.5, 0.0], 0.1) == ([-3.0, -3.0], [3.0, 3.0])
 
 
-def test_magnitudes_come_before_rates_where_the_input_before_was_beyond_them() -> None:
+def test_magnitudes_take_precedence_over_rates() -> None:
     assert interval(Limits.of(2, 1.0, None, 1.0), [9.0, -9.0], 0.1) == ([1.0, -1.0], [1.0, -1.0])
 
 
-def test_clipping_goes_axis_by_axis_then_back_towards_the_input_before() -> None:
+def test_clip_goes_by_axis_then_towards_the_previous_input() -> None:
     limits = Limits.of(2, 4.0, 2.5, None)
     low, high = [-4.0, -4.0], [4.0, 4.0]
 

@@ -48,7 +48,7 @@ def nearest_of_all_corners_and_edges(decision: Decision) -> Array:
     return np.asarray(kept[:, np.argmin((kept**2).sum(axis=0))])
 
 
-def test_a_polygon_of_250_walls_is_kept_and_the_answer_is_the_nearest(polygon: SafetyPassivityFilter) -> None:
+def test_polygon_of_250_walls_is_kept_by_the_nearest_input(polygon: SafetyPassivityFilter) -> None:
     rng = np.random.default_rng(95)
     modified = 0
     for _ in range(60):

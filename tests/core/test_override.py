@@ -89,7 +89,7 @@ def test_a_limit_that_cuts_off_the_request_is_a_cause() -> None:
     assert override.allowed_fraction == pytest.approx(0.25, abs=TOLERANCE)
 
 
-def test_in_terms_of_the_command_the_change_is_what_another_command_would_have_passed_with() -> None:
+def test_held_back_command_would_have_passed_unchanged() -> None:
     rows, u_h = [(1.0, 0.0, 2.0)], np.array([-30.0, 3.0])
     u = (-1.99, 0.0)  # k = dt·k_i = 1e-3: u_want = −1.99 − 0.001·28.01
 
@@ -126,13 +126,13 @@ def test_where_no_part_of_the_command_passes_that_is_said(u_h: tuple[float, floa
     assert (override.allowed_fraction, override.unavoidable) == (0.0, True)
 
 
-def test_of_a_command_too_large_for_its_square_nothing_is_said_to_be_allowed() -> None:
+def test_command_with_an_overflowing_square_allows_nothing() -> None:
     _, override = made([(1.0, 0.0, 0.0)], (-1.2e154, 0.0))
 
     assert (override.allowed_fraction, override.unavoidable) == (0.0, True)
 
 
-def test_nothing_of_a_command_may_pass_without_the_override_being_unavoidable() -> None:
+def test_zero_allowed_fraction_need_not_be_unavoidable() -> None:
     _, override = made([(1.0, 0.0, 0.0)], (-1.0, 0.0))
 
     assert override.allowed_fraction == pytest.approx(0.0, abs=2 * TOLERANCE)
@@ -192,7 +192,7 @@ def before_a_wall(wall_m: float, command: float) -> Override:
     return Explainer(core).override(core.decide((2.0, 0.0, 0.0, 0.0), (0.0, 0.0), (command, 0.0), NO_RATE, start=True))
 
 
-def test_where_the_norm_allows_only_what_a_row_does_not_it_is_unavoidable() -> None:
+def test_norm_and_row_without_common_command_are_unavoidable() -> None:
     assert before_a_wall(1.9, 16.0).unavoidable  # u₁ ≤ −10, s ≤ 10/16; u₁ ≥ −5, s ≥ 15/16
 
 
@@ -202,7 +202,7 @@ def test_what_the_norm_allows_a_row_may_narrow() -> None:
 
 @pytest.mark.parametrize("builder", DESIGNS)
 @pytest.mark.parametrize("law", Law)
-def test_what_it_says_of_a_smaller_command_is_what_the_filter_does(builder: Builder, law: Law) -> None:
+def test_filter_passes_the_allowed_fraction_and_no_more(builder: Builder, law: Law) -> None:
     core = SafetyPassivityFilter(builder(law=law, between_samples=False))
     explain, system = Explainer(core).override, core.design.system
     rng = np.random.default_rng(7)
@@ -226,7 +226,7 @@ def test_what_it_says_of_a_smaller_command_is_what_the_filter_does(builder: Buil
     assert seen or builder is DESIGNS[3]
 
 
-def test_the_fail_safe_law_has_no_causes_and_numbers_that_are_none_explain_nothing() -> None:
+def test_fail_safe_law_and_nan_have_no_causes() -> None:
     core = SafetyPassivityFilter(paper_design())
     nan = float("nan")
 

@@ -80,7 +80,7 @@ def phi_of(given: Given) -> Array:
     return np.asarray(-K_P * x2 - K_D * (-SIGMA * x2 + u) + K_I * (u_hat - u) + u_h_rate)
 
 
-def test_rows_are_the_corrected_closed_forms_and_not_the_printed_ones() -> None:
+def test_rows_are_the_corrected_closed_forms_of_the_paper() -> None:
     """A unit row G z ≥ d in z = dt·v is A v ≤ b with A = −G and b = −d/dt, up to a positive factor."""
     paper = paper_filter()
     rng = np.random.default_rng(10)

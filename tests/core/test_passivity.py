@@ -17,7 +17,7 @@ V = ca.sumsqr(ca.SX.sym("x", 2))
 
 
 @pytest.mark.parametrize("build", DESIGNS)
-def test_power_margin_is_the_power_supplied_minus_the_rate_of_storage(build: Builder) -> None:
+def test_power_margin_is_supplied_power_minus_storage_rate(build: Builder) -> None:
     design = build()
     system = design.system
     rng = np.random.default_rng(4)

@@ -123,7 +123,7 @@ def test_the_papers_law_is_safe_up_to_its_sampling_error() -> None:
     assert run.h_min == pytest.approx(-2.8e-4, abs=1e-5)
 
 
-def test_the_papers_passive_law_diverges_which_is_bounded_and_reported(off: Run) -> None:
+def test_papers_passive_law_diverges_within_bounds(off: Run) -> None:
     """Without a bound u passes 1e8 at 2.23 s; with one the rows become infeasible instead, and the status says so."""
     before = close_the_loop(Law.CONTINUOUS, Mode.PASSIVE, 2.0)
     run = close_the_loop(Law.CONTINUOUS, Mode.PASSIVE, 3.0)

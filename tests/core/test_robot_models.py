@@ -38,7 +38,7 @@ def test_damped_point_is_the_papers_robot() -> None:
     assert parts([1, 2, 3, 4]).tolist() == [1, 2, 3, 4, 3, 4]
 
 
-def test_drag_point_is_slowed_along_its_velocity_by_the_square_of_its_speed() -> None:
+def test_drag_point_slows_with_the_square_of_its_speed() -> None:
     robot = drag_point(sigma=2.0, drag=0.1)
 
     # ‖x₂‖ = 5: −(2 + 0.1·5)x₂ + u
@@ -64,7 +64,7 @@ def test_proportional_derivative_feedback(build: Callable[[float], Robot]) -> No
 
 @pytest.mark.parametrize(("gamma_1", "gain"), [(0.0, 0.0), (0.5, 0.0), (1.0, 0.0), (3.0, 2.0), (10.0, 9.0)])
 @pytest.mark.parametrize("build", BUILDERS.values(), ids=BUILDERS)
-def test_the_fail_safe_brakes_as_hard_as_the_first_class_k_gain_asks(
+def test_fail_safe_brakes_with_the_first_class_k_gain(
     build: Callable[[float], Robot], gamma_1: float, gain: float
 ) -> None:
     robot = build(gamma_1)
@@ -85,7 +85,7 @@ def test_the_fail_safe_brakes_as_hard_as_the_first_class_k_gain_asks(
         (1.0, 5.0, 3.0, 1.0, (1.0, 5.0)),
     ],
 )
-def test_the_lagged_point_s_fail_safe_places_the_poles_of_the_velocity(
+def test_lagged_fail_safe_places_the_poles_of_the_velocity(
     gamma_1: float, gamma_2: float, sigma: float, lag_s: float, poles: tuple[float, float]
 ) -> None:
     robot = lagged_point(sigma=sigma, lag_s=lag_s, gamma_1=gamma_1, gamma_2=gamma_2)
@@ -106,7 +106,7 @@ def test_a_saturating_drive_never_gives_more_than_it_has() -> None:
 
 
 @pytest.mark.parametrize(("gamma_1", "top_speed"), [(3.0, "8.66025"), (1.0, "inf"), (0.0, "inf")])
-def test_a_saturating_drive_s_fail_safe_says_up_to_which_speed_it_is_good(gamma_1: float, top_speed: str) -> None:
+def test_saturating_fail_safe_states_its_largest_speed(gamma_1: float, top_speed: str) -> None:
     robot = saturating_point(sigma=1.0, force=20.0, gamma_1=gamma_1)
 
     assert robot.fail_safe_condition.startswith(f"speed at most {top_speed} m/s; ")
@@ -142,7 +142,7 @@ def test_numbers_that_make_no_robot_are_refused(build: Callable[[], Robot], mess
 
 
 @pytest.mark.parametrize("build", [damped_point, drag_point, lagged_point, saturating_point, two_points, joint_chain])
-def test_a_first_class_k_gain_that_is_no_number_makes_no_fail_safe(build: Callable[..., Robot]) -> None:
+def test_nan_class_k_gain_makes_no_fail_safe(build: Callable[..., Robot]) -> None:
     with pytest.raises(DesignError, match="gamma_1"):
         build(gamma_1=nan)
 
@@ -201,7 +201,7 @@ def lowest_h(plant: SampledPlant, law: Callable[..., Array], start: Array, safe_
 @pytest.mark.parametrize("safe_set", SETS)
 @pytest.mark.parametrize("gamma_1", [0.4, 3.0, 10.0])
 @pytest.mark.parametrize("build", BUILDERS.values(), ids=BUILDERS)
-def test_the_fail_safe_keeps_the_set_from_any_state_with_psi_1_not_negative(
+def test_fail_safe_keeps_the_set_from_states_with_psi_1_ok(
     build: Callable[[float], Robot], gamma_1: float, safe_set: str
 ) -> None:
     """Also with the input held between samples: a held −Kx₂ only brakes harder."""
@@ -225,7 +225,7 @@ def test_a_fail_safe_that_brakes_less_does_not_keep_the_set(safe_set: str) -> No
     assert min(lowest_h(plant, lambda x: -4.0 * x[2:], start, safe_set, 100) for start in starts) < -0.01
 
 
-def test_the_sampled_fail_safe_of_the_damped_point_stops_where_the_closed_form_says() -> None:
+def test_sampled_fail_safe_stops_at_the_closed_form_place() -> None:
     """x₁ + s x₂ with s = (1 − K·dt/(q(σ + K)))/σ and q = (1 − e^{−σdt})/σ: short of 1/(σ + K), the unsampled path."""
     sigma, gamma_1 = 0.8, 6.0
     robot = damped_point(sigma=sigma, gamma_1=gamma_1)

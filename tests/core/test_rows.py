@@ -93,7 +93,7 @@ def test_a_sampled_row_is_its_function_at_the_next_input(build: Builder) -> None
 
 
 @pytest.mark.parametrize("build", [build for build in DESIGNS if build is not pump_design])
-def test_for_dynamics_affine_in_u_a_sampled_row_is_exact_for_every_input(build: Builder) -> None:
+def test_sampled_row_affine_in_u_is_exact_for_every_input(build: Builder) -> None:
     derived = Derived(build(), "sampled")
     rng = np.random.default_rng(8)
     for _ in range(15):
@@ -106,7 +106,7 @@ def test_for_dynamics_affine_in_u_a_sampled_row_is_exact_for_every_input(build: 
 
 
 @pytest.mark.parametrize("law", ["sampled", "continuous"])
-def test_rows_carry_names_and_only_the_sampled_passivity_row_is_soft(law: str) -> None:
+def test_rows_have_names_and_only_sampled_passivity_is_soft(law: str) -> None:
     rows = Derived(paper_design(), law).rows
 
     assert [row.name for row in rows] == ["disk", "passivity"]
@@ -137,7 +137,7 @@ def test_a_tangent_touches_where_it_is_told_to() -> None:
         assert value(*given) + gradient(*given) @ (near - far) == pytest.approx(curve(x, near)[0])
 
 
-def test_a_tank_above_its_reserve_lends_power_and_below_it_asks_for_it_back() -> None:
+def test_tank_lends_above_its_reserve_and_reclaims_below() -> None:
     tank = Tank(initial_j=2.0, reserve_j=1.5, rate_per_s=4.0)
     plain = paper_design(barriers=())
     derived = Derived(replace(plain, passivity=paper_passivity(plain.system.x, tank=tank)), "sampled")
@@ -186,7 +186,7 @@ def test_a_soft_row_pays_its_price_in_the_last_entry() -> None:
     assert kept * [length, 5.0] == pytest.approx([-3 + 0.1 - 0.4 + 3.5, 10 + 0.3 - 0.8])
 
 
-def test_rows_out_of_reach_stay_kept_or_failing_for_every_admissible_input() -> None:
+def test_rows_out_of_reach_stay_kept_or_failing() -> None:
     """A hard row drawn in to the reach of w says the same as before about every ‖w‖ ≤ reach."""
     rng = np.random.default_rng(9)
     reach = 2 * 100.0 * sqrt(2)
@@ -209,7 +209,7 @@ def test_rows_out_of_reach_stay_kept_or_failing_for_every_admissible_input() -> 
     assert len(verdicts) == 4
 
 
-def test_a_soft_row_is_never_drawn_in_from_above_because_slack_can_keep_it() -> None:
+def test_bound_of_a_soft_row_is_not_drawn_in_from_above() -> None:
     _, d, _ = stacked([(-1e9, (1.0, 0.0), 1.0), (1e9, (1.0, 0.0), 1.0)], reach=10.0)
 
     assert d == pytest.approx([1e9 / sqrt(2), -20.0])

@@ -73,7 +73,7 @@ def test_damped_point_is_exact_in_closed_form(sigma: float, dt_s: float) -> None
         assert sample.integration_error == 0.0
 
 
-def test_linear_systems_are_exact_with_constants_and_several_inputs() -> None:
+def test_linear_systems_with_constants_are_exact() -> None:
     rng = np.random.default_rng(71)
     A, B, C, f0, y0 = (rng.normal(size=size) for size in ((3, 3), (3, 2), (2, 3), 3, 2))
     state, held = ca.SX.sym("x", 3), ca.SX.sym("u", 2)
@@ -123,7 +123,7 @@ def test_drag_point_keeps_its_stated_accuracy(dt_s: float) -> None:
         assert sample.energy_in_j == pytest.approx(energy, abs=50 * LOCAL_TOLERANCE)
 
 
-def test_energy_is_integrated_by_boole_s_rule_which_is_exact_up_to_degree_five() -> None:
+def test_energy_is_integrated_by_booles_rule() -> None:
     """With x = ut and y = x⁴, ∫yu dt = u⁵h⁵/5. Two steps of Simpson's rule and a whole one make Boole's."""
     state, held = ca.SX.sym("x"), ca.SX.sym("u")
     plant = SampledPlant(System(x=state, u=held, f=held, y=state**4), state**2, 0.1)
@@ -147,7 +147,7 @@ def test_a_fast_start_is_integrated_in_substeps() -> None:
     assert sample.stored_j == pytest.approx(end @ end)
 
 
-def test_a_period_that_cannot_be_integrated_is_refused_with_its_figures() -> None:
+def test_period_that_cannot_be_integrated_is_refused() -> None:
     plant = plant_of(drag_point(drag=50.0), 0.5)
 
     with pytest.raises(IntegrationError) as refused:
@@ -163,7 +163,7 @@ def test_a_step_that_is_no_number_is_not_called_accurate(start: tuple[float, ...
         plant_of(drag_point(), 1e-3).advance(start, (0.0, 0.0))
 
 
-def test_the_energy_of_an_output_that_bends_is_as_accurate_as_the_state() -> None:
+def test_energy_of_a_curved_output_is_as_accurate_as_the_state() -> None:
     """X = ∫u is integrated exactly by any step, ∫sin(x)·u is not: V and the ledger need both."""
     position, held = ca.SX.sym("x"), ca.SX.sym("u")
     system = System(x=position, u=held, f=held, y=ca.sin(position))
@@ -173,7 +173,7 @@ def test_the_energy_of_an_output_that_bends_is_as_accurate_as_the_state() -> Non
     assert sample.energy_in_j == pytest.approx(1 - np.cos(4.0), abs=100 * LOCAL_TOLERANCE)
 
 
-def test_the_step_is_of_fifth_order_and_its_error_estimate_of_fourth() -> None:
+def test_step_has_fifth_order_and_its_estimate_fourth() -> None:
     """ẋ = −x² from x = 1 is x = 1/(1 + t): halving a step divides its error by 2⁶ at least, the estimate by 2⁵."""
     state, held, h = ca.SX.sym("x"), ca.SX.sym("u"), ca.SX.sym("h")
     system = System(x=state, u=held, f=held - state**2, y=state)

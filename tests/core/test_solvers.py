@@ -24,7 +24,7 @@ def at_work(name: str, size: int) -> tuple[Solver, Array, Array]:
     return KINDS_OF_SOLVER[name](G, d), G, d
 
 
-def test_a_row_far_away_is_no_contradiction_beside_one_that_is_near(name: str) -> None:
+def test_far_row_is_no_conflict_beside_a_near_one(name: str) -> None:
     solver, G, d = at_work(name, 2)
     z, lam = np.zeros(2), np.zeros(2)
     G[:], d[:] = np.eye(2), (1e8, -0.5)

@@ -91,7 +91,7 @@ def test_a_state_function_is_judged_by_name_shape_and_symbols() -> None:
         system.require_state_function("V", x[0] * u, 1)
 
 
-def test_symbols_of_another_system_are_foreign_even_if_they_have_the_same_names() -> None:
+def test_symbols_of_another_system_are_foreign_despite_names() -> None:
     one, other = damped_point(), damped_point()
 
     with pytest.raises(DesignError, match="storage V"):

@@ -32,7 +32,7 @@ def test_never_above_its_ceiling(tank: Tank, flows: list[tuple[float, float]]) -
 
 
 @given(tank=tanks, flows=periods)
-def test_a_level_that_is_not_negative_bounds_the_energy_given_out(tank: Tank, flows: list[tuple[float, float]]) -> None:
+def test_non_negative_level_bounds_the_energy_given_out(tank: Tank, flows: list[tuple[float, float]]) -> None:
     """E(k) ≥ 0 ⇒ V(k) − V(0) − ∫yᵀu ≤ E(0): the environment got no more than it gave, plus the first filling."""
     for k, level in enumerate(ledger(tank, flows)):
         given_out = sum(stored - supplied for supplied, stored in flows[:k])

@@ -29,7 +29,7 @@ def phi_of(design: FilterDesign, k_i: float = K_I) -> tuple[Callable[..., Array]
 
 
 @pytest.mark.parametrize("build", DESIGNS)
-def test_phi_is_the_rate_of_the_nominal_input_plus_the_pull_towards_it(build: Builder) -> None:
+def test_phi_is_nominal_rate_plus_pull_towards_nominal(build: Builder) -> None:
     design = build()
     system = design.system
     n, m = system.n, system.m
@@ -54,7 +54,7 @@ def test_phi_is_the_rate_of_the_nominal_input_plus_the_pull_towards_it(build: Bu
 
 
 @pytest.mark.parametrize("build", DESIGNS)
-def test_in_continuous_time_the_squared_error_decays_at_twice_k_i(build: Builder) -> None:
+def test_squared_error_decays_at_twice_k_i_in_continuous_time(build: Builder) -> None:
     design = build()
     system = design.system
     n, m = system.n, system.m
@@ -90,7 +90,7 @@ def stepped_error(dt_s: float, u: Pair, u_h: Pair, u_h_rate: Pair, *, k_i: float
     return np.asarray(u) - before.u_nominal, before.u - u_hat_after
 
 
-def test_in_one_period_the_error_shrinks_by_1_minus_k_i_dt_up_to_the_second_order() -> None:
+def test_error_shrinks_by_1_minus_k_i_dt_in_one_period() -> None:
     """u⁺ − û⁺ = (1 − k_i·dt)(u − û) − ½dt²·d²û/dt² + O(dt³), here with d²û/dt² in closed form."""
     u, u_h, u_h_rate = (3.0, -2.0), (0.5, 1.0), (2.0, -4.0)
     x2 = np.array(PAPER_START[2:])

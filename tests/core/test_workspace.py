@@ -46,7 +46,7 @@ def test_parts_and_matrices_are_views() -> None:
     assert space.block[7] == -1
 
 
-def test_a_bound_function_reads_and_writes_its_parts_and_nothing_else() -> None:
+def test_bound_function_reads_and_writes_its_parts_only() -> None:
     space = Workspace(LAYOUT)
     a, b = ca.SX.sym("a", 2), ca.SX.sym("b", 3)
     outer = dense_function("outer", [a, b], [a @ b.T])
