@@ -12,7 +12,7 @@ from passafe.system import System
 from passafe.tank import Tank
 
 GAIN = 2.0
-CUSHION = 2e-6
+TIGHTENING = 2e-6
 """By how much more than asked the filter keeps rows that have a margin between samples, units of u."""
 
 

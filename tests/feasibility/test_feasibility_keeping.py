@@ -5,7 +5,7 @@ from math import sqrt
 import casadi as ca
 import numpy as np
 import pytest
-from closed_form_designs import CUSHION, GAIN, mass, paper
+from closed_form_designs import GAIN, TIGHTENING, mass, paper
 from passafe_services.scenarios.design import design_of, robot_of
 from passafe_services.scenarios.load import load_scenario, shipped_scenarios
 from passafe_services.tools.feasibility.constraint_feasibility import AT_ONCE, ConstraintFeasibility, Findings
@@ -28,8 +28,8 @@ def box(n: int, count: int = 300, seed: int = 1, size: float = 3.0) -> np.ndarra
     return random_states([-size] * n, [size] * n, count, seed)
 
 
-@pytest.mark.parametrize(("between_samples", "cushion"), [(False, 0.0), (True, CUSHION)])
-def test_one_wall_is_kept_where_the_brakes_are_strong_enough(between_samples: bool, cushion: float) -> None:
+@pytest.mark.parametrize(("between_samples", "tightening"), [(False, 0.0), (True, TIGHTENING)])
+def test_one_wall_is_kept_where_the_brakes_are_strong_enough(between_samples: bool, tightening: float) -> None:
     """p̈ = u ≥ −2γv − γ²p can be had iff that is no more than the limit; the margin is what is left of the limit.
 
     A push away from the wall bends ψ₁ upwards, so that ε = 0 there.
@@ -38,8 +38,8 @@ def test_one_wall_is_kept_where_the_brakes_are_strong_enough(between_samples: bo
     found = ConstraintFeasibility(mass(((1.0,), 0.0), between_samples=between_samples)).at(states)
     needed = -2 * GAIN * v - GAIN**2 * p
 
-    assert found.hard_margin == pytest.approx(5.0 - np.clip(needed + cushion, -FURTHEST, FURTHEST), abs=1e-9)
-    assert np.array_equal(found.hard_kept, needed + cushion <= 5.0 + found.tolerance)
+    assert found.hard_margin == pytest.approx(5.0 - np.clip(needed + tightening, -FURTHEST, FURTHEST), abs=1e-9)
+    assert np.array_equal(found.hard_kept, needed + tightening <= 5.0 + found.tolerance)
     assert 0.05 < found.hard_kept.mean() < 0.95
     assert found.protecting == pytest.approx(np.minimum(p, v + GAIN * p))
     assert found.h == pytest.approx(p)

@@ -177,7 +177,7 @@ def test_a_moving_obstacle_is_read_at_its_time() -> None:
     assert distance.read(np.zeros(4), pi / 2) == DistanceReading(value=pytest.approx(0.0, abs=1e-15), unit="m")
 
 
-def announcer(core: SafetyPassivityFilter) -> OverrideEventEmitter:
+def emitter_of(core: SafetyPassivityFilter) -> OverrideEventEmitter:
     return OverrideEventEmitter(Explainer(core), OverrideText(core, ROBOT, "m/s²"), 100.0)
 
 
@@ -190,7 +190,7 @@ def pushed(u_h: tuple[float, float]) -> Decision:
 
 
 def test_notable_override_is_reported_once_per_set_of_causes() -> None:
-    made = announcer(CORE)
+    made = emitter_of(CORE)
     texts = [made.event(at * MS, pushed((-3.0, 0.0))) for at in range(0, 5000, 10)]
 
     [event] = [event for event in texts if event is not None]
@@ -199,7 +199,7 @@ def test_notable_override_is_reported_once_per_set_of_causes() -> None:
 
 
 def test_other_causes_are_reported_but_not_within_a_second() -> None:
-    made = announcer(CORE)
+    made = emitter_of(CORE)
     made.event(0, pushed((-3.0, 0.0)))
 
     assert made.event(EVENT_PERIOD_NS - 1, pushed((0.0, -3.0))) is None
@@ -209,7 +209,7 @@ def test_other_causes_are_reported_but_not_within_a_second() -> None:
 
 
 def test_same_causes_are_reported_again_after_a_pause() -> None:
-    made = announcer(CORE)
+    made = emitter_of(CORE)
     made.event(0, pushed((-3.0, 0.0)))
 
     assert made.event(REPEAT_AFTER_NS, pushed((-3.0, 0.0))) is None
@@ -217,7 +217,7 @@ def test_same_causes_are_reported_again_after_a_pause() -> None:
 
 
 def test_small_overrides_are_not_reported_and_not_rechecked_soon() -> None:
-    made = announcer(CORE)
+    made = emitter_of(CORE)
 
     assert made.event(0, pushed((3.0, 3.0))) is None
     assert made.event(CHECK_PERIOD_NS - 1, pushed((-3.0, 0.0))) is None
@@ -230,12 +230,12 @@ def test_the_fail_safe_law_is_not_explained() -> None:
     decision = CORE.decide((float("nan"), 0.0, 0.0, 0.0), REST, REST, REST)
 
     assert decision.status is Status.UNCERTIFIED
-    assert announcer(CORE).event(0, decision) is None
+    assert emitter_of(CORE).event(0, decision) is None
 
 
 def test_relaxation_is_a_warning() -> None:
     core = core_of(wall("a", 1.0, 0.01), wall("b", -1.0, 0.01))
-    event = announcer(core).event(0, core.decide((0.0,) * 4, REST, REST, REST, start=True))
+    event = emitter_of(core).event(0, core.decide((0.0,) * 4, REST, REST, REST, start=True))
 
     assert event is not None
     assert event.severity == "warning"

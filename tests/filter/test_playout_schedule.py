@@ -72,7 +72,7 @@ def test_schedule_moves_back_slowly_and_keeps_two_periods() -> None:
 
     assert {offsets[k] - offsets[k - 1] for k in steps} == {-MS}
     assert [after - before for before, after in pairwise(steps)] == [SLEW_STEPS] * (len(steps) - 1)
-    assert offsets[-1] == (-90 + 5 + 1) * MS  # a period in hand, so that it does not go to and fro
+    assert offsets[-1] == (-90 + 5 + 1) * MS  # a period in hand, so that it does not oscillate
     assert schedule.moved == 1
 
 

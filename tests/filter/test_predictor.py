@@ -43,7 +43,7 @@ def make_predictor(tank: Tank | None = None) -> Predictor:
 
 
 class TruePlant:
-    """The plant, armed from its beginning, with the input of every period or None where it is missing."""
+    """The plant, in a sequence from its beginning, with the input of every period or None where it is missing."""
 
     def __init__(self) -> None:
         self.model, self.rule = make_plant(), fail_safe()
@@ -184,7 +184,7 @@ def test_applied_inputs_always_meet_the_predicted_state(lost: set[int], delay: i
     predictor.confirm(truth.state())
     predicted: dict[int, Vector] = {}
     first, next_k, basis = 1, 1, truth.sequence_break_ns
-    arrived: dict[int, int] = {}  # period → plant time of the arming's beginning
+    arrived: dict[int, int] = {}  # period → plant time of the sequence's beginning
     for now in range(40):
         if truth.sequence_break_ns != basis or (truth.phase is not RUNNING and now >= first):
             first = next_k = now + delay

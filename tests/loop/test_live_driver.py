@@ -125,7 +125,7 @@ def test_garbage_is_counted_and_reported_once(start: Callable, port: int, bus: B
 
 
 def test_what_is_not_finite_does_not_leave(start: Callable, port: int, log: Log) -> None:
-    operator = start("operator", "--port", port, "--steps", 100, "--poison")
+    operator = start("operator", "--port", port, "--steps", 100, "--non-finite")
     operator.wait_ready("operator")
     said = operator.said()
     assert said["withheld"] == 10

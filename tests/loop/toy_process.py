@@ -32,15 +32,15 @@ class Metronome:
     name = "operator"
     subscribes = ()
 
-    def __init__(self, *, poison: bool = False) -> None:
-        """``poison``: every tenth command is not finite."""
+    def __init__(self, *, non_finite: bool = False) -> None:
+        """``non_finite``: every tenth command is not finite."""
         self.steps = 0
-        self._poison = poison
+        self._non_finite = non_finite
 
     def step(self, now_ns: int, inbox: Sequence[Received]) -> Sequence[Outgoing]:
         """Send one command."""
         del inbox
-        count = float("nan") if self._poison and self.steps % 10 == 9 else float(self.steps)
+        count = float("nan") if self._non_finite and self.steps % 10 == 9 else float(self.steps)
         self.steps += 1
         body = OperatorCommand((count, now_ns / 1.0), (), enabled=True, device="metronome")
         return ((COMMAND, lambda: body),)
@@ -80,7 +80,7 @@ def hold_up(seconds: float) -> None:
 def live(options: argparse.Namespace) -> None:
     if options.held_up:
         hold_up(options.held_up)
-    node = Echo() if options.kind == "filter" else Metronome(poison=options.poison)
+    node = Echo() if options.kind == "filter" else Metronome(non_finite=options.non_finite)
     steps_wanted = options.steps
     report = run_live(
         node,
@@ -157,7 +157,7 @@ def main() -> None:
     parser.add_argument("--loss", type=float, default=0.0)
     parser.add_argument("--held-up", type=float, default=0.0)
     parser.add_argument("--code", type=int, default=0)
-    parser.add_argument("--poison", action="store_true")
+    parser.add_argument("--non-finite", action="store_true")
     parser.add_argument("--lifeline", action="store_true")
     options = parser.parse_args()
     try:

@@ -35,7 +35,7 @@ EVERYTHING = {
 }
 
 
-class Tape:
+class Trace:
     """Observer that keeps what was sent."""
 
     def __init__(self) -> None:
@@ -54,18 +54,18 @@ class Tape:
         return [encode(header, body) for _, header, body in self.sent]
 
 
-def run(duration_s: float = 0.5, **overrides: object) -> Tape:
+def run(duration_s: float = 0.5, **overrides: object) -> Trace:
     values = {key.replace("__", "."): value for key, value in overrides.items()} | {"duration_s": duration_s}
     scenario = load_scenario("notomista-cai-2020", values)
-    tape = Tape()
-    loop = lockstep_loop(scenario, tape)
+    trace = Trace()
+    loop = lockstep_loop(scenario, trace)
     loop.run(steps_of(scenario))
     loop.finish()
-    return tape
+    return trace
 
 
-def sent(tape: Tape, link: str) -> int:
-    return sum(topic is LINKS[link].topic for topic, _, _ in tape.sent)
+def sent(trace: Trace, link: str) -> int:
+    return sum(topic is LINKS[link].topic for topic, _, _ in trace.sent)
 
 
 def balances(state: LinkState) -> bool:
@@ -74,15 +74,15 @@ def balances(state: LinkState) -> bool:
 
 
 def test_every_effect_is_reported_and_the_account_balances() -> None:
-    tape = run(**{f"links.{name}": EVERYTHING for name in LINKS})
-    events = Counter((e.link, e.effect, e.cause) for _, e in tape.of(LinkEvent) if isinstance(e, LinkEvent))
-    states = tape.last_states()
+    trace = run(**{f"links.{name}": EVERYTHING for name in LINKS})
+    events = Counter((e.link, e.effect, e.cause) for _, e in trace.of(LinkEvent) if isinstance(e, LinkEvent))
+    states = trace.last_states()
 
     assert set(states) == set(LINKS)
     for name, state in states.items():
         assert state.trigger == "end"
         assert balances(state)
-        assert state.entered == sent(tape, name) == state.sources[0].received
+        assert state.entered == sent(trace, name) == state.sources[0].received
         assert (state.dropped_loss, state.dropped_queue, state.dropped_outage) == tuple(
             events[name, "dropped", cause] for cause in ("loss", "queue", "outage")
         )
@@ -91,25 +91,25 @@ def test_every_effect_is_reported_and_the_account_balances() -> None:
         assert 0 < state.refused_corrupted <= state.corrupted
         assert state.refused_duplicate > 0
         assert state.dropped_queue > 0
-    assert {header.source for header, body in tape.of(LinkEvent) if body.link == "plant-to-operator"} == {"operator"}
+    assert {header.source for header, body in trace.of(LinkEvent) if body.link == "plant-to-operator"} == {"operator"}
 
 
 def test_filter_consumes_what_the_link_delivered_and_accepted() -> None:
-    tape = run(**{f"links.{name}": EVERYTHING for name in LINKS})
-    ticks = [body for _, body in tape.of(FilterTick) if isinstance(body, FilterTick)]
+    trace = run(**{f"links.{name}": EVERYTHING for name in LINKS})
+    ticks = [body for _, body in trace.of(FilterTick) if isinstance(body, FilterTick)]
     consumed = Counter(message.topic for tick in ticks for message in tick.consumed)
 
     for name in ("operator-to-filter", "plant-to-filter"):
-        state = tape.last_states()[name]
+        state = trace.last_states()[name]
         assert consumed[state.topic] == state.delivered - state.refused_corrupted - state.refused_duplicate
 
 
 def test_links_that_do_nothing_are_accounted_for_too() -> None:
-    tape = run(**{"links.plant-to-filter": {"delay_s": 0.01}})
-    states = tape.last_states()
+    trace = run(**{"links.plant-to-filter": {"delay_s": 0.01}})
+    states = trace.last_states()
 
     for name in ("operator-to-filter", "filter-to-plant", "plant-to-operator"):
-        assert states[name].entered == states[name].delivered == sent(tape, name) > 0
+        assert states[name].entered == states[name].delivered == sent(trace, name) > 0
         assert states[name].in_flight == 0
     assert states["plant-to-filter"].in_flight == 10
     assert balances(states["plant-to-filter"])
@@ -128,12 +128,12 @@ def test_planned_changes_take_effect_on_time() -> None:
         {"at_s": 0.1, "link": "operator-to-filter", "settings": {"delay_s": 0.03}},
         {"at_s": 0.3, "link": "operator-to-filter", "settings": {"loss": 0.0}},
     ]
-    tape = run(0.4, link_changes=changes)
-    start_ns = tape.of(OperatorCommand)[0][0].sent_ns
-    lost = [e.sequence for _, e in tape.of(LinkEvent) if isinstance(e, LinkEvent)]
+    trace = run(0.4, link_changes=changes)
+    start_ns = trace.of(OperatorCommand)[0][0].sent_ns
+    lost = [e.sequence for _, e in trace.of(LinkEvent) if isinstance(e, LinkEvent)]
     told = [
         (body.trigger, (header.sent_ns - start_ns) / 1e9, body.parameters.delay_s, body.parameters.loss)
-        for header, body in tape.of(LinkState)
+        for header, body in trace.of(LinkState)
         if body.link == "operator-to-filter"
     ]
 
@@ -144,7 +144,7 @@ def test_planned_changes_take_effect_on_time() -> None:
         ("scheduled", 0.2, 0.03, 1.0),
         ("scheduled", 0.3, 0.03, 0.0),
     ]
-    ages = {tick.tick: tick.command_age_ns for _, tick in tape.of(FilterTick) if isinstance(tick, FilterTick)}
+    ages = {tick.tick: tick.command_age_ns for _, tick in trace.of(FilterTick) if isinstance(tick, FilterTick)}
     assert ages[50] == 0
     assert max(ages.values()) >= 100_000_000
 
@@ -159,7 +159,7 @@ def test_an_observer_changes_nothing_about_the_run() -> None:
     scenario = load_scenario(
         "notomista-cai-2020", {"duration_s": 0.3, **{f"links.{name}": EVERYTHING for name in LINKS}}
     )
-    seen, unseen = lockstep_loop(scenario, Tape()), lockstep_loop(scenario)
+    seen, unseen = lockstep_loop(scenario, Trace()), lockstep_loop(scenario)
     for loop in (seen, unseen):
         loop.run(steps_of(scenario))
         loop.finish()

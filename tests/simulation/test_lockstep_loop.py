@@ -12,7 +12,7 @@ from passafe_services.simulation import CompiledScenario, lockstep_loop, steps_o
 LINKS = ("operator-to-filter", "filter-to-plant", "plant-to-filter")
 
 
-class Tape:
+class Trace:
     """Observer that keeps what was sent."""
 
     def __init__(self) -> None:
@@ -31,12 +31,12 @@ class Tape:
         return [encode(header, body) for _, header, body in self.sent]
 
 
-def run(duration_s: float = 1.0, **overrides: object) -> Tape:
+def run(duration_s: float = 1.0, **overrides: object) -> Trace:
     values = {key.replace("__", "."): value for key, value in overrides.items()} | {"duration_s": duration_s}
     scenario = load_scenario("notomista-cai-2020", values)
-    tape = Tape()
-    lockstep_loop(scenario, tape).run(steps_of(scenario))
-    return tape
+    trace = Trace()
+    lockstep_loop(scenario, trace).run(steps_of(scenario))
+    return trace
 
 
 def bad_links(**settings: float) -> dict[str, object]:
@@ -44,11 +44,11 @@ def bad_links(**settings: float) -> dict[str, object]:
 
 
 @pytest.fixture(scope="module")
-def paper() -> Tape:
+def paper() -> Trace:
     return run(10.0)
 
 
-def test_mode_both_keeps_barrier_and_power_margin(paper: Tape) -> None:
+def test_mode_both_keeps_barrier_and_power_margin(paper: Trace) -> None:
     x = np.array([state.x for state in paper.moving()])
     u = np.array([state.u for state in paper.moving()])
     x1, x2 = x[:, :2], x[:, 2:]
@@ -60,7 +60,7 @@ def test_mode_both_keeps_barrier_and_power_margin(paper: Tape) -> None:
     assert margin.min() >= -2e-4
 
 
-def test_every_tick_is_certified(paper: Tape) -> None:
+def test_every_tick_is_certified(paper: Trace) -> None:
     ticks = [body for body in paper.of(FilterTick) if isinstance(body, FilterTick)]
 
     assert {tick.status for tick in ticks} == {FilterStatus.PASSED, FilterStatus.MODIFIED}
@@ -68,7 +68,7 @@ def test_every_tick_is_certified(paper: Tape) -> None:
     assert max(tick.certificate.primal_residual for tick in ticks) <= 1e-6
 
 
-def test_plant_confirms_the_prediction_to_the_last_bit(paper: Tape) -> None:
+def test_plant_confirms_the_prediction_to_the_last_bit(paper: Trace) -> None:
     truth = {state.plant_ns: state for state in paper.moving()}
     ticks = [body for body in paper.of(FilterTick) if isinstance(body, FilterTick)]
     compared = [tick for tick in ticks if tick.effective_plant_ns in truth]
@@ -93,24 +93,24 @@ def test_another_seed_gives_another_run() -> None:
 
 
 def test_delay_alone_does_not_affect_safety() -> None:
-    tape = run(4.0, **bad_links(delay_s=0.2))
-    x = np.array([state.x for state in tape.moving()])
+    trace = run(4.0, **bad_links(delay_s=0.2))
+    x = np.array([state.x for state in trace.moving()])
 
     assert (x[:, :2] ** 2).sum(1).min() - 1 >= -1e-6
 
 
 def test_lost_messages_are_reported_by_the_reader_of_the_link() -> None:
-    tape = run(0.3, **{"links.plant-to-filter": {"loss": 0.5, "seed": 1}})
-    dropped = [body for body in tape.of(LinkEvent) if isinstance(body, LinkEvent)]
+    trace = run(0.3, **{"links.plant-to-filter": {"loss": 0.5, "seed": 1}})
+    dropped = [body for body in trace.of(LinkEvent) if isinstance(body, LinkEvent)]
 
     assert {(event.link, event.effect, event.topic) for event in dropped} == {("plant-to-filter", "dropped", "state")}
-    assert 0.35 < len(dropped) / len(tape.of(PlantState)) < 0.65
+    assert 0.35 < len(dropped) / len(trace.of(PlantState)) < 0.65
 
 
 def test_continuous_law_diverges_in_passive_and_is_reported() -> None:
-    tape = run(4.0, filter__law="continuous", filter__mode="passive")
-    ticks = [body for body in tape.of(FilterTick) if isinstance(body, FilterTick)]
-    u = np.array([state.u for state in tape.moving()])
+    trace = run(4.0, filter__law="continuous", filter__mode="passive")
+    ticks = [body for body in trace.of(FilterTick) if isinstance(body, FilterTick)]
+    u = np.array([state.u for state in trace.moving()])
     infeasible = [tick.effective_plant_ns * 1e-9 for tick in ticks if tick.status is FilterStatus.INFEASIBLE]
 
     assert min(infeasible) == pytest.approx(2.23, abs=0.05)
@@ -120,14 +120,14 @@ def test_continuous_law_diverges_in_passive_and_is_reported() -> None:
 
 def test_tap_gets_outgoing_items_without_computing_messages() -> None:
     scenario = load_scenario("notomista-cai-2020", {"duration_s": 0.05})
-    tape, states, records = Tape(), [], []
-    lockstep_loop(scenario, tape, taps={STATE: states.append, TICK: records.append}).run(steps_of(scenario))
+    trace, states, records = Trace(), [], []
+    lockstep_loop(scenario, trace, taps={STATE: states.append, TICK: records.append}).run(steps_of(scenario))
     alone: list[object] = []
     lockstep_loop(scenario, taps={TICK: alone.append}).run(steps_of(scenario))
 
-    assert states == tape.of(PlantState)
+    assert states == trace.of(PlantState)
     assert all(isinstance(record, TickRecord) for record in [*records, *alone])
-    assert [record() for record in records] == tape.of(FilterTick)
+    assert [record() for record in records] == trace.of(FilterTick)
     assert len(alone) == len(records)
 
 
@@ -135,16 +135,16 @@ def test_loops_one_after_the_other_may_share_what_was_derived() -> None:
     links = bad_links(delay_s=0.01, loss=0.2)
     scenarios = [load_scenario("notomista-cai-2020", {"duration_s": 0.2} | more) for more in ({}, links)]
     compiled = CompiledScenario.of(scenarios[0])
-    tapes = []
+    traces = []
     for scenario in (*scenarios, *scenarios):
-        tapes.append(Tape())
-        lockstep_loop(scenario, tapes[-1], compiled=compiled).run(steps_of(scenario))
-    alone = Tape()
+        traces.append(Trace())
+        lockstep_loop(scenario, traces[-1], compiled=compiled).run(steps_of(scenario))
+    alone = Trace()
     lockstep_loop(scenarios[1], alone).run(steps_of(scenarios[1]))
 
     assert CompiledScenario.key_of(scenarios[0]) == CompiledScenario.key_of(scenarios[1])
-    assert tapes[0].wire() == tapes[2].wire()
-    assert tapes[1].wire() == tapes[3].wire() == alone.wire()
+    assert traces[0].wire() == traces[2].wire()
+    assert traces[1].wire() == traces[3].wire() == alone.wire()
 
 
 @pytest.mark.parametrize(

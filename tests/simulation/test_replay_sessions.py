@@ -23,7 +23,7 @@ BAD_LINKS = {
 
 @pytest.fixture(scope="module")
 def log(tmp_path_factory: pytest.TempPathFactory) -> RunLog:
-    path = tmp_path_factory.mktemp("restep") / "run.mcap"
+    path = tmp_path_factory.mktemp("replay") / "run.mcap"
     scenario = load_scenario("notomista-cai-2020", {"duration_s": 0.5, **BAD_LINKS})
     metadata = run_metadata(scenario_json=scenario.model_dump_json(), versions={}, driver="lockstep")
     with LogWriter(path, metadata) as writer:
