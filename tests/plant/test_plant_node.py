@@ -40,7 +40,7 @@ def loose(tick: int, due_ms: int, at_ms: int, u: tuple[float, ...] = U, hold_ns:
     return Received(head(), PlantInput(tick, u, due_ms * MS, hold_ns), at_ms * MS)
 
 
-def armed(
+def sequenced(
     due_ms: int,
     at_ms: int,
     u: tuple[float, ...] = U,
@@ -74,7 +74,7 @@ def test_it_rests_at_x0_until_an_input_comes() -> None:
 def test_plant_time_begins_one_playout_time_after_first_input() -> None:
     node = make_node(playout_ns=5 * MS)
 
-    assert states(node, 10, armed(0, 10))[0].phase is WAITING
+    assert states(node, 10, sequenced(0, 10))[0].phase is WAITING
     assert states(node, 14)[0].phase is WAITING
     [first] = states(node, 15)
     [second] = states(node, 16)
@@ -86,10 +86,10 @@ def test_plant_time_begins_one_playout_time_after_first_input() -> None:
 
 def test_plant_time_begins_with_the_newest_sequence() -> None:
     node = make_node(playout_ns=5 * MS)
-    states(node, 10, armed(0, 10))
-    assert states(node, 12, armed(3000, 12, (2.0, 0.0), first=3000, epoch=2))[0].plant_ns == 3000 * MS
+    states(node, 10, sequenced(0, 10))
+    assert states(node, 12, sequenced(3000, 12, (2.0, 0.0), first=3000, epoch=2))[0].plant_ns == 3000 * MS
 
-    assert states(node, 16, armed(1, 16))[0].phase is WAITING
+    assert states(node, 16, sequenced(1, 16))[0].phase is WAITING
     [first] = states(node, 17)
 
     assert (first.phase, first.plant_ns, first.u, first.inputs_refused) == (RUNNING, 3000 * MS, (2.0, 0.0), 1)
@@ -97,17 +97,17 @@ def test_plant_time_begins_with_the_newest_sequence() -> None:
 
 def test_first_input_without_effect_leaves_the_plant_at_rest() -> None:
     node = make_node(playout_ns=2 * MS)
-    states(node, 1, armed(1, 1, previous_u=(float("nan"), 0.0)))
+    states(node, 1, sequenced(1, 1, previous_u=(float("nan"), 0.0)))
 
     found = [states(node, k)[-1] for k in range(2, 9)]
     assert {(state.phase, state.plant_ns, state.x) for state in found} == {(WAITING, 0, X0)}
-    states(node, 9, armed(7, 9, first=7))
+    states(node, 9, sequenced(7, 9, first=7))
     assert states(node, 11)[-1].phase is RUNNING
 
 
 def test_the_motion_is_the_closed_form_of_the_damped_point() -> None:
     node = make_node()
-    states(node, 1, *(armed(k, 1, u=(3.0, -1.0)) for k in range(101)))
+    states(node, 1, *(sequenced(k, 1, u=(3.0, -1.0)) for k in range(101)))
 
     state = states(node, 101)[-1]
 
@@ -122,7 +122,7 @@ def test_the_motion_is_the_closed_form_of_the_damped_point() -> None:
 
 def test_skipped_steps_give_one_state_per_period() -> None:
     node = make_node()
-    states(node, 1, *(armed(k, 1) for k in range(10)))
+    states(node, 1, *(sequenced(k, 1) for k in range(10)))
 
     found = states(node, 6)
 
@@ -133,13 +133,13 @@ def test_skipped_steps_give_one_state_per_period() -> None:
 
 def test_missing_input_leads_to_hold_fail_safe_and_new_sequence() -> None:
     node = make_node(hold_ns=3 * MS)
-    states(node, 1, armed(0, 1), armed(1, 1), armed(3, 1))
+    states(node, 1, sequenced(0, 1), sequenced(1, 1), sequenced(3, 1))
 
     found = [states(node, 1 + k)[-1] for k in range(1, 4)]
     sent = node.step(5 * MS, ())
     [failed] = [body for _, body in sent if isinstance(body, PlantState)]
     [event] = [body for _, body in sent if isinstance(body, Event)]
-    states(node, 6, armed(6, 6), armed(6, 6, first=6, basis=1), armed(6, 6, (0.5, 0.5), first=6, basis=2))
+    states(node, 6, sequenced(6, 6), sequenced(6, 6, first=6, basis=1), sequenced(6, 6, (0.5, 0.5), first=6, basis=2))
     back = node.step(7 * MS, ())
 
     assert [state.phase for state in found] == [RUNNING, HOLDING, HOLDING]
@@ -156,7 +156,7 @@ def test_missing_input_leads_to_hold_fail_safe_and_new_sequence() -> None:
 @pytest.mark.parametrize(("hold_ns", "held"), [(0, 0), (MS, 0), (2 * MS, 1), (2 * MS + 1, 1), (5 * MS, 4), (9 * MS, 4)])
 def test_an_input_may_ask_for_a_shorter_hold_than_the_plants(hold_ns: int, held: int) -> None:
     node = make_node(hold_ns=5 * MS)
-    states(node, 1, armed(0, 1, hold_ns=hold_ns))
+    states(node, 1, sequenced(0, 1, hold_ns=hold_ns))
     phases = [states(node, 1 + k)[-1].phase for k in range(1, 8)]
 
     assert phases == [HOLDING] * held + [FAIL_SAFE] * (7 - held)
@@ -164,10 +164,10 @@ def test_an_input_may_ask_for_a_shorter_hold_than_the_plants(hold_ns: int, held:
 
 def test_broken_sequence_stays_broken_whatever_arrives_later() -> None:
     node = make_node(hold_ns=2 * MS)
-    states(node, 1, armed(0, 1))
+    states(node, 1, sequenced(0, 1))
     states(node, 2)
 
-    found = [states(node, at_ms, armed(at_ms - 2, at_ms), armed(at_ms + 3, at_ms))[-1] for at_ms in range(3, 9)]
+    found = [states(node, at_ms, sequenced(at_ms - 2, at_ms), sequenced(at_ms + 3, at_ms))[-1] for at_ms in range(3, 9)]
 
     assert {state.sequence_break_ns for state in found} == {MS}
     assert {state.phase for state in found} == {FAIL_SAFE}
@@ -177,7 +177,7 @@ def test_broken_sequence_stays_broken_whatever_arrives_later() -> None:
 
 def test_lost_message_repeated_in_time_breaks_nothing() -> None:
     node = make_node()
-    states(node, 1, armed(0, 1), armed(3, 1, (4.0, 4.0), previous_u=(3.0, 3.0, 2.0, 2.0)))
+    states(node, 1, sequenced(0, 1), sequenced(3, 1, (4.0, 4.0), previous_u=(3.0, 3.0, 2.0, 2.0)))
 
     found = [states(node, k)[-1] for k in range(2, 6)]
 
@@ -204,7 +204,7 @@ def test_lost_message_repeated_in_time_breaks_nothing() -> None:
 def test_an_input_that_cannot_be_applied_is_refused_and_counted(u: tuple[float, ...]) -> None:
     node = make_node()
 
-    state = states(node, 1, armed(0, 1, u))[-1]
+    state = states(node, 1, sequenced(0, 1, u))[-1]
 
     assert (state.phase, state.inputs_refused, state.input_epoch) == (WAITING, 1, 0)
 
@@ -212,15 +212,15 @@ def test_an_input_that_cannot_be_applied_is_refused_and_counted(u: tuple[float, 
 @pytest.mark.parametrize("u", [(3.0, 4.1), (-5.2, 0.0)])
 def test_repeated_inputs_beyond_the_norm_are_refused_too(u: tuple[float, ...]) -> None:
     node = make_node(norm=5.0)
-    states(node, 1, armed(0, 1, (3.0, 4.0)), armed(2, 1, (3.0, -4.0), previous_u=(*u, 0.0, 0.0)))
+    states(node, 1, sequenced(0, 1, (3.0, 4.0)), sequenced(2, 1, (3.0, -4.0), previous_u=(*u, 0.0, 0.0)))
 
-    assert states(node, 1, armed(1, 1, u))[-1].inputs_refused == 1
+    assert states(node, 1, sequenced(1, 1, u))[-1].inputs_refused == 1
     assert states(node, 2)[-1].phase is HOLDING
 
 
 @pytest.mark.parametrize("previous_u", [(1.0,), (1.0, 2.0, 3.0)])
 def test_repeats_of_the_wrong_shape_are_refused(previous_u: tuple[float, ...]) -> None:
-    assert states(make_node(), 1, armed(1, 1, previous_u=previous_u))[-1].inputs_refused == 1
+    assert states(make_node(), 1, sequenced(1, 1, previous_u=previous_u))[-1].inputs_refused == 1
 
 
 @pytest.mark.parametrize(
@@ -241,10 +241,10 @@ def test_numbers_that_no_filter_has_are_refused(body: PlantInput, scheduled_ns: 
 
 def test_older_session_is_refused_after_a_newer_one() -> None:
     node = make_node()
-    states(node, 1, armed(0, 1), armed(1, 1), armed(3, 1))
-    still = states(node, 2, armed(20, 2, first=20, epoch=2))[-1]
+    states(node, 1, sequenced(0, 1), sequenced(1, 1), sequenced(3, 1))
+    still = states(node, 2, sequenced(20, 2, first=20, epoch=2))[-1]
 
-    state = states(node, 3, armed(2, 3))[-1]
+    state = states(node, 3, sequenced(2, 3))[-1]
 
     assert (still.phase, still.inputs_refused, still.input_epoch) == (RUNNING, 1, 2)
     assert (state.phase, state.inputs_refused, state.input_epoch) == (HOLDING, 2, 2)
@@ -252,29 +252,29 @@ def test_older_session_is_refused_after_a_newer_one() -> None:
 
 def test_state_reports_the_largest_transit_time() -> None:
     node = make_node(playout_ns=5 * MS)
-    states(node, 10, armed(0, 10, made_ms=1007))  # plant time of the arrival: −5 ms
+    states(node, 10, sequenced(0, 10, made_ms=1007))  # plant time of the arrival: −5 ms
     assert states(node, 11)[-1].input_transit_ns == (-5 - 1007) * MS
 
-    states(node, 13, armed(1, 13, made_ms=1008))
+    states(node, 13, sequenced(1, 13, made_ms=1008))
 
-    state = states(node, 14, armed(2, 14, made_ms=1012))[-1]
+    state = states(node, 14, sequenced(2, 14, made_ms=1012))[-1]
     assert (state.input_transit_ns, state.input_epoch) == (-2 * MS - 1008 * MS, 1)
 
 
 def test_lost_input_counts_as_arrived_with_its_repetition() -> None:
     node = make_node(playout_ns=5 * MS)
-    states(node, 10, armed(0, 10, made_ms=10))
-    states(node, 13, armed(3, 13, made_ms=13, previous_u=(3.0, 3.0, 2.0, 2.0)))
+    states(node, 10, sequenced(0, 10, made_ms=10))
+    states(node, 13, sequenced(3, 13, made_ms=13, previous_u=(3.0, 3.0, 2.0, 2.0)))
 
     assert states(node, 14)[-1].input_transit_ns == (-2 - 13 + 2) * MS
 
 
 def test_break_transit_counts_for_the_first_repetition_alone() -> None:
     node = make_node()
-    states(node, 10, armed(0, 10, made_ms=10))
+    states(node, 10, sequenced(0, 10, made_ms=10))
     states(node, 12)
-    first = states(node, 13, armed(3, 13, made_ms=13, previous_u=(3.0, 3.0, 2.0, 2.0)))[-1]
-    second = states(node, 14, armed(4, 14, made_ms=14, previous_u=(4.0, 4.0, 3.0, 3.0, 2.0, 2.0)))[-1]
+    first = states(node, 13, sequenced(3, 13, made_ms=13, previous_u=(3.0, 3.0, 2.0, 2.0)))[-1]
+    second = states(node, 14, sequenced(4, 14, made_ms=14, previous_u=(4.0, 4.0, 3.0, 3.0, 2.0, 2.0)))[-1]
 
     assert (first.sequence_break_ns, first.input_transit_ns) == (MS, (3 - 13 + 2) * MS)
     assert second.input_transit_ns == first.input_transit_ns
@@ -284,7 +284,7 @@ def test_an_unsequenced_input_is_refused() -> None:
     node = make_node()
 
     resting = states(node, 1, loose(1, 0, 1))[-1]
-    states(node, 2, armed(0, 2), armed(1, 2))
+    states(node, 2, sequenced(0, 2), sequenced(1, 2))
     running = states(node, 3, loose(9, 1, 3, u=(9.0, 9.0)))[-1]
 
     assert (resting.phase, resting.inputs_refused, resting.input_epoch) == (WAITING, 1, 0)
@@ -334,33 +334,33 @@ def test_any_messages_keep_inputs_bounded_and_states_valid(
 @settings(max_examples=40)
 @given(st.data())
 def test_running_sequence_applies_its_inputs_in_order(data: st.DataObject) -> None:
-    """Armings of two filters, lost, late, overtaken and repeated: u tells of which arming and period an input is."""
-    node, armings, disarmed = fuzzed(), [(0, None)], UNSEQUENCED
+    """Sequences of two filters, lost, late, overtaken and repeated: u encodes sequence and period of an input."""
+    node, sequences, broken_ns = fuzzed(), [(0, None)], UNSEQUENCED
     before: PlantState | None = None
     for at_ms in range(1, 40):
         inbox = []
         for _ in range(data.draw(st.integers(0, 3))):
-            which = data.draw(st.integers(0, len(armings) - 1))
-            first, basis = armings[which]
+            which = data.draw(st.integers(0, len(sequences) - 1))
+            first, basis = sequences[which]
             due = first + data.draw(st.integers(0, 12))
             count = data.draw(st.integers(0, min(due - first, 4)))
             previous_u = sum(((float(which), float(due - i)) for i in range(1, count + 1)), ())
             u = (float(which), float(due))
-            inbox.append(armed(due, at_ms, u, first=first, basis=basis, previous_u=previous_u, epoch=1 + which % 2))
+            inbox.append(sequenced(due, at_ms, u, first=first, basis=basis, previous_u=previous_u, epoch=1 + which % 2))
         for state in states(node, at_ms, *inbox):
             if state.phase is RUNNING:
                 which = int(state.u[0])
                 assert state.u[1] * MS == state.plant_ns
                 if before is None or before.phase is not RUNNING:
-                    assert armings[which][0] * MS == state.plant_ns
+                    assert sequences[which][0] * MS == state.plant_ns
                 elif state.plant_ns > before.plant_ns:
                     assert state.u == (before.u[0], before.u[1] + 1.0)
-                if armings[which][1] is not None:
-                    assert armings[which][1] * MS == state.sequence_break_ns
-            if state.sequence_break_ns != disarmed:
-                disarmed = state.sequence_break_ns
+                if sequences[which][1] is not None:
+                    assert sequences[which][1] * MS == state.sequence_break_ns
+            if state.sequence_break_ns != broken_ns:
+                broken_ns = state.sequence_break_ns
                 now = state.plant_ns // MS
-                armings += [(now + ahead, disarmed // MS) for ahead in (2, 3)]
+                sequences += [(now + ahead, broken_ns // MS) for ahead in (2, 3)]
             before = state if state.phase is not WAITING else None
 
 

@@ -15,12 +15,12 @@ def is_applicable(u: tuple[float, ...]) -> bool:
     return all(-100.0 <= value <= 100.0 for value in u)
 
 
-def armed_inputs() -> SequencedInputs:
+def sequenced_inputs() -> SequencedInputs:
     return SequencedInputs(MS, is_applicable)
 
 
 def value(due: int, first: int = 0, basis: int = UNSEQUENCED) -> float:
-    """Return the input of an arming for a period: tells of which one it is."""
+    """Return the input of a sequence for a period, encoding which one it is."""
     return due + first * 1e-3 + basis * 1e-6
 
 
@@ -49,7 +49,7 @@ def take(held: SequencedInputs, *periods: int) -> list[float | None]:
 
 
 def test_sequence_takes_effect_period_by_period() -> None:
-    held = armed_inputs()
+    held = sequenced_inputs()
     admissions = [put(held, due) for due in range(4)]
 
     assert admissions == [0] * 4
@@ -58,14 +58,14 @@ def test_sequence_takes_effect_period_by_period() -> None:
 
 
 def test_due_input_has_its_tick_and_hold_time() -> None:
-    held = armed_inputs()
+    held = sequenced_inputs()
     put(held, 2, repeats=2)
 
     assert [held.pop_due(k * MS) for k in range(3)] == [SequencedInput((value(k),), k + 1, 5 * MS) for k in range(3)]
 
 
 def test_missing_input_breaks_the_sequence_and_voids_the_rest() -> None:
-    held = armed_inputs()
+    held = sequenced_inputs()
     for due in (0, 1, 3, 4):
         put(held, due)
 
@@ -76,7 +76,7 @@ def test_missing_input_breaks_the_sequence_and_voids_the_rest() -> None:
 
 
 def test_only_a_sequence_that_knows_the_break_begins() -> None:
-    held = armed_inputs()
+    held = sequenced_inputs()
     put(held, 0)
     take(held, 0, 1)
 
@@ -90,7 +90,7 @@ def test_only_a_sequence_that_knows_the_break_begins() -> None:
 
 @pytest.mark.parametrize(("due", "expected"), [(4, REFUSED), (5, REFUSED), (6, 0)])
 def test_the_first_input_has_to_come_before_its_time(due: int, expected: int) -> None:
-    held = armed_inputs()
+    held = sequenced_inputs()
     put(held, 0)
     take(held, *range(6))
 
@@ -98,7 +98,7 @@ def test_the_first_input_has_to_come_before_its_time(due: int, expected: int) ->
 
 
 def test_sequence_with_a_late_first_input_never_starts() -> None:
-    held = armed_inputs()
+    held = sequenced_inputs()
     put(held, 0)
     take(held, 0, 1)
     put(held, 4, first=3, basis=1)
@@ -112,7 +112,7 @@ def test_sequence_with_a_late_first_input_never_starts() -> None:
 
 @pytest.mark.parametrize("lost", range(1, 6))
 def test_repeats_fill_holes_up_to_their_number(lost: int) -> None:
-    held, repeats = armed_inputs(), 3
+    held, repeats = sequenced_inputs(), 3
     put(held, 0)
     due = lost + 1
     admission = put(held, due, repeats=repeats)
@@ -127,14 +127,14 @@ def test_repeats_fill_holes_up_to_their_number(lost: int) -> None:
 
 
 def test_repeats_reach_back_to_the_first_input_and_no_further() -> None:
-    held = armed_inputs()
+    held = sequenced_inputs()
 
     assert put(held, 7, first=5, previous_u=(1.0, 2.0, 3.0, 4.0)) == 2
     assert take(held, 5, 6, 7) == [2.0, 1.0, value(7, 5)]
 
 
 def test_first_message_must_contain_the_first_input() -> None:
-    held = armed_inputs()
+    held = sequenced_inputs()
 
     assert put(held, 3, repeats=2) == REFUSED
     assert put(held, 3, repeats=3) == 3
@@ -143,7 +143,7 @@ def test_first_message_must_contain_the_first_input() -> None:
 
 @given(st.permutations(range(12)), st.integers(0, 3))
 def test_the_order_of_arrival_does_not_matter(order: list[int], repeats: int) -> None:
-    held = armed_inputs()
+    held = sequenced_inputs()
     put(held, 0)
     for due in order:
         put(held, due, repeats=repeats)
@@ -153,7 +153,7 @@ def test_the_order_of_arrival_does_not_matter(order: list[int], repeats: int) ->
 
 
 def test_what_is_known_or_has_passed_is_repetition() -> None:
-    held = armed_inputs()
+    held = sequenced_inputs()
     put(held, 0)
     assert put(held, 0) == NOTHING_NEW
     take(held, 0)
@@ -163,7 +163,7 @@ def test_what_is_known_or_has_passed_is_repetition() -> None:
 
 
 def test_a_known_input_is_not_replaced() -> None:
-    held = armed_inputs()
+    held = sequenced_inputs()
     put(held, 1, previous_u=(40.0,))
     put(held, 2, previous_u=(41.0, 42.0))
 
@@ -171,7 +171,7 @@ def test_a_known_input_is_not_replaced() -> None:
 
 
 def test_running_sequence_refuses_other_sequences() -> None:
-    held = armed_inputs()
+    held = sequenced_inputs()
     put(held, 0)
     put(held, 1)
     take(held, 0)
@@ -183,7 +183,7 @@ def test_running_sequence_refuses_other_sequences() -> None:
 
 
 def test_newer_of_two_pending_sequences_wins() -> None:
-    held = armed_inputs()
+    held = sequenced_inputs()
     put(held, 0)
     take(held, 0, 1)
     put(held, 5, first=5, basis=1)
@@ -195,7 +195,7 @@ def test_newer_of_two_pending_sequences_wins() -> None:
 
 
 def test_newer_session_wins_whenever_its_sequence_begins() -> None:
-    held = armed_inputs()
+    held = sequenced_inputs()
     put(held, 0)
     take(held, 0, 1)
     put(held, 9, first=9, basis=1, epoch=1)
@@ -206,7 +206,7 @@ def test_newer_session_wins_whenever_its_sequence_begins() -> None:
 
 
 def test_newer_sequence_replaces_one_that_has_not_started() -> None:
-    held = armed_inputs()
+    held = sequenced_inputs()
     put(held, 0)
     put(held, 1)
 
@@ -217,7 +217,7 @@ def test_newer_sequence_replaces_one_that_has_not_started() -> None:
 
 
 def test_inputs_too_far_ahead_are_refused_without_side_effects() -> None:
-    held = armed_inputs()
+    held = sequenced_inputs()
     put(held, 0)
     assert put(held, MOST_AHEAD) == 0
     assert put(held, MOST_AHEAD + 1) == REFUSED
@@ -231,7 +231,7 @@ def test_inputs_too_far_ahead_are_refused_without_side_effects() -> None:
 
 @pytest.mark.parametrize(("due_ns", "first_ns"), [(MS, 2 * MS), (5 * MS + 1, 5 * MS), (5 * MS + 1, 5 * MS + 1)])
 def test_times_off_the_grid_or_before_the_first_are_refused(due_ns: int, first_ns: int) -> None:
-    held = armed_inputs()
+    held = sequenced_inputs()
     put(held, 0)
     take(held, 0, 1)
     body = PlantInput(1, (1.0,), due_ns, 0, first_ns, MS)
@@ -242,7 +242,7 @@ def test_times_off_the_grid_or_before_the_first_are_refused(due_ns: int, first_n
 
 @pytest.mark.parametrize("bad", [float("nan"), float("inf"), 100.5])
 def test_a_repeated_input_that_cannot_be_applied_is_a_hole(bad: float) -> None:
-    held = armed_inputs()
+    held = sequenced_inputs()
     put(held, 0)
 
     assert put(held, 3, previous_u=(value(2), bad)) == 1
@@ -259,7 +259,7 @@ def missed(held: SequencedInputs, due: int, *, repeats: int, first: int = 0, bas
 
 
 def test_first_repetition_of_a_missing_input_gives_its_lateness() -> None:
-    held = armed_inputs()
+    held = sequenced_inputs()
     put(held, 0)
     take(held, 0, 1, 2, 3)
 
@@ -270,7 +270,7 @@ def test_first_repetition_of_a_missing_input_gives_its_lateness() -> None:
 
 
 def test_so_it_is_for_a_first_input_that_did_not_come() -> None:
-    held = armed_inputs()
+    held = sequenced_inputs()
     put(held, 0)
     take(held, 0, 1, 2, 3, 4)
 
@@ -283,7 +283,7 @@ def test_so_it_is_for_a_first_input_that_did_not_come() -> None:
 @given(st.data())
 def test_no_input_takes_effect_outside_its_sequence(data: st.DataObject) -> None:
     """Any messages of filters that play by the rule, in any order: each input that is taken follows the one before."""
-    held = armed_inputs()
+    held = sequenced_inputs()
     due_of = st.integers(0, 30)
     before: float | None = None
     for now in count():
@@ -298,12 +298,12 @@ def test_no_input_takes_effect_outside_its_sequence(data: st.DataObject) -> None
         waiting = held.sequence_break_ns // MS if held.sequence_break_ns >= 0 else UNSEQUENCED
         [taken] = take(held, now)
         if taken is not None:
-            arming = round((taken - now) * 1e6)
+            sequence = round((taken - now) * 1e6)
             if before is not None:
-                assert arming == before
+                assert sequence == before
             else:
-                assert arming == round((value(now, now, waiting) - now) * 1e6)
-            before = arming
+                assert sequence == round((value(now, now, waiting) - now) * 1e6)
+            before = sequence
         else:
             before = None
         assert len(held._pending) <= 60

@@ -48,7 +48,7 @@ class Cut:
         return self.node.step(now_ns, [each for each in inbox if type(each.body) not in self.severed])
 
 
-class ArmingRun:
+class InputSequenceRun:
     """The loop of a scenario and everything that was sent in it."""
 
     def __init__(
@@ -68,7 +68,7 @@ class ArmingRun:
             observer=self._observe,
         )
 
-    def run(self, seconds: float) -> "ArmingRun":
+    def run(self, seconds: float) -> "InputSequenceRun":
         """Advance."""
         self.loop.run(round(seconds * self.scenario.rate_hz))
         return self
@@ -93,14 +93,14 @@ class ArmingRun:
         return next(body for _, _, body in reversed(self.sent) if isinstance(body, PlantState))
 
     @property
-    def armed(self) -> bool:
+    def in_sequence(self) -> bool:
         """True while the plant applies an input of a sequence."""
         return self.state.phase is PlantPhase.RUNNING
 
-    def seconds_until_armed(self, at_most_s: float) -> float:
-        """Run until the plant is armed and return how long that took; infinity if it took longer than allowed."""
+    def seconds_until_sequence(self, at_most_s: float) -> float:
+        """Return how long the loop runs until the plant follows an input sequence; infinity beyond ``at_most_s``."""
         for steps in range(round(at_most_s * self.scenario.rate_hz) + 1):
-            if self.armed:
+            if self.in_sequence:
                 return steps / self.scenario.rate_hz
             self.loop.run(1)
         return float("inf")
