@@ -76,10 +76,10 @@ def test_relaxed_rows_report_amounts_and_unenforced_rows_none() -> None:
 
 
 def test_override_causes_are_reported_at_most_once_a_second() -> None:
-    heard: list[tuple[int, str]] = []
+    received: list[tuple[int, str]] = []
 
     def listen(*message: object) -> None:
-        heard.extend(events(message))
+        received.extend(events(message))
 
     def events(message: tuple[object, ...]) -> Iterator[tuple[int, str]]:
         [header] = [part for part in message if isinstance(part, Header)]
@@ -87,9 +87,9 @@ def test_override_causes_are_reported_at_most_once_a_second() -> None:
 
     lockstep_loop(SCENARIO, listen).run(4000)
 
-    told = [(at_ns, text) for at_ns, text in heard if text.startswith("held back")]
-    assert any("m/s²: obstacle `disk`, " in text for _, text in told)
-    assert all(later - previous_u >= 1_000_000_000 for (previous_u, _), (later, _) in pairwise(told))
+    reported = [(at_ns, text) for at_ns, text in received if text.startswith("held back")]
+    assert any("m/s²: obstacle `disk`, " in text for _, text in reported)
+    assert all(later - earlier >= 1_000_000_000 for (earlier, _), (later, _) in pairwise(reported))
 
 
 def test_robot_model_gives_the_input_its_unit() -> None:

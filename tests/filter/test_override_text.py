@@ -57,20 +57,20 @@ def core_of(
     )
 
 
-def said(core: SafetyPassivityFilter, x: tuple[float, ...], u_h: tuple[float, float], robot: Robot = ROBOT) -> str:
+def sentence(core: SafetyPassivityFilter, x: tuple[float, ...], u_h: tuple[float, float], robot: Robot = ROBOT) -> str:
     decision = core.decide(x, REST, u_h, REST, start=True)
     return OverrideText(core, robot, "m/s²").sentence(decision, Explainer(core).override(decision))
 
 
 def test_sentence_has_obstacle_distance_and_passing_fraction() -> None:
     # ψ₂ = u₁ + (20 − 1)·0 + 100·0.04 ≥ 0: of u₁ = −7.1, −4 passes, which is 56.3 %.
-    assert said(core_of(wall("west", 1.0, -1.0)), (-0.96, 0.0, 0.0, 0.0), (-7.1, 0.0)) == (
+    assert sentence(core_of(wall("west", 1.0, -1.0)), (-0.96, 0.0, 0.0, 0.0), (-7.1, 0.0)) == (
         "held back 3.1 m/s²: obstacle `west`, 0.04 m from its limit; 56 % of the command would have passed unchanged"
     )
 
 
 def test_beyond_the_limit_no_part_passes() -> None:
-    assert said(core_of(wall("west", 1.0, -1.0)), (-1.02, 0.0, 0.0, 0.0), (-1.0, 0.0)) == (
+    assert sentence(core_of(wall("west", 1.0, -1.0)), (-1.02, 0.0, 0.0, 0.0), (-1.0, 0.0)) == (
         "held back 3 m/s²: obstacle `west`, 0.02 m beyond its limit; no part of the command would have passed unchanged"
     )
 
@@ -79,7 +79,7 @@ def test_a_speed_limit_is_no_obstacle() -> None:
     # h = 4 − v², ψ₁ = 2v² − 2v·u + 10h at v = (1.9, 0): u₁ ≤ 1.9 + 10·0.39/3.8 = 2.926; h/|∂h/∂v| = 0.39/3.8.
     slow = barrier("slow", speed_limit(ROBOT.velocity, limit=2.0), levels=2)
 
-    assert said(core_of(slow), (0.0, 0.0, 1.9, 0.0), (10.0, 0.0)) == (
+    assert sentence(core_of(slow), (0.0, 0.0, 1.9, 0.0), (10.0, 0.0)) == (
         "held back 7.1 m/s²: barrier `slow`, 0.1 m/s from its limit; 29 % of the command would have passed unchanged"
     )
 
@@ -88,13 +88,13 @@ def test_a_barrier_of_places_and_velocities_shows_its_h() -> None:
     # h = 1 + p₁ + v₁ has relative degree 1: ψ₁ = v₁ − v₁ + u₁ + 10h.
     mixed = barrier("mixed", 1 + ROBOT.position[0] + ROBOT.velocity[0], levels=2)
 
-    assert said(core_of(mixed), (-0.5, 0.0, 0.0, 0.0), (-10.0, 0.0)).startswith(
+    assert sentence(core_of(mixed), (-0.5, 0.0, 0.0, 0.0), (-10.0, 0.0)).startswith(
         "held back 5 m/s²: barrier `mixed`, h = 0.5;"
     )
 
 
 def test_limits_of_the_input_have_one_name() -> None:
-    assert said(core_of(bound=2.0), (0.0,) * 4, (-5.0, 6.0)) == (
+    assert sentence(core_of(bound=2.0), (0.0,) * 4, (-5.0, 6.0)) == (
         "held back 5 m/s²: input limit; 33 % of the command would have passed unchanged"
     )
 
@@ -102,14 +102,14 @@ def test_limits_of_the_input_have_one_name() -> None:
 @pytest.mark.parametrize("law", Law)
 def test_passivity_is_energy(law: Law) -> None:
     # Sampled: h_u = vᵀu − 2pᵀv + 2‖v‖² − 2vᵀu with v = (1, 0), p = 0 asks for u₁ ≤ 2.
-    words = said(core_of(mode=Mode.PASSIVE, law=law), (0.0, 0.0, 1.0, 0.0), (8.0, 0.0))
+    words = sentence(core_of(mode=Mode.PASSIVE, law=law), (0.0, 0.0, 1.0, 0.0), (8.0, 0.0))
 
     assert ": energy;" in words
 
 
 def test_two_obstacles_are_named_in_the_order_of_their_shares() -> None:
     south = barrier("south", half_plane(ROBOT.position, normal=(0.0, 1.0), offset=-1.0))
-    words = said(core_of(wall("west", 1.0, -1.0), south), (-1.0, -1.0, 0.0, 0.0), (-2.0, -3.0))
+    words = sentence(core_of(wall("west", 1.0, -1.0), south), (-1.0, -1.0, 0.0, 0.0), (-2.0, -3.0))
 
     assert words.startswith(
         "held back 3.6 m/s²: obstacle `south`, 0 m from its limit and obstacle `west`, 0 m from its limit;"
@@ -119,7 +119,7 @@ def test_two_obstacles_are_named_in_the_order_of_their_shares() -> None:
 def test_conflicting_rows_are_described() -> None:
     # p₁ ≥ 0.01 and −p₁ ≥ 0.01: at rest in the middle, u₁ ≥ 1 and u₁ ≤ −1.
     core = core_of(wall("a", 1.0, 0.01), wall("b", -1.0, 0.01))
-    words = said(core, (0.0,) * 4, (0.0, 0.0))
+    words = sentence(core, (0.0,) * 4, (0.0, 0.0))
 
     assert words == "relaxed 1 m/s² of obstacle `a` and 1 m/s² of obstacle `b`: they conflict"
 
@@ -132,10 +132,12 @@ def test_rows_in_conflict_with_the_limits_are_described() -> None:
         for name, y in (("a", root), ("b", -root))
     )
 
-    assert said(one, (0.0,) * 4, (0.0, 0.0)).endswith(
+    assert sentence(one, (0.0,) * 4, (0.0, 0.0)).endswith(
         "relaxed 3 m/s² of obstacle `a`: it requires more than the input limits allow"
     )
-    assert said(core_of(*sides, bound=2.0), (0.0,) * 4, (0.0, 0.0)).endswith("they conflict within the input limits")
+    assert sentence(core_of(*sides, bound=2.0), (0.0,) * 4, (0.0, 0.0)).endswith(
+        "they conflict within the input limits"
+    )
 
 
 def test_relaxed_hard_passivity_is_called_energy() -> None:

@@ -29,13 +29,13 @@ def test_it_decides_for_the_newest_state_and_sends_unsequenced() -> None:
     node = filter_node(SCENARIO, "lockstep", 1)
     assert isinstance(node, UnpredictedFilterNode)
 
-    [first], [told] = sent(node, 1, (1, plant_state(0, PlantPhase.WAITING)))
+    [first], [reported] = sent(node, 1, (1, plant_state(0, PlantPhase.WAITING)))
     [second], [later] = sent(node, 2, (2, plant_state(0, PlantPhase.WAITING)), (3, plant_state(1)))
 
-    assert (first.tick, first.u, first.effective_plant_ns) == (1, told.u, 0)
+    assert (first.tick, first.u, first.effective_plant_ns) == (1, reported.u, 0)
     assert (first.input_sequence_start_ns, first.known_break_ns, first.previous_u) == (UNSEQUENCED, UNSEQUENCED, ())
     assert (second.effective_plant_ns > first.effective_plant_ns, later.horizon_ns) == (True, 0)
-    assert (told.x_hat[0], later.x_hat[0]) == (2.0, 3.0)
+    assert (reported.x_hat[0], later.x_hat[0]) == (2.0, 3.0)
 
 
 def test_no_input_is_for_a_plant_time_that_was_decided() -> None:

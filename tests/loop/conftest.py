@@ -47,7 +47,7 @@ class Toy:
         line = self.line()
         assert line == ready_line(name), line
 
-    def said(self) -> dict[str, Any]:
+    def output(self) -> dict[str, Any]:
         """Next line of standard output as JSON."""
         return json.loads(self.line())
 

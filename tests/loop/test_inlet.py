@@ -76,8 +76,8 @@ def test_a_link_delays_by_its_settings() -> None:
 
 def test_dropped_messages_are_reported() -> None:
     inlet = Inlet(COMMAND, MessageLink("operator-to-filter", LinkSettings(loss=1.0)))
-    told = inlet.receive(0, header(4), BODY)
-    assert told == [LinkEvent("operator-to-filter", "dropped", "command", 4, "loss")]
+    reported = inlet.receive(0, header(4), BODY)
+    assert reported == [LinkEvent("operator-to-filter", "dropped", "command", 4, "loss")]
     assert inlet.pop_received(MS) == []
     assert inlet.health.gaps == 0  # the bus lost nothing
 

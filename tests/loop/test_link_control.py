@@ -1,4 +1,4 @@
-"""Planned changes of links, and when their states are told."""
+"""Planned changes of links, and when their states are reported."""
 
 from passafe_protocol.link_change import LinkChange
 from passafe_protocol.link_settings import LinkSettings
@@ -27,11 +27,11 @@ def step(links: LinkControl, now_ns: int) -> list[tuple[str, str]]:
 
 def test_states_are_reported_at_start_every_second_and_at_end() -> None:
     links, _ = control()
-    told = {t: step(links, START + t * S // 10) for t in range(25)}
+    reported = {t: step(links, START + t * S // 10) for t in range(25)}
     last = links.last_states()
 
     both = ["operator-to-filter", "plant-to-filter"]
-    assert {t: each for t, each in told.items() if each} == {
+    assert {t: each for t, each in reported.items() if each} == {
         0: [(name, "start") for name in both],
         10: [(name, "period") for name in both],
         20: [(name, "period") for name in both],

@@ -127,12 +127,12 @@ def test_a_log_reader_is_given_what_it_lost(start: Callable, router: object, por
         put(message(sequence))
         time.sleep(max(0.0, began + 0.001 * (sequence + 1) - time.monotonic()))
     recorder.cut_lifeline()
-    said = recorder.said()
-    logged = said["passafe/operator/command"]
-    # On a busy machine the reader may be told of the publisher a message late; from then on nothing is missing.
+    output = recorder.output()
+    logged = output["passafe/operator/command"]
+    # On a busy machine the reader may discover the publisher a message late; from then on nothing is missing.
     assert logged == list(range(logged[0], 3000))
     assert logged[0] < 100
-    assert len(said["ring"]) < 3000  # what was lost to a reader that nobody helps
+    assert len(output["ring"]) < 3000  # what was lost to a reader that nobody helps
 
 
 def test_publisher_survives_a_router_outage(start: Callable, port: int) -> None:
@@ -187,7 +187,7 @@ def test_recording_reader_gets_messages_of_a_router_outage(start: Callable, port
         start("router", "--port", port).wait_ready("router")
         put_for(put, range(2000, 4000))
         recorder.cut_lifeline()
-        assert recorder.said()["passafe/operator/command"] == list(range(4000))
+        assert recorder.output()["passafe/operator/command"] == list(range(4000))
 
 
 def test_a_long_message_is_not_dropped_for_its_length(sender: Bus, receiver: Bus) -> None:

@@ -26,19 +26,19 @@ class Log:
 
     def __init__(self, bus: Bus) -> None:
         self._reader = bus.recording_reader()
-        self.heard: dict[str, LoggedMessage] = {}
+        self.received: dict[str, LoggedMessage] = {}
 
     def wait_for(self, key: str, enough: Callable[[LoggedMessage], bool]) -> LoggedMessage:
         """Return the messages of a key once there are enough."""
         end = time.monotonic() + PATIENCE_S
-        while not enough(self.heard.get(key, [])):
-            assert time.monotonic() < end, {name: len(logged) for name, logged in self.heard.items()}
+        while not enough(self.received.get(key, [])):
+            assert time.monotonic() < end, {name: len(logged) for name, logged in self.received.items()}
             for name, data in self._reader.drain():
                 topic = TOPIC_OF_NAME[name.rpartition("/")[2]]
                 with suppress(ProtocolError):
-                    self.heard.setdefault(name, []).append(decode(topic, data))
+                    self.received.setdefault(name, []).append(decode(topic, data))
             time.sleep(0.005)
-        return self.heard[key]
+        return self.received[key]
 
 
 @pytest.fixture
@@ -57,7 +57,7 @@ def test_header_has_due_and_start_time_of_the_step(start: Callable, port: int, l
     operator = start("operator", "--port", port, "--steps", 300, "--epoch", 77)
     operator.wait_ready("operator")
     logged = log.wait_for("passafe/operator/command", lambda logged: len(logged) == 300)
-    assert operator.said()["reason"] == "FINISHED"
+    assert operator.output()["reason"] == "FINISHED"
     first = logged[0][0].scheduled_ns
     for sequence, (header, body) in enumerate(logged):
         assert header.source == "operator"
@@ -118,7 +118,7 @@ def test_garbage_is_counted_and_reported_once(start: Callable, port: int, bus: B
     start("operator", "--port", port, "--steps", 5).wait_ready("operator")
     log.wait_for("passafe/filter/input", lambda logged: len(logged) >= 5)
     os.kill(echo.pid, signal.SIGTERM)
-    assert echo.said()["reason"] == "SIGNAL"
+    assert echo.output()["reason"] == "SIGNAL"
     code, errors = echo.end()
     assert code == 0
     assert errors.count("warning: refused") == 1
@@ -127,8 +127,8 @@ def test_garbage_is_counted_and_reported_once(start: Callable, port: int, bus: B
 def test_what_is_not_finite_does_not_leave(start: Callable, port: int, log: Log) -> None:
     operator = start("operator", "--port", port, "--steps", 100, "--non-finite")
     operator.wait_ready("operator")
-    said = operator.said()
-    assert said["withheld"] == 10
+    output = operator.output()
+    assert output["withheld"] == 10
     logged = log.wait_for("passafe/operator/command", lambda logged: len(logged) == 90)
     assert [header.sequence for header, _ in logged] == list(range(90))
     _, errors = operator.end()
@@ -138,19 +138,19 @@ def test_what_is_not_finite_does_not_leave(start: Callable, port: int, log: Log)
 def test_health_is_published_once_a_second(start: Callable, port: int, log: Log) -> None:
     operator = start("operator", "--port", port, "--rate", 200, "--duration", 2.2)
     operator.wait_ready("operator")
-    said = operator.said()
-    assert said["reason"] == "DURATION"
-    assert said["steps"] + said["missed"] == 440
+    output = operator.output()
+    assert output["reason"] == "DURATION"
+    assert output["steps"] + output["missed"] == 440
     logged = log.wait_for("passafe/operator/health", lambda logged: len(logged) == 3)
     healths = [health for _, health in logged]
     assert all(isinstance(health, Health) for health in healths)
-    assert healths[-1].steps == said["steps"]
-    assert healths[-1].steps_skipped == said["missed"]
+    assert healths[-1].steps == output["steps"]
+    assert healths[-1].steps_skipped == output["missed"]
     assert healths[0].rate_hz == pytest.approx(
         200.0 * healths[0].steps / (healths[0].steps + healths[0].steps_skipped), rel=0.05
     )
     events = log.wait_for("passafe/operator/event", lambda logged: any("ended by" in e.text for _, e in logged))
-    assert Event("info", f"ended by end of its duration after {said['steps']} steps") in [e for _, e in events]
+    assert Event("info", f"ended by end of its duration after {output['steps']} steps") in [e for _, e in events]
 
 
 def test_overload_is_reported(start: Callable, port: int, log: Log) -> None:
@@ -158,9 +158,9 @@ def test_overload_is_reported(start: Callable, port: int, log: Log) -> None:
     idle = start("filter", "--port", port, "--rate", 1_000_000, "--duration", 1.2)
     idle.wait_ready("filter")
     logged = log.wait_for("passafe/filter/event", lambda logged: any("ended by" in e.text for _, e in logged))
-    [told] = [event for _, event in logged if "skipped" in event.text]
-    numbers = re.match(r"skipped (\d+) of the last (\d+) steps", told.text)
-    assert told.severity == "warning"
+    [reported] = [event for _, event in logged if "skipped" in event.text]
+    numbers = re.match(r"skipped (\d+) of the last (\d+) steps", reported.text)
+    assert reported.severity == "warning"
     assert numbers is not None
     left_out, steps = int(numbers[1]), int(numbers[2])
     assert 990_000 < steps < 3_000_000  # those of a second, or a little more where the machine is busy
@@ -173,7 +173,7 @@ def test_a_signal_ends_it_cleanly(start: Callable, router: object, port: int, si
     operator = start("operator", "--port", port)
     operator.wait_ready("operator")
     os.kill(operator.pid, signum)
-    assert operator.said()["reason"] == "SIGNAL"
+    assert operator.output()["reason"] == "SIGNAL"
     assert operator.end()[0] == 0
 
 
@@ -182,13 +182,13 @@ def test_the_end_of_the_lifeline_ends_it_cleanly(start: Callable, port: int) -> 
     operator = start("operator", "--port", port, "--lifeline")
     operator.wait_ready("operator")
     operator.cut_lifeline()
-    assert operator.said()["reason"] == "LIFELINE"
+    assert operator.output()["reason"] == "LIFELINE"
     assert operator.end()[0] == 0
 
 
 def test_no_router_is_one_clear_error(start: Callable, port: int) -> None:
     operator = start("operator", "--port", port)
-    assert operator.said()["fault"] == "BusError"
+    assert operator.output()["fault"] == "BusError"
     code, errors = operator.end()
     assert code == 2
     assert "Traceback" not in errors
@@ -206,8 +206,8 @@ def test_start_and_router_restart_are_reported(start: Callable, port: int) -> No
         first.end()
         start("router", "--port", port).wait_ready("router")
         again = "the router was restarted: messages sent in between were not delivered"
-        told = log.wait_for("passafe/operator/event", lambda logged: any(e.text == again for _, e in logged))
-        assert [e.text for _, e in told].count(again) == 1
+        reported = log.wait_for("passafe/operator/event", lambda logged: any(e.text == again for _, e in logged))
+        assert [e.text for _, e in reported].count(again) == 1
         operator.cut_lifeline()
         assert again in operator.end()[1]
 

@@ -25,37 +25,37 @@ PATIENCE_S = 20.0
 LINK = "operator-to-filter"
 
 
-class Ear:
+class BusRecorder:
     """Hears every message of every topic."""
 
     def __init__(self, port: int) -> None:
         self._opened = open_bus(RouterEndpoint(port=port))
         self._reader = self._opened.__enter__().recording_reader()
-        self.heard: list[tuple[Header, Message]] = []
+        self.received: list[tuple[Header, Message]] = []
 
     def until(self, enough: Callable[[list[tuple[Header, Message]]], bool]) -> list[tuple[Header, Message]]:
         end = time.monotonic() + PATIENCE_S
-        while not enough(self.heard):
-            assert time.monotonic() < end, len(self.heard)
+        while not enough(self.received):
+            assert time.monotonic() < end, len(self.received)
             for key, data in self._reader.drain():
                 for topic in (INPUT, LINK_CONFIG, LINK_EVENT, LINK_STATE):
                     if key.endswith(f"/{topic.name}"):
                         with suppress(ProtocolError):
-                            self.heard.append(decode(topic, data))
+                            self.received.append(decode(topic, data))
             time.sleep(0.005)
-        return self.heard
+        return self.received
 
     def of(self, kind: type) -> list[tuple[Header, Message]]:
-        return [(header, body) for header, body in self.heard if isinstance(body, kind)]
+        return [(header, body) for header, body in self.received if isinstance(body, kind)]
 
     def close(self) -> None:
         self._opened.__exit__(None, None, None)
 
 
 @pytest.fixture
-def ear(router: object, port: int) -> Iterator[Ear]:
+def recorder(router: object, port: int) -> Iterator[BusRecorder]:
     del router
-    opened = Ear(port)
+    opened = BusRecorder(port)
     yield opened
     opened.close()
 
@@ -68,11 +68,11 @@ def console(router: object, port: int) -> Iterator[LinkConsole]:
 
 
 def test_running_link_is_changed_and_answers_with_its_settings(
-    start: Callable, port: int, ear: Ear, console: LinkConsole
+    start: Callable, port: int, recorder: BusRecorder, console: LinkConsole
 ) -> None:
     start("filter", "--port", port).wait_ready("filter")
     start("operator", "--port", port).wait_ready("operator")
-    ear.until(lambda _: len(ear.of(INPUT.body)) >= 20)
+    recorder.until(lambda _: len(recorder.of(INPUT.body)) >= 20)
     before = console.state(LINK)
     wanted = replace(before.parameters, delay_s=0.1, jitter_s=0.01)
     answer = console.configure(LINK, wanted)
@@ -80,13 +80,13 @@ def test_running_link_is_changed_and_answers_with_its_settings(
     assert settings_of(before.parameters) == LinkSettings()
     assert answer.parameters == wanted
     assert (answer.trigger, answer.config_source, answer.refusal) == ("requested", "console", "")
-    ear.until(lambda _: any(_lag_s(body) >= 0.09 for _, body in ear.of(INPUT.body)))
-    (asked_header, _), *_ = ear.of(LinkConfig)
-    (told_header, told), *_ = [(h, s) for h, s in ear.of(LinkState) if s.trigger == "requested"]
-    assert (told.config_epoch, told.config_sequence) == (asked_header.epoch, asked_header.sequence)
-    lags = [(header.sent_ns, _lag_s(body)) for header, body in ear.of(INPUT.body)]
-    assert min(lag for sent_ns, lag in lags if sent_ns < asked_header.sent_ns) < 0.05
-    late = [lag for sent_ns, lag in lags if sent_ns > told_header.sent_ns + 50_000_000]
+    recorder.until(lambda _: any(_lag_s(body) >= 0.09 for _, body in recorder.of(INPUT.body)))
+    (request_header, _), *_ = recorder.of(LinkConfig)
+    (state_header, reported), *_ = [(h, s) for h, s in recorder.of(LinkState) if s.trigger == "requested"]
+    assert (reported.config_epoch, reported.config_sequence) == (request_header.epoch, request_header.sequence)
+    lags = [(header.sent_ns, _lag_s(body)) for header, body in recorder.of(INPUT.body)]
+    assert min(lag for sent_ns, lag in lags if sent_ns < request_header.sent_ns) < 0.05
+    late = [lag for sent_ns, lag in lags if sent_ns > state_header.sent_ns + 50_000_000]
     assert min(late) >= 0.09 - 1e-6
 
 
@@ -96,17 +96,17 @@ def _lag_s(body: Message) -> float:
     return (received_ns - sent_ns) * 1e-9
 
 
-def test_the_last_state_accounts_for_every_message(start: Callable, port: int, ear: Ear) -> None:
+def test_the_last_state_accounts_for_every_message(start: Callable, port: int, recorder: BusRecorder) -> None:
     filtering = start("filter", "--port", port, "--delay", 0.05, "--loss", 0.3)
     filtering.wait_ready("filter")
     start("operator", "--port", port, "--steps", 300).wait_ready("operator")
-    ear.until(lambda _: len(ear.of(INPUT.body)) >= 150)
+    recorder.until(lambda _: len(recorder.of(INPUT.body)) >= 150)
     os.kill(filtering.pid, signal.SIGTERM)
-    ear.until(lambda _: any(state.trigger == "end" for _, state in ear.of(LinkState)))
-    end = ear.of(LinkState)[-1][1]
+    recorder.until(lambda _: any(state.trigger == "end" for _, state in recorder.of(LinkState)))
+    end = recorder.of(LinkState)[-1][1]
 
     assert end.entered + end.duplicated == end.delivered + end.dropped_loss + end.in_flight
-    assert end.dropped_loss == len(ear.of(LINK_EVENT.body)) > 0
+    assert end.dropped_loss == len(recorder.of(LINK_EVENT.body)) > 0
     (source,) = end.sources
     assert source.received == end.entered == source.newest - source.first + 1
 

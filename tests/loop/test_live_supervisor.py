@@ -42,11 +42,11 @@ class Terminal:
         self.lines.append((time.monotonic(), line))
         name, bar, text = line.partition(" | ")
         if bar and text.startswith("{"):
-            said = json.loads(text)
-            if "pid" in said:
-                self.pids[name.strip()] = said
-                self.said_pid.append((name.strip(), said["pid"]))
-                self.on_pid(name.strip(), said["pid"])
+            output = json.loads(text)
+            if "pid" in output:
+                self.pids[name.strip()] = output
+                self.said_pid.append((name.strip(), output["pid"]))
+                self.on_pid(name.strip(), output["pid"])
 
     def when(self, text: str) -> float:
         """Return the time of the first line with ``text``."""
@@ -60,7 +60,7 @@ class Terminal:
     @property
     def all_pids(self) -> list[int]:
         """Of all toys and what they started."""
-        return [pid for said in self.pids.values() for pid in said.values()]
+        return [pid for output in self.pids.values() for pid in output.values()]
 
 
 def alive(pid: int) -> bool:
@@ -91,7 +91,7 @@ def test_processes_start_in_order_and_stop_in_the_opposite_order(terminal: Termi
 
     def look() -> None:
         terminal("all are ready")
-        sessions.update({said["pid"]: os.getsid(said["pid"]) for said in terminal.pids.values()})
+        sessions.update({output["pid"]: os.getsid(output["pid"]) for output in terminal.pids.values()})
 
     specs = [toy("first"), toy("second"), toy("third")]
     outcome = supervise(specs, duration_s=0.0, emit=terminal, on_ready=look)
@@ -189,7 +189,7 @@ def test_what_a_killed_process_started_does_not_stay_behind(terminal: Terminal) 
 
 def test_dead_process_is_restarted_while_the_others_run_on(terminal: Terminal) -> None:
     def stop_when_back(name: str, _pid: int) -> None:
-        if [said for said, _ in terminal.said_pid].count(name) == 2:
+        if [output for output, _ in terminal.said_pid].count(name) == 2:
             os.kill(os.getpid(), signal.SIGINT)
 
     terminal.on_pid = stop_when_back

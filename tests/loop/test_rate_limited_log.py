@@ -10,8 +10,8 @@ def test_repeated_messages_are_logged_once_and_counted(capsys: pytest.CaptureFix
     assert log.report("garbage", "warning", "got garbage", 0) == Event("warning", "got garbage")
     for now_ns in (1, 2, PERIOD_NS - 1):
         assert log.report("garbage", "warning", "got garbage", now_ns) is None
-    told = log.report("garbage", "warning", "got garbage", PERIOD_NS)
-    assert told == Event("warning", "got garbage (and 3 more like it)")
+    reported = log.report("garbage", "warning", "got garbage", PERIOD_NS)
+    assert reported == Event("warning", "got garbage (and 3 more like it)")
     assert log.report("garbage", "warning", "got garbage", 2 * PERIOD_NS) == Event("warning", "got garbage")
     assert capsys.readouterr().err.splitlines() == [
         "warning: got garbage",

@@ -26,8 +26,8 @@ def asked_and(more: str, priority: int) -> str:
 
 
 def test_realtime_priority_is_granted_or_refused_with_a_reason() -> None:
-    told = asked(7)
-    assert told == "True 7 None" or told.startswith("False 0 no real-time priority (")
+    reported = asked(7)
+    assert reported == "True 7 None" or reported.startswith("False 0 no real-time priority (")
 
 
 def test_unknown_priority_is_a_refusal_not_an_error() -> None:

@@ -55,8 +55,8 @@ def run_with_lifeline(*, hangs: bool) -> tuple[str, int]:
         process.stdin.flush()
         assert process.poll() is None
         process.stdin.close()
-        said = process.stdout.readline().strip()
-        return said, process.wait(20.0)
+        output = process.stdout.readline().strip()
+        return output, process.wait(20.0)
 
 
 def test_end_of_the_lifeline_requests_a_stop() -> None:

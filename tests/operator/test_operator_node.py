@@ -266,13 +266,13 @@ def test_of_two_operators_the_later_session_remains(started_first: bool) -> None
     old, new = OperatorNode(TimeTeller(), epoch=1), OperatorNode(TimeTeller(), epoch=2)
     nodes = {1: old, 2: new} if started_first else {2: new, 1: old}
     inbox: list[Received] = []
-    heard: list[list[int]] = []
+    received: list[list[int]] = []
     for step in range(5):
         outbox = [(epoch, out) for epoch, node in nodes.items() for out in node.step(step * MS, inbox)]
         commanding = [epoch for epoch, out in outbox if out[0] is COMMAND]
-        heard.append(sorted(commanding))
+        received.append(sorted(commanding))
         inbox = [command_of(epoch, step * MS) for epoch in commanding]
-    assert heard == [[1, 2], [2], [2], [2], [2]]
+    assert received == [[1, 2], [2], [2], [2], [2]]
 
 
 def test_a_silenced_person_can_still_quit() -> None:

@@ -264,10 +264,10 @@ def test_corrupted_item_is_damaged_at_the_drawn_position() -> None:
 
     def outcomes() -> list[object]:
         link: Link[object] = Link("a-to-b", settings, lambda item, place: (item, place))
-        told = [link.put(i, i) for i in range(200)]
+        reported = [link.put(i, i) for i in range(200)]
         out = link.pop_arrived(S)
         damaged = [item for _, item in out if isinstance(item, tuple)]
-        assert len(damaged) == sum(effects.count(CORRUPTED[0]) for effects in told) == link.counts.corrupted
+        assert len(damaged) == sum(effects.count(CORRUPTED[0]) for effects in reported) == link.counts.corrupted
         return out
 
     places = [item[1] for _, item in outcomes() if isinstance(item, tuple)]
@@ -295,12 +295,12 @@ def test_every_message_is_accounted_for_at_any_moment(
     chosen: list[LinkSettings], pauses: list[int], looks: int, changes: int
 ) -> None:
     link: Link[tuple[int, int]] = Link("a-to-b", chosen[0])
-    now_ns, told, out = 0, [], []
+    now_ns, reported, out = 0, [], []
     for i, pause in enumerate(pauses):
         now_ns += pause
         if i % changes == 0:
             link.reconfigure(chosen[i // changes % len(chosen)])
-        told += link.put(now_ns, (i, now_ns))
+        reported += link.put(now_ns, (i, now_ns))
         if i % looks == 0:
             out += link.pop_arrived(now_ns)
             assert all(arrival_ns <= now_ns for arrival_ns, _ in out)
@@ -313,11 +313,11 @@ def test_every_message_is_accounted_for_at_any_moment(
 
     assert counts.in_flight == 0
     assert all(arrival_ns >= put_ns for arrival_ns, (_, put_ns) in everything)
-    assert told.count(DROPPED_BY_LOSS[0]) == counts.dropped_loss
-    assert told.count(DROPPED_BY_OUTAGE[0]) == counts.dropped_outage
-    assert sum(effect.effect == "dropped" for effect in told) == counts.dropped
-    assert sum(effect.effect == "duplicated" for effect in told) == counts.duplicated
-    assert sum(effect.effect == "corrupted" for effect in told) == counts.corrupted
+    assert reported.count(DROPPED_BY_LOSS[0]) == counts.dropped_loss
+    assert reported.count(DROPPED_BY_OUTAGE[0]) == counts.dropped_outage
+    assert sum(effect.effect == "dropped" for effect in reported) == counts.dropped
+    assert sum(effect.effect == "duplicated" for effect in reported) == counts.duplicated
+    assert sum(effect.effect == "corrupted" for effect in reported) == counts.corrupted
     copies = len(everything) - len({i for _, (i, _) in everything})
     assert copies == counts.duplicated
 

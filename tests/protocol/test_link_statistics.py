@@ -189,12 +189,12 @@ def test_independent_and_burst_losses_add_up() -> None:
 @pytest.mark.parametrize("share", [0.01, 0.3])
 def test_duplication_and_corruption_have_their_share(share: float) -> None:
     link: Link[int] = Link("a-to-b", LinkSettings(duplicate=share, corrupt=share, seed=7))
-    told = [link.put(0, i) for i in range(COUNT)]
+    reported = [link.put(0, i) for i in range(COUNT)]
     copies = link.counts.duplicated
 
     assert within(copies, share, COUNT)
     assert within(link.counts.corrupted, share, COUNT + copies)
-    assert sum(effects.count(CORRUPTED[0]) for effects in told) == link.counts.corrupted
+    assert sum(effects.count(CORRUPTED[0]) for effects in reported) == link.counts.corrupted
 
 
 @pytest.mark.parametrize(("offered_hz", "passed_hz"), [(1000, 400), (300, 300)])

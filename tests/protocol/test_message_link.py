@@ -1,4 +1,4 @@
-"""A link of messages: damage is done to bytes and classified by the decoder, and all of it is told."""
+"""A link of messages: damage is done to bytes and classified by the decoder, and all of it is reported."""
 
 from dataclasses import replace
 
@@ -68,13 +68,13 @@ def test_corrupted_message_has_one_flipped_bit_and_is_refused(monkeypatch: pytes
         passafe_protocol.message_link, "decode", lambda topic, data: seen.append(data) or decode(topic, data)
     )
     link = MessageLink("filter-to-plant", LinkSettings(corrupt=0.5, seed=3))
-    told = [link.put(0, (head(i), an_input(i))) for i in range(400)]
+    reported = [link.put(0, (head(i), an_input(i))) for i in range(400)]
     came = link.pop_received(0)
 
     assert len(seen) == link.counts.corrupted == link.refused_corrupted == 400 - len(came)
-    assert [received.header.sequence for received in came] == [i for i, effects in enumerate(told) if not effects]
+    assert [received.header.sequence for received in came] == [i for i, effects in enumerate(reported) if not effects]
     bits = set()
-    for i, data in zip([i for i, effects in enumerate(told) if effects], seen, strict=True):
+    for i, data in zip([i for i, effects in enumerate(reported) if effects], seen, strict=True):
         whole = encode(head(i), an_input(i))
         differing = int.from_bytes(data, "big") ^ int.from_bytes(whole, "big")
         assert len(data) == len(whole)

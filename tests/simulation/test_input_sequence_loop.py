@@ -237,7 +237,7 @@ def test_what_is_remembered_of_inputs_sent_is_bounded() -> None:
 
     at_most = (0.5 + 0.2) * RATE_HZ
     assert len(predictor._sent) <= at_most
-    assert len(predictor._path) <= at_most
+    assert len(predictor._trajectory) <= at_most
     assert len(held) <= at_most
 
 

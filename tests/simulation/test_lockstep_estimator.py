@@ -54,10 +54,10 @@ def test_the_sources_own_rate_is_not_what_phi_sees(tmp_path: Path) -> None:
 
 def test_as_sent_is_the_default_to_the_last_bit(tmp_path: Path) -> None:
     default = logged(tmp_path / "default.mcap", duration_s=0.1)
-    said = logged(tmp_path / "said.mcap", duration_s=0.1, operator__estimator={"kind": "as-sent"})
+    explicit = logged(tmp_path / "explicit.mcap", duration_s=0.1, operator__estimator={"kind": "as-sent"})
 
-    assert [m.body for m in default.of(FilterTick)] == [m.body for m in said.of(FilterTick)]
-    assert replay_filter(said).exact
+    assert [m.body for m in default.of(FilterTick)] == [m.body for m in explicit.of(FilterTick)]
+    assert replay_filter(explicit).exact
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,7 @@ DELAY_S = 0.15
 
 
 class Changed(NamedTuple):
-    """A run whose links were changed: its log, and what each command and the page said."""
+    """A run whose links were changed: its log, and what each command and the page output."""
 
     log: RunLog
     show: subprocess.CompletedProcess[str]
@@ -115,7 +115,7 @@ def test_every_message_of_every_link_is_accounted_for(changed: Changed) -> None:
     assert all(account.final for account in accounts)
     assert accounts[0].dropped["loss"] > 0
     gaps = changed.log.counts["link_event"].gaps  # on a machine with much else to do the log may lack some
-    told = [account.differences.get("events missing in the log", 0) for account in accounts]
-    assert max(told) == gaps
+    reported = [account.differences.get("events missing in the log", 0) for account in accounts]
+    assert max(reported) == gaps
     assert [account.text for account in accounts if account.differences and not gaps] == []
     assert [account.text for account in accounts if {"balance", "put and sent"} & set(account.differences)] == []

@@ -211,7 +211,7 @@ def test_log_with_a_gap_is_unproven_and_locates_it(tmp_path: Path, missing: type
     assert (complete.holds, complete.worst) == (False, 2.0)
     assert complete.at_s == pytest.approx(0.019)
     assert sum(verdict.gaps.values()) == 2
-    assert verdict.properties["consistent"].holds is True  # nothing is said about the gap
+    assert verdict.properties["consistent"].holds is True  # the gap is not evaluated
 
 
 def test_a_violation_outweighs_a_gap(tmp_path: Path) -> None:

@@ -201,8 +201,8 @@ def test_full_disk_ends_it_in_one_line_with_a_readable_log(tmp_path: Path) -> No
     with writing_child(path, limit_bytes=200_000) as child:
         _, errors = child.communicate(timeout=PATIENCE_S)
     assert child.returncode == 1
-    told = f"{path}: cannot write the log: File too large"
-    assert errors == f"error: {told}\n{told}\n"
+    reported = f"{path}: cannot write the log: File too large"
+    assert errors == f"error: {reported}\n{reported}\n"
     assert path.stat().st_size == 200_000
     out = tmp_path / "out.mcap"
     recovery = recover(path, out)

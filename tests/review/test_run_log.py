@@ -133,7 +133,7 @@ def test_published_scenario_replaces_missing_metadata(tmp_path: Path) -> None:
 
 
 def unfit(tmp_path: Path) -> dict[str, tuple[Path, type[LogFileError], str]]:
-    """Files that cannot be reviewed, what is raised for each and a part of what is said."""
+    """Files that cannot be reviewed, what is raised for each and part of the message."""
     files = {name: tmp_path / f"{name}.mcap" for name in ("empty", "text", "foreign", "silent", "newer")}
     files["empty"].touch()
     files["text"].write_text("time,x\n0,1\n" * 100)
