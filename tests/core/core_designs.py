@@ -168,9 +168,9 @@ def assert_consistent(made: SafetyPassivityFilter, decision: Decision) -> None:
     design = made.design
     N, m = len(made.row_names), design.system.m
     z = decision.part("z")
-    duties = decision.part("G").reshape((made.constraints, z.size), order="F")
+    constraints = decision.part("G").reshape((made.constraints, z.size), order="F")
     axes = np.eye(m, z.size)
-    G = np.vstack((duties, axes, -axes))
+    G = np.vstack((constraints, axes, -axes))
     low, high, u_ref = (decision.part(name) for name in ("low", "high", "u_ref"))
     d = np.concatenate((decision.part("d"), low - u_ref, u_ref - high))
     held = np.asarray(decision.u)
@@ -178,7 +178,7 @@ def assert_consistent(made: SafetyPassivityFilter, decision: Decision) -> None:
     assert held == pytest.approx(np.clip(u_ref + z[:m], low, high))
     assert decision.margins == pytest.approx(G @ z - d)
     assert decision.v == pytest.approx((held - decision.part("u")) / design.dt_s - decision.phi)
-    assert np.linalg.norm(duties, axis=1) == pytest.approx(np.ones(made.constraints))
+    assert np.linalg.norm(constraints, axis=1) == pytest.approx(np.ones(made.constraints))
     if decision.status is Status.UNCERTIFIED:
         assert (decision.slack, decision.duals.tolist()) == (0.0, [0.0] * N)
         return

@@ -41,7 +41,7 @@ DESIGNS: dict[str, FilterDesign] = {
     "the continuous law": damped_design(law=Law.CONTINUOUS),
     "safety alone": damped_design(mode=Mode.SAFE),
     "passivity alone": damped_design(mode=Mode.PASSIVE),
-    "no duty": damped_design(mode=Mode.OFF),
+    "no constraint": damped_design(mode=Mode.OFF),
 }
 
 Request = tuple[Array, Array, Array, Array, Array, Array]
@@ -74,19 +74,19 @@ def one_by_one(core: SafetyPassivityFilter, asked: Request, *, start: bool = Fal
 def assert_same(many: BatchFilter, expected: Sequence[Decision]) -> None:
     """Check for the same decisions, to the last bit where the filter itself took them."""
     relaxed_above = many.core.design.passivity.relaxed_above
-    for lane, decision in enumerate(expected):
-        status = Status(many.status[lane])
-        if many.scalar[lane]:
+    for element, decision in enumerate(expected):
+        status = Status(many.status[element])
+        if many.scalar[element]:
             assert status is decision.status
-            np.testing.assert_array_equal(many.batch.block[:, lane], decision.block)
+            np.testing.assert_array_equal(many.batch.block[:, element], decision.block)
             continue
         scale = 1 + float(np.linalg.norm(decision.part("z")))
         for name in ("u_plus", "z", "margins"):
-            assert many.part(name)[:, lane] == pytest.approx(decision.part(name), abs=AGREEMENT * scale), name
+            assert many.part(name)[:, element] == pytest.approx(decision.part(name), abs=AGREEMENT * scale), name
         for name in ("x", "u", "u_h", "u_h_rate", "tank", "t", "start", "u_lin", "trust_asked", "tightening"):
-            assert many.part(name)[:, lane].tolist() == decision.part(name).tolist(), name
+            assert many.part(name)[:, element].tolist() == decision.part(name).tolist(), name
         for name in ("u_nominal", "phi", "u_ref", "low", "high", "trust", "eps", "G", "d", "relax", "cuts"):
-            assert many.part(name)[:, lane] == pytest.approx(decision.part(name), rel=1e-11, abs=1e-11), name
+            assert many.part(name)[:, element] == pytest.approx(decision.part(name), rel=1e-11, abs=1e-11), name
         nearly = abs(decision.slack - relaxed_above) < AGREEMENT * scale
         assert status is decision.status or (nearly and {status, decision.status} <= {Status.MODIFIED, Status.RELAXED})
 
@@ -190,8 +190,8 @@ def test_hostile_elements_get_the_scalar_answer_alone(hostile: float) -> None:
     many = BatchFilter(core, 40)
     many.decide(*asked)
     undisturbed = many.batch.block.copy()
-    for lane, argument in enumerate(asked):
-        argument[..., lane] = hostile
+    for element, argument in enumerate(asked):
+        argument[..., element] = hostile
     many.decide(*asked)
 
     assert_same(many, one_by_one(core, asked))
@@ -218,7 +218,7 @@ def test_meeting_conflicting_and_zero_gradient_rows() -> None:
     expected = one_by_one(core, asked)
 
     assert_same(many, expected)
-    at_once = [decision for decision, singly in zip(expected, many.scalar.tolist(), strict=False) if not singly]
+    at_once = [decision for decision, scalar in zip(expected, many.scalar.tolist(), strict=False) if not scalar]
     active = [int((decision.duals > 1e-3).sum()) for decision in at_once]
     assert {0, 1, 2} <= set(active)
     assert Status.INFEASIBLE in {decision.status for decision in expected}
@@ -238,18 +238,18 @@ def test_guess_binds_row_and_limit_where_both_are_active() -> None:
     np.testing.assert_allclose(many.part("u_plus").T, [side @ (5.0, 3.75) for side in sides], atol=1e-9)
 
 
-def test_a_lane_s_decision_does_not_depend_on_the_others() -> None:
+def test_an_element_s_decision_does_not_depend_on_the_others() -> None:
     design = drag_design(input_bound=12.0)
     core = SafetyPassivityFilter(design)
     asked = requests(design, 60, seed=24)
     together = BatchFilter(core, 60)
     together.decide(*asked)
     alone = BatchFilter(core, 1)
-    for lane in range(0, 60, 7):
-        alone.decide(*(each[..., lane : lane + 1] for each in asked))
+    for element in range(0, 60, 7):
+        alone.decide(*(each[..., element : element + 1] for each in asked))
 
-        np.testing.assert_array_equal(alone.batch.block[:, 0], together.batch.block[:, lane])
-        assert alone.status[0] == together.status[lane]
+        np.testing.assert_array_equal(alone.batch.block[:, 0], together.batch.block[:, element])
+        assert alone.status[0] == together.status[element]
 
 
 def test_gradients_and_numbers_of_rows_are_those_of_the_filter() -> None:
@@ -257,7 +257,7 @@ def test_gradients_and_numbers_of_rows_are_those_of_the_filter() -> None:
     core = SafetyPassivityFilter(design)
     many, asked = BatchFilter(core, 5), requests(design, 5, seed=25)
     many.decide(*asked)
-    for lane, decision in enumerate(one_by_one(core, asked)):
+    for element, decision in enumerate(one_by_one(core, asked)):
         G = decision.part("G").reshape((2, 3), order="F")
-        np.testing.assert_allclose(many.gradients[:, :, lane].T, G[:, :2], atol=1e-12)
+        np.testing.assert_allclose(many.gradients[:, :, element].T, G[:, :2], atol=1e-12)
     assert (many.constraints, many.hard) == (2, 1)

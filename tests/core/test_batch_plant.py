@@ -21,9 +21,11 @@ def plant_of(robot: Robot, dt_s: float = DT_S) -> SampledPlant:
 
 def assert_each_as_alone(plant: SampledPlant, many: BatchPlant, x: np.ndarray, u: np.ndarray) -> None:
     many.advance(x, u)
-    for lane in range(x.shape[1]):
-        sample = plant.advance(x[:, lane].tolist(), u[:, lane].tolist())
-        got = {name: many.batch.part(name)[:, lane].tolist() for name in ("x_next", "y", "stored", "energy", "error")}
+    for element in range(x.shape[1]):
+        sample = plant.advance(x[:, element].tolist(), u[:, element].tolist())
+        got = {
+            name: many.batch.part(name)[:, element].tolist() for name in ("x_next", "y", "stored", "energy", "error")
+        }
 
         assert got["x_next"] == pytest.approx(sample.x, rel=1e-14, abs=1e-15)
         assert got["y"] == pytest.approx(sample.y, rel=1e-14, abs=1e-15)

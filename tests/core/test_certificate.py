@@ -135,8 +135,8 @@ def test_perturbed_answers_and_wrong_multipliers_are_rejected() -> None:
             assert not accepted(judge(G, d, exact.z, -exact.lam)[1])
 
 
-@pytest.mark.parametrize("poison", [nan, inf, -inf])
-def test_a_nan_or_infinity_in_any_place_is_rejected(poison: float) -> None:
+@pytest.mark.parametrize("invalid", [nan, inf, -inf])
+def test_a_nan_or_infinity_in_any_place_is_rejected(invalid: float) -> None:
     G, d = np.array([[1.0, 0.0], [0.6, 0.8]]), np.array([2.0, -1.0])
     exact = solve_exactly(G, d)
     assert exact is not None
@@ -145,7 +145,7 @@ def test_a_nan_or_infinity_in_any_place_is_rejected(poison: float) -> None:
     for i, part in enumerate(parts):
         for place in range(part.size):
             spoiled = [one.copy() for one in parts]
-            spoiled[i].flat[place] = poison
+            spoiled[i].flat[place] = invalid
 
             assert not accepted(judge(*spoiled)[1]), f"argument {i}, place {place}"
 

@@ -40,11 +40,11 @@ def needs_more_than_the_bound(exact: Minimiser | None) -> bool:
 
 def assert_near_minimiser(decision: Decision) -> None:
     """Within √(2·gap) of the minimiser of the rows that the answer keeps exactly: the certificate's guarantee."""
-    z, duties = decision.part("z"), decision.part("d").size
-    if decision.duals[duties:].max() > 0:
+    z, constraints = decision.part("z"), decision.part("d").size
+    if decision.duals[constraints:].max() > 0:
         return  # a limit is among the rows that decide; the closed form knows two rows only
-    d, lam, margins = decision.part("d"), np.maximum(decision.duals[:duties], 0), decision.margins[:duties]
-    G = decision.part("G").reshape((duties, z.size), order="F")
+    d, lam, margins = decision.part("d"), np.maximum(decision.duals[:constraints], 0), decision.margins[:constraints]
+    G = decision.part("G").reshape((constraints, z.size), order="F")
     kept = d + np.minimum(margins, 0)
     pull = G.T @ lam
     gap = max(float(z @ z / 2 - lam @ kept + pull @ pull / 2), 0.0)

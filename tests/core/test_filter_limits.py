@@ -50,7 +50,7 @@ def test_the_rate_s_limit_is_used_to_the_full() -> None:
 
 
 def best_on_a_grid(made: SafetyPassivityFilter, decision_parts: tuple[Array, Array, Array]) -> float:
-    """Return the smallest ½‖u − u_ref‖² over a fine polar grid of the ball that keeps the duties' rows."""
+    """Return the smallest ½‖u − u_ref‖² over a fine polar grid of the ball that keeps the constraints' rows."""
     G, d, u_ref = decision_parts
     norm = made.design.limits.norm or 0.0
     angle, length = np.meshgrid(np.linspace(-np.pi, np.pi, 2881), np.linspace(0, norm, 401))

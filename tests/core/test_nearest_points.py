@@ -18,8 +18,8 @@ def found(programs: list[tuple[Array, Array]]) -> tuple[Array, Array]:
     """Points (count, k) and multipliers (count, M) of programs of the same size."""
     (M, k), count = programs[0][0].shape, len(programs)
     points = NearestPoints(k, M, count)
-    for lane, (G, d) in enumerate(programs):
-        points.rows[:, :, lane], points.bounds[:, lane] = G.T, d
+    for element, (G, d) in enumerate(programs):
+        points.rows[:, :, element], points.bounds[:, element] = G.T, d
     z, lam = np.full((k, count), np.nan), np.full((M, count), np.nan)
     with np.errstate(all="ignore"):
         points.find(z, lam)
@@ -75,7 +75,7 @@ def nearest_by_trying(G: Array, d: Array) -> Array | None:
     return min(kept, key=lambda z: float(z @ z), default=None)
 
 
-def test_a_row_that_no_number_bounds_spoils_its_own_lane_alone() -> None:
+def test_a_row_that_no_number_bounds_spoils_its_own_element_alone() -> None:
     G = np.array([[1.0, 0.0], [0.0, 1.0]])
     programs = [(G, np.array([2.0, 1.0])), (G, np.array([np.nan, 1.0])), (G, np.array([0.5, -1.0]))]
     z, _ = found(programs)

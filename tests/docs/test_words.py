@@ -36,12 +36,17 @@ ALLOWED: dict[str, tuple[str, str]] = {
 """Files in which a pattern may occur, and the reason."""
 
 CLEAN = (
+    "passafe",
     "protocol",
+    "services",
     "dashboard",
+    "tests",
+    "benchmarks",
     "wheel_build",
     "docs",
     "docs_build",
     "examples",
+    ".ci",
     "README.md",
     "CONTRIBUTING.md",
     "CHANGELOG.md",

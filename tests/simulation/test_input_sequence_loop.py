@@ -254,7 +254,7 @@ def logged(path: Path, *, restart: bool, **overrides: object) -> tuple[InputSequ
 
 
 @pytest.mark.parametrize(("estimator", "restart"), [(0, False), (0, True), (1, True)])
-def test_a_log_of_a_bad_network_steps_again_tick_by_tick(tmp_path: Path, estimator: int, *, restart: bool) -> None:
+def test_a_log_of_a_bad_network_replays_tick_by_tick(tmp_path: Path, estimator: int, *, restart: bool) -> None:
     overrides = bad_links(delay_s=0.04, jitter_s=0.03, loss=0.2, seed=9) | {"operator.estimator": ESTIMATORS[estimator]}
     run, log = logged(tmp_path / "run.mcap", restart=restart, **overrides)
     steps = [message.header.scheduled_ns for message in log.of(PlantInput)]

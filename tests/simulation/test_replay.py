@@ -41,7 +41,7 @@ def first_of_a_step_with_several(log: RunLog) -> int:
     return next(k for k in range(1, len(due) - 1) if due[k - 1] != due[k] == due[k + 1])
 
 
-def test_the_whole_log_steps_again(log: RunLog) -> None:
+def test_the_whole_log_replays(log: RunLog) -> None:
     assert replay_filter(log).exact
 
 

@@ -68,7 +68,7 @@ def test_a_live_log_is_complete(finished: tuple[RunLog, list[str], int]) -> None
     }
 
 
-def test_the_filter_of_a_live_run_steps_again_to_the_last_bit(finished: tuple[RunLog, list[str], int]) -> None:
+def test_the_filter_of_a_live_run_replays_to_the_last_bit(finished: tuple[RunLog, list[str], int]) -> None:
     result = replay_filter(finished[0])
 
     assert result.exact, result

@@ -1,1 +1,1 @@
-"""The feasibility atlas: where in the state space the filter's duties can be kept at all (``docs/feasibility.md``)."""
+"""Map where in the state space the filter can satisfy its constraints (``docs/feasibility.md``)."""
