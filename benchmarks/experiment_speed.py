@@ -32,8 +32,8 @@ class Speed(NamedTuple):
 
 
 def main(
-    runs: Annotated[int, typer.Option(min=20, help="Runs of each measurement.")] = 60,
-    duration: Annotated[float, typer.Option(min=0.01, help="Plant time of each run, s.")] = 10.0,
+    runs: Annotated[int, typer.Option(min=20, help="Runs of each measurement.")] = 40,
+    duration: Annotated[float, typer.Option(min=0.01, help="Plant time of each run, s.")] = 5.0,
     rounds: Annotated[int, typer.Option(min=1, help="Measurements with each number of workers, in turn.")] = 3,
     scenario: Annotated[str, typer.Option(help="Scenario, by name or file.")] = "notomista-cai-2020",
     rate: Annotated[float, typer.Option(min=1.0, max=1000.0, help="Ticks per second, Hz.")] = 1000.0,
