@@ -71,7 +71,7 @@ def rollout(scenario: Scenario, seed: int, duration_s: float) -> RolloutResult:
     """Roll out one state at a time, without batching."""
     robot = robot_of(scenario)
     core = SafetyPassivityFilter(design_of(scenario, robot))
-    plant, tank, mathematics = sampled_plant_of(scenario, robot), tank_of(scenario), CoreEvaluator(scenario)
+    plant, tank, evaluator = sampled_plant_of(scenario, robot), tank_of(scenario), CoreEvaluator(scenario)
     rng, m, dt_s = np.random.default_rng([seed, 0x9A55AFE]), robot.system.m, scenario.dt_s
     name = NAMES[seed % 5]
     ask = adversary(name, rng, m)
@@ -92,8 +92,8 @@ def rollout(scenario: Scenario, seed: int, duration_s: float) -> RolloutResult:
         level_j = tank.balance(level_j, sample.energy_in_j, sample.stored_j - stored_j)
         levels.append(level_j)
     x, held, t_s = np.array(xs).T, np.array(us).T, np.arange(len(xs)) * dt_s
-    h = [mathematics.h(mathematics.flow(x, held, dt_s * j / 4), t_s + dt_s * j / 4) for j in (1, 2, 3, 4)]
-    h.append(mathematics.h(x, t_s))
+    h = [evaluator.h(evaluator.flow(x, held, dt_s * j / 4), t_s + dt_s * j / 4) for j in (1, 2, 3, 4)]
+    h.append(evaluator.h(x, t_s))
     return RolloutResult(
         seed=seed,
         adversary=name,

@@ -83,10 +83,10 @@ def test_the_lowest_h_of_a_period_is_that_of_its_instants(name: str) -> None:
 
 
 def lowest_after(scenario: Scenario, x: np.ndarray, u: np.ndarray, t_s: float, share: float) -> np.ndarray:
-    """Smallest h after a share of a period, from the mathematics with which logs are reviewed."""
-    mathematics, offset_s = CoreEvaluator(scenario), share * scenario.dt_s
-    later = mathematics.flow(x, u, offset_s) if share else x
-    return mathematics.h(later, np.full(x.shape[1], t_s + offset_s)).min(axis=0)
+    """Smallest h after a share of a period, from the functions with which logs are reviewed."""
+    evaluator, offset_s = CoreEvaluator(scenario), share * scenario.dt_s
+    later = evaluator.flow(x, u, offset_s) if share else x
+    return evaluator.h(later, np.full(x.shape[1], t_s + offset_s)).min(axis=0)
 
 
 def test_without_a_barrier_there_is_no_lowest_h() -> None:

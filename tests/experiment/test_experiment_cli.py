@@ -1,4 +1,4 @@
-"""``passafe experiment`` as a process: what it writes, how it ends, and that it goes on."""
+"""``passafe experiment`` as a process: what it writes, how it ends, and that it resumes."""
 
 import json
 import re
@@ -93,7 +93,7 @@ def test_the_same_command_runs_nothing_again(small: Path) -> None:
 
 @pytest.mark.live
 @pytest.mark.parametrize("workers", ["1", "2"])
-def test_ctrl_c_loses_nothing_and_the_same_command_goes_on(workers: str, tmp_path: Path) -> None:
+def test_ctrl_c_loses_nothing_and_the_command_resumes(workers: str, tmp_path: Path) -> None:
     file, out = tmp_path / "small.toml", tmp_path / "out"
     file.write_text(SMALL, encoding="utf-8")
     command = str(file), "--out", str(out), "--seeds", "40", "--workers", workers, "--keep", "none"

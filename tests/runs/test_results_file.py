@@ -27,7 +27,7 @@ def numbers(*seeds: int) -> list[Number]:
     return [Number(seed=seed, value=seed / 3) for seed in seeds]
 
 
-def test_an_interrupted_sweep_resumes_without_the_line_that_was_cut(tmp_path: Path) -> None:
+def test_an_interrupted_sweep_resumes_without_the_cut_line(tmp_path: Path) -> None:
     path = tmp_path / "r.jsonl"
     assert len(list(opened(path).add([numbers(0), numbers(1, 3)]))) == 2
     with path.open("a", encoding="utf-8") as file:

@@ -63,7 +63,7 @@ def test_a_worker_that_is_killed_at_work_ends_the_sweep_at_once() -> None:
     assert time.monotonic() - begun_s < SOON_S
 
 
-def test_a_worker_killed_in_the_middle_of_a_result_is_lost_at_once() -> None:
+def test_a_worker_killed_while_it_sends_is_lost_at_once() -> None:
     """The other one would wait for ever for a lock of a common queue, and the parent for the rest of the message."""
     with worker_processes(SleepJob(), 2) as workers:
         for _ in workers.processes:

@@ -82,7 +82,7 @@ class CampaignSummary(BaseModel):
 
     @property
     def holds(self) -> bool:
-        """Whether every rollout stayed safe, solvent, within the limits and certified."""
+        """True if every rollout stayed safe, solvent, within the limits and certified."""
         is_kept = self.unsafe == self.drained == self.between_samples_unproven == 0
         return is_kept and self.worst["overreach"].value <= ROUNDING
 

@@ -1,1 +1,1 @@
-"""Sweeps: many closed loops in virtual time under conditions that an experiment file describes, and their figures."""
+"""Sweeps: many closed loops in virtual time under conditions that an experiment file describes, and their metrics."""

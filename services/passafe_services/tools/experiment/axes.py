@@ -1,4 +1,4 @@
-"""What an experiment varies: axes with listed values, values drawn for each seed, and one that is bisected."""
+"""Axes of an experiment: listed values, values drawn for each seed, and one that is bisected."""
 
 from collections.abc import Mapping
 from typing import Annotated, Any, Final, Literal, Self, TypeAlias
@@ -33,7 +33,7 @@ class Axis(Config):
 
     @model_validator(mode="before")
     @classmethod
-    def _is_named_after_its_key(cls, data: Any) -> Any:  # noqa: ANN401 - TOML may hold anything; what is wrong is told by the fields
+    def _is_named_after_its_key(cls, data: Any) -> Any:  # noqa: ANN401 - TOML may hold anything; the fields report what is wrong
         if isinstance(data, Mapping) and not data.get("name") and isinstance(data.get("key"), str):
             return {**data, "name": data["key"]}
         return data
@@ -53,7 +53,7 @@ class Axis(Config):
 
     @property
     def scales(self) -> bool:
-        """Whether it sets multiples of its value, which then must be a number."""
+        """True if it sets multiples of its value, which then must be a number."""
         return isinstance(self.keys, dict)
 
     def overrides(self, value: JsonValue) -> Overrides:
@@ -172,7 +172,7 @@ def _require_room(low: float, high: float) -> None:
         raise ValueError(f"low, high: got {low:g} and {high:g}, allowed a low below its high")
 
 
-def _kind_of(data: Any) -> Any:  # noqa: ANN401 - TOML may hold anything; pydantic says what is wrong with it
+def _kind_of(data: Any) -> Any:  # noqa: ANN401 - TOML may hold anything; pydantic reports what is wrong with it
     return data.get("kind", "grid") if isinstance(data, Mapping) else getattr(data, "kind", None)
 
 

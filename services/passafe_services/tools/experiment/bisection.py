@@ -9,7 +9,7 @@ from passafe_services.tools.experiment.axes import BisectAxis
 
 
 class Boundary(BaseModel):
-    """Where a criterion first fails along an axis, as far as the values that were tried show.
+    """Interval in which a criterion first fails along an axis, as far as the values that were tried show.
 
     Attributes:
         holds_up_to: Largest value below the first failure that was tried; ``None`` if the lowest fails already.
@@ -40,7 +40,7 @@ class Boundary(BaseModel):
         )
 
     def describe(self) -> str:
-        """Return it in words, short."""
+        """Return a short text for people."""
         if self.fails_from is None:
             text = "holds everywhere"
         elif self.holds_up_to is None:

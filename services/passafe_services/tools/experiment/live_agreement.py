@@ -29,7 +29,7 @@ FIRST_DRAW: Final = 1_000_000
 
 
 class AllowedDifference(NamedTuple):
-    """How far outside a live metric may lie.
+    """Largest distance at which a live metric may lie outside.
 
     Attributes:
         most: In the unit of the metric.
@@ -41,7 +41,7 @@ class AllowedDifference(NamedTuple):
 
 
 LATE: Final = "inputs up to 5 ms late are held so long"
-"""What every tolerance below goes back to, and ``lateness_ms`` says whether it is so: no step began later than that."""
+"""Premise of every tolerance below, which ``lateness_ms`` checks: no step began later than that."""
 
 TOLERANCES: Final[Mapping[str, AllowedDifference]] = {
     "duration_s": AllowedDifference(0.002, "the plant ends at the first step that reaches it"),
@@ -96,7 +96,7 @@ class Agreement(NamedTuple):
 
     @property
     def agrees(self) -> bool:
-        """Whether it is no further."""
+        """True if it is no further."""
         return self.difference <= self.tolerance
 
 
@@ -131,7 +131,7 @@ def compare(cell: str, live: Verdict, lockstep: Sequence[Metrics]) -> list[Agree
 
 
 def until(log: RunLog, duration_s: float) -> RunLog:
-    """Return a log without ticks and inputs for plant times beyond a duration: how many there are says nothing."""
+    """Return a log without ticks and inputs for plant times beyond a duration: their number is a matter of chance."""
     end_ns = round(duration_s * NS_PER_S)
     kept = {name: [one for one in found if not _is_for_later(one.body, end_ns)] for name, found in log.messages.items()}
     return replace(log, messages=kept)

@@ -53,7 +53,7 @@ class Plan:
 
     @property
     def most_runs(self) -> int:
-        """How many runs it may take in all, those that are known among them."""
+        """Largest number of runs in all, those that are known among them."""
         axis, seeds = self.experiment.bisected, self.experiment.seeds.count
         if axis is None:
             return len(self.cells) * seeds

@@ -98,7 +98,7 @@ class RunTrace:
         return 0 if self._newest is None else self._newest.inputs_refused
 
     def trajectory(self) -> Trajectory:
-        """Motion of the plant."""
+        """Return the motion of the plant."""
         rows = self._states.all()
         return Trajectory.unbroken(
             plant_ns=np.array(rows["plant_ns"]),
@@ -109,11 +109,11 @@ class RunTrace:
         )
 
     def phases(self) -> IntArray:
-        """Phase of the plant at every sample of the trajectory, shape (N,)."""
+        """Return the phase of the plant at every sample of the trajectory, shape (N,)."""
         return np.array(self._states.all()["phase"])
 
     def input_lead_ns(self) -> IntArray:
-        """By how much the newest input came before its time, at every sample of the trajectory, ns, shape (N,)."""
+        """Return how long before its effect the newest input came, at every sample, ns, shape (N,)."""
         return np.array(self._states.all()["lead_ns"])
 
     def inputs(self) -> SentInputs:
@@ -122,7 +122,7 @@ class RunTrace:
         return SentInputs(largest=np.abs(rows["u"]).max(axis=1, initial=0.0), at_ns=np.array(rows["at_ns"]))
 
     def answers(self) -> Decisions:
-        """Ticks of the filter."""
+        """Return the ticks of the filter."""
         rows = self._up_to_the_end(self._answered)
         accepted = rows["decided"] != Status.UNCERTIFIED
         return Decisions(

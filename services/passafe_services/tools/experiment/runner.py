@@ -33,7 +33,7 @@ EXPECTED: Final = (DesignError, IntegrationError, NoSafeStartError, RecordingErr
 """Errors that a run may end with: a design that cannot be built, a plant that cannot be integrated, no safe start."""
 
 _START: Final = 0x57A27
-"""Tells the generator of starts from others with the same seed."""
+"""Second part of the seed of the generator of starts: others have the same first part."""
 
 V = TypeVar("V")
 

@@ -1,4 +1,4 @@
-"""How far a robot is from where it would be at the same time without injected links."""
+"""Distance of a robot from where it would be at the same time without injected links."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -28,7 +28,7 @@ class Deviation(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Tracking:
-    """Where a robot is over plant time.
+    """Position of a robot over plant time.
 
     Attributes:
         t_s: Plant time, s, increasing, shape (N,).

@@ -77,12 +77,12 @@ class DaskWorkers(Generic[Task, R]):
 
     @property
     def free(self) -> int:
-        """How many more chunks they accept now."""
+        """Number of chunks that they accept now."""
         return AHEAD * self.count - self.busy
 
     @property
     def busy(self) -> int:
-        """How many chunks are in work or wait for a worker."""
+        """Number of chunks in work or waiting for a worker."""
         return len(self._submitted)
 
     def submit(self, tasks: Sequence[Task]) -> None:

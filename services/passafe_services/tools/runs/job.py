@@ -13,7 +13,7 @@ _one_at_a_time = Lock()
 
 
 class Job(Hashable, Protocol[Task_contra, R]):
-    """What all tasks of a sweep have in common; it can be pickled, and equal ones are the same work."""
+    """The part that all tasks of a sweep have in common; it can be pickled, and equal ones are the same work."""
 
     def compile(self) -> Callable[[Sequence[Task_contra]], list[R]]:
         """Return the function from tasks to their results, in the same order."""

@@ -56,7 +56,7 @@ class ResultsFile(Generic[K, R]):
             path: The file.
             heading: What its results are of.
             result_type: Model of a result.
-            key: Returns what tells a result from the others.
+            key: Returns the key of a result.
 
         Raises:
             ResultsFileError: It holds results of something else, or no results.

@@ -13,7 +13,7 @@ R = TypeVar("R")
 R_contra = TypeVar("R_contra", contravariant=True)
 
 LOOK_S: Final = 0.2
-"""How often a request to stop is looked for."""
+"""Period of the check for a request to stop, s."""
 
 
 class SweepPlan(Protocol[Task_co, R_contra]):

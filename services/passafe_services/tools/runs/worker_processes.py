@@ -2,7 +2,7 @@
 
 A process that is killed may leave behind a lock that it held, or half a message: whoever shares a queue with it then
 waits for ever, as pools with one queue for all results do. Here nothing is shared. A dead worker is the end of its
-pipe, which wakes the parent at once, in the middle of a message too (``docs/decisions/0015-one-pipe-per-worker.md``).
+pipe, which wakes the parent at once, in the middle of a message too (``docs/decisions/0017-one-pipe-per-worker.md``).
 """
 
 import os
@@ -70,12 +70,12 @@ class WorkerProcesses(Generic[Task, R]):
 
     @property
     def free(self) -> int:
-        """How many more chunks they accept now: one for each idle process."""
+        """Number of chunks that they accept now: one for each idle process."""
         return len(self._idle)
 
     @property
     def busy(self) -> int:
-        """How many chunks are in work."""
+        """Number of chunks in work."""
         return len(self._busy)
 
     def submit(self, tasks: Sequence[Task]) -> None:

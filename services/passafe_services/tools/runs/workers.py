@@ -18,12 +18,12 @@ class Workers(Protocol[Task_contra, R]):
 
     @property
     def free(self) -> int:
-        """How many more chunks they accept now."""
+        """Number of chunks that they accept now."""
         ...
 
     @property
     def busy(self) -> int:
-        """How many chunks they have accepted whose results were not returned yet."""
+        """Number of chunks that they have accepted and whose results were not returned yet."""
         ...
 
     def submit(self, tasks: Sequence[Task_contra]) -> None:
