@@ -10,9 +10,9 @@ class BoundFunctions:
     """Functions without arguments: each reads its arguments from a workspace and writes its results there.
 
     Attributes:
-        linearize: Request → the linearization that is tried first.
+        linearize: Request → first linearization and tangents.
         prepare: Request and linearization → program and a blank answer, all zero.
-        prepare_usual: Request → the first linearization, its program and a blank answer, where start is 0.
+        prepare_usual: Request → first linearization and tangents, program and blank answer, where start is 0.
         evaluate: Request, linearization, program, tangents and answer → evaluation and assessment.
         prove_conflict: Program and ``relax`` → ``conflict``.
         fail_safe: x → ``u_plus``, the fail-safe law's input, not clipped.
@@ -27,9 +27,10 @@ class BoundFunctions:
         """
         request, linearization = part_names(Request), part_names(Linearization)
         posed = part_names(Request, Linearization, Program, NormTangents, Answer)
-        self.linearize = space.bind(derivation.linearize, request, linearization)
+        first = part_names(Linearization, NormTangents)
+        self.linearize = space.bind(derivation.linearize, request, first)
         self.prepare = space.bind(derivation.prepare, [*request, *linearization], part_names(Program, Answer))
-        self.prepare_usual = space.bind(derivation.prepare_usual, request, part_names(Linearization, Program, Answer))
+        self.prepare_usual = space.bind(derivation.prepare_usual, request, [*first, *part_names(Program, Answer)])
         self.evaluate = space.bind(derivation.evaluate, posed, part_names(Evaluation, Assessment))
         self.prove_conflict = space.bind(derivation.prove_conflict, [*part_names(Program), "relax"], ["conflict"])
         self.fail_safe = space.bind(derivation.fail_safe, ["x"], ["u_plus"])

@@ -16,7 +16,7 @@ from passafe.symbolic.enforced_barriers import EnforcedBarriers
 from passafe.symbolic.evaluation import evaluate
 from passafe.symbolic.reference_input import reference_input
 from passafe.symbolic.trust_region import trust_radius
-from passafe.symbolic.whole_program import RowLayout
+from passafe.symbolic.whole_program import RowLayout, first_cuts
 from passafe.workspace import BlockLayout, dense_function, expressions
 
 TIGHTENING: Final = 2.0
@@ -33,9 +33,9 @@ class Derivation:
         layout: Places and shapes of all parts.
         rows: The whole program's rows.
         has_margins: Whether there are margins between samples.
-        linearize: Request → the linearization that is tried first: about u, for a trust region that reaches u_ref.
+        linearize: Request → first linearization, about u for a trust region that reaches u_ref, and first tangents.
         prepare: Request and linearization → program and a blank answer, all zero.
-        prepare_usual: Request → the first linearization, its program and a blank answer, where start is 0.
+        prepare_usual: Request → first linearization and tangents, program and blank answer, where start is 0.
         evaluate: Request, linearization, program, tangents and answer → evaluation and assessment.
         prove_conflict: Program and ``relax`` → ``conflict``.
         fail_safe: x → the fail-safe law's input, not clipped.
@@ -73,17 +73,18 @@ class Derivation:
         answer = Answer.of(lambda name: ca.SX.sym(name, sizes[name]))
         evaluation, assessment = evaluate(chains, barriers, request, linearization, posed, tangents, answer, root)
         about_u, blank = _about_u(design, request), zeros_like(answer)
+        first = [*expressions(about_u), first_cuts(rows.tangents, design.system.m)]
         given = [*expressions(request), *expressions(linearization)]
         return cls(
             layout=BlockLayout.of_stages(request, linearization, program, tangents, answer, evaluation, assessment),
             rows=rows,
             has_margins=barriers.has_margins,
-            linearize=dense_function("linearize", expressions(request), expressions(about_u)),
+            linearize=dense_function("linearize", expressions(request), first),
             prepare=dense_function("prepare", given, [*expressions(program), *expressions(blank)]),
             prepare_usual=dense_function(
                 "prepare_usual",
                 expressions(request),
-                [*expressions(about_u), *_usual(program, request, linearization, about_u), *expressions(blank)],
+                [*first, *_usual(program, request, linearization, about_u), *expressions(blank)],
             ),
             evaluate=dense_function(
                 "evaluate",

@@ -135,8 +135,6 @@ class SafetyPassivityFilter:
         write.tank(tank_j)
         write.t(t_s)
         write.start(start)
-        if self._norm_tolerance:
-            self._program.reset_tangents()
         if start:
             functions.linearize()
         attempt = self._attempt(functions.prepare if start else functions.prepare_usual)
@@ -162,7 +160,7 @@ class SafetyPassivityFilter:
             raise ShapeError("x, u, u_h, u_h_rate", f"lengths {got}", f"lengths {n}, {m}, {m}, {m}")
 
     def _attempt(self, prepare: Callable[[], None]) -> Attempt:
-        """Derive the rows, solve over the constraints, and certify; where that does not do, solve the whole program."""
+        """Derive the rows, solve over the constraints and certify; if that is refused, solve the whole program."""
         block = self._block
         prepare()
         solver, outcome = self._program.solve_constraints()
@@ -170,7 +168,7 @@ class SafetyPassivityFilter:
         assessment = block.read_assessment()
         is_accepted = outcome is SOLVED and accepts(self._tolerance, assessment)
         if is_accepted and assessment.norm_overreach <= self._norm_tolerance:
-            if solver is BY_INSPECTION:
+            if solver == BY_INSPECTION:
                 status = _PASSED
             else:
                 status = _RELAXED if assessment.slack > self._relaxed_above else _MODIFIED
@@ -181,7 +179,7 @@ class SafetyPassivityFilter:
         return self._attempt_whole()
 
     def _attempt_whole(self) -> Attempt:
-        """Solve with the limits among the rows, relaxing the hard rows as little as possible if they contradict."""
+        """Solve over constraints and limits and certify; relax hard rows that conflict, as little as possible."""
         block, program = self._block, self._program
         program.add_limits()
         solver = self._accepted_solver()
@@ -248,7 +246,7 @@ class SafetyPassivityFilter:
         return Attempt(_UNCERTIFIED, attempt.solver, False, attempt.assessment)
 
     def _fall_back(self, attempt: Attempt) -> Attempt:
-        """Put the fail-safe law's input where the answer was, and what follows from it; keep the residuals."""
+        """Replace the answer by the fail-safe law's input and evaluate that; keep the residuals as evidence."""
         block, functions, evidence = self._block, self._functions, attempt.assessment
         functions.fail_safe()
         program = block.program

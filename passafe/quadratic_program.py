@@ -92,11 +92,6 @@ class QuadraticProgram:
         self._write_limits()
         return True
 
-    def reset_tangents(self) -> None:
-        """Put every tangent where the first axis ends: ‖u‖ ≤ B implies u₁ ≤ B."""
-        cuts = self._block.tangents.cuts
-        cuts[:] = np.eye(1, cuts.shape[1])
-
     def relax_hard_rows(self) -> bool:
         """Relax hard rows as little as the limits allow; return whether that has a certified answer."""
         rows, program = self._rows, self._block.program

@@ -46,7 +46,7 @@ class BatchFilter:
         derivation = core.derivation
         self.batch = batch = BatchWorkspace(derivation.layout, count)
         self._prepare = batch.bind(
-            derivation.prepare_usual, part_names(Request), part_names(Linearization, Program, Answer)
+            derivation.prepare_usual, part_names(Request), part_names(Linearization, NormTangents, Program, Answer)
         )
         self._evaluate = batch.bind(
             derivation.evaluate,
@@ -58,7 +58,6 @@ class BatchFilter:
         self.assessment: Assessment[Array] = Assessment.of(batch.view)
         self._request: Request[Array] = Request.of(batch.view)
         self._answer: Answer[Array] = Answer.of(batch.view)
-        self._cuts = NormTangents.of(batch.view).cuts
         self.status: NDArray[np.int8] = np.zeros(batch.count, dtype=np.int8)
         self.scalar: NDArray[np.bool_] = np.zeros(batch.count, dtype=np.bool_)
         self._points = self._nearest_points()
@@ -120,8 +119,6 @@ class BatchFilter:
 
     def _decide_batch(self) -> None:
         self._request.start.fill(0.0)
-        self._cuts[:] = 0.0
-        self._cuts[:1] = 1.0
         self._prepare()
         self._guess()
         self._evaluate()

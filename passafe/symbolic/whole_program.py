@@ -64,6 +64,11 @@ def norm_asked(limits: Limits) -> float:
     return (limits.norm or 0.0) * (1 - NORM_TOLERANCE)
 
 
+def first_cuts(tangents: int, m: int) -> ca.SX:
+    """Return tangents that all cut off the end of the first axis, shape (tangents, m): ‖u‖ ≤ B implies u₁ ≤ B."""
+    return ca.horzcat(ca.SX.ones(tangents, 1), ca.SX.zeros(tangents, m - 1))
+
+
 def whole_rows(program: Program[ca.SX], cuts: ca.SX, norm: float) -> tuple[ca.SX, ca.SX]:
     """Return G and d of the whole program, shapes (N, k) and (N, 1).
 
