@@ -14,7 +14,7 @@ from scalar_rollouts import rollout
 
 DURATION_S = 0.6
 AGREEMENT = {"h_min": 1e-4, "tank_min_j": 1e-4, "overreach": 1e-3}
-"""By how much figures of a rollout may differ, m² or m, J and units of u: two certified answers of one tick differ by
+"""By how much metrics of a rollout may differ, m² or m, J and units of u: two certified answers of one tick differ by
 1e-6 or so, in the most by 1e-3 where the limit on the norm binds, and that is carried on."""
 
 NONLINEAR = {

@@ -26,7 +26,7 @@ def test_relative_degree_error_names_barrier_and_derivatives() -> None:
     assert str(error).startswith("barrier 'disk': got an h whose first 4 time derivatives do not contain the input, ")
 
 
-def test_integration_errors_carry_their_figures() -> None:
+def test_integration_errors_carry_their_values() -> None:
     error = IntegrationError(2.5e-9, 1e-10, 256)
 
     assert (error.error, error.tolerance, error.substeps) == (2.5e-9, 1e-10, 256)

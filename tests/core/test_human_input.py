@@ -125,7 +125,7 @@ def test_overtaken_and_repeated_samples_end_in_the_same_bits() -> None:
     assert fed([samples[0], *repeated]).at(samples[-1][0]) == fed(samples).at(samples[-1][0])
 
 
-def test_what_counts_and_what_does_not_is_told() -> None:
+def test_accepted_and_ignored_commands_are_distinguished() -> None:
     estimator = HumanInputEstimator(MODEL, 1)
 
     assert [estimator.add(t, (0.0,)) for t in (1.0, 2.0, 1.5, 1.5, 2.0, 0.5)] == [True, True, True, False, False, False]

@@ -121,7 +121,7 @@ def test_without_a_power_margin_there_is_no_passivity_row() -> None:
     assert [row.name for row in continuous_rows(system, chains, None, None, system.u, 1e-3)] == ["disk"]
 
 
-def test_a_tangent_touches_where_it_is_told_to() -> None:
+def test_a_tangent_touches_at_the_given_point() -> None:
     design = pump_design()
     system = design.system
     function = design.system.f[0] + ca.exp(system.u[0])

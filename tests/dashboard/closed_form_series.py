@@ -27,7 +27,7 @@ def run_series(samples: int = 10_000) -> RunSeries:
 
 
 def verdict(**changes: Any) -> dict[str, Any]:  # noqa: ANN401 - any field
-    figures: dict[str, Any] = {
+    values: dict[str, Any] = {
         "scenario": "circle",
         "mode": "both",
         "law": "sampled",
@@ -55,4 +55,4 @@ def verdict(**changes: Any) -> dict[str, Any]:  # noqa: ANN401 - any field
         },
         "verdict": "fails",
     }
-    return figures | changes
+    return values | changes

@@ -49,11 +49,11 @@ class Watched:
         self.page.set_default_timeout(60_000)
         self.complaints: list[str] = []
         self.requests: list[str] = []
-        self.page.on("console", self._hear)
+        self.page.on("console", self._record_console)
         self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
         self.page.on("request", lambda request: self.requests.append(request.url))
 
-    def _hear(self, message: Any) -> None:  # noqa: ANN401 - playwright's
+    def _record_console(self, message: Any) -> None:  # noqa: ANN401 - playwright's
         if message.type in ("error", "warning"):
             self.complaints.append(message.text)
 

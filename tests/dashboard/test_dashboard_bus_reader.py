@@ -119,9 +119,9 @@ def test_health_is_published_once_a_second_and_shown(rig: Rig) -> None:
         rig.pace.begin(now_ns)
         rig.reader.read(now_ns, rig.pace)
         rig.pace.end(now_ns)
-    told = [body for body in rig.outlet.published if isinstance(body, Health)]
-    assert len(told) == 3
-    assert told[-1].rate_hz == pytest.approx(30.0)
-    assert told[-1].steps == 90
-    assert {topic.topic for topic in told[-1].topics} >= {TICK.name, STATE.name, HEALTH.name, EVENT.name}
-    assert rig.feed.processes["dashboard"].health == told[-1]
+    reports = [body for body in rig.outlet.published if isinstance(body, Health)]
+    assert len(reports) == 3
+    assert reports[-1].rate_hz == pytest.approx(30.0)
+    assert reports[-1].steps == 90
+    assert {topic.topic for topic in reports[-1].topics} >= {TICK.name, STATE.name, HEALTH.name, EVENT.name}
+    assert rig.feed.processes["dashboard"].health == reports[-1]

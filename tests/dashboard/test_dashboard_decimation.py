@@ -69,7 +69,7 @@ def test_last_value_represents_a_bin_on_request() -> None:
     assert made.since(0).rows[0].values[2] == 4.0
 
 
-def test_a_slow_reader_is_told_how_many_rows_it_lost() -> None:
+def test_a_slow_reader_learns_how_many_rows_it_lost() -> None:
     made = series(capacity=5)
     for number in range(21):
         made.add(number * BIN_NS, [float(number)] * 3)

@@ -26,6 +26,8 @@ REPLACED = {
     r"to and fro": "oscillate",
     r"by and by": "linearly, gradually",
     r"go(?:es)? on where|gone on with": "resume",
+    r"told|hears?|heard": "reported, received",
+    r"figures": "metrics, values; drawn ones are charts",
 }
 """Patterns of whole words, parts of identifiers included, and what is said instead."""
 

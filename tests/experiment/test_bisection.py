@@ -32,7 +32,7 @@ def test_a_single_boundary_is_found_to_the_tolerance(threshold: float, scan: int
     assert found.monotone
 
 
-def test_what_never_fails_and_what_never_holds_are_told() -> None:
+def test_criteria_that_never_fail_or_never_hold_are_reported() -> None:
     everywhere, nowhere = search(axis(), lambda _: True), search(axis(), lambda _: False)
 
     assert (everywhere.holds_up_to, everywhere.fails_from) == (1.0, None)

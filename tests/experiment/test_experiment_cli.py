@@ -154,7 +154,7 @@ def test_a_slice_of_every_shipped_experiment_runs(name: str, tmp_path: Path) -> 
 
 
 @pytest.mark.live
-def test_runs_that_cannot_be_run_end_with_one_and_are_told(tmp_path: Path) -> None:
+def test_runs_that_cannot_be_run_are_reported_with_exit_code_1(tmp_path: Path) -> None:
     unsafe = '[-0.1, -0.1, 0.0, 0.0]\n"plant.start_high" = [0.1, 0.1, 0.0, 0.0]'
     text = SMALL.replace("duration_s = 0.2", f'duration_s = 0.2\n"plant.start_low" = {unsafe}')
     (tmp_path / "small.toml").write_text(text.replace("seeds =", 'start = "random"\nseeds ='), encoding="utf-8")
@@ -166,7 +166,7 @@ def test_runs_that_cannot_be_run_end_with_one_and_are_told(tmp_path: Path) -> No
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "expected"),
     [
         (("nonsense",), "allowed a TOML file or one of bad-network"),
         (("delay", "--out", "/proc/no"), "/proc/no"),
@@ -174,13 +174,13 @@ def test_runs_that_cannot_be_run_end_with_one_and_are_told(tmp_path: Path) -> No
         (("delay", "--scheduler", "tcp://127.0.0.1:1"), "refused"),
     ],
 )
-def test_nonsense_gets_one_clear_line(arguments: tuple[str, ...], told: str, tmp_path: Path) -> None:
+def test_nonsense_gets_one_clear_line(arguments: tuple[str, ...], expected: str, tmp_path: Path) -> None:
     out = () if "--out" in arguments else ("--out", "out")
 
     done = experiment(*arguments, *out, cwd=tmp_path)
 
     assert done.returncode == 2
-    assert told in done.stderr
+    assert expected in done.stderr
     assert done.stderr.count("\n") == 1
 
 

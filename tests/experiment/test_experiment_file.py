@@ -88,7 +88,7 @@ def test_another_seed_or_name_of_an_axis_draws_other_values() -> None:
 
 
 @pytest.mark.parametrize(
-    ("fields", "told"),
+    ("fields", "expected"),
     [
         ({"colour": "red"}, "colour"),
         ({"seeds": {"count": 0}}, "seeds.count: got 0"),
@@ -118,11 +118,11 @@ def test_another_seed_or_name_of_an_axis_draws_other_values() -> None:
         ({"worst_by": "beauty"}, "worst_by: got 'beauty', allowed one of safe, solvent"),
     ],
 )
-def test_nonsense_names_field_value_and_what_is_allowed(fields: dict[str, Any], told: str) -> None:
+def test_nonsense_names_field_value_and_what_is_allowed(fields: dict[str, Any], expected: str) -> None:
     with pytest.raises(ExperimentError) as refusal:
         experiment(**fields)
 
-    assert told in str(refusal.value)
+    assert expected in str(refusal.value)
     assert str(refusal.value).startswith("experiment small.toml: ")
     assert " allowed " in str(refusal.value)
 
@@ -138,7 +138,7 @@ def test_files_are_found_by_name_or_path(tmp_path: Path) -> None:
     assert load_study(str(tmp_path / "mine.toml")).scenario_with({"duration_s": 3.0}).duration_s == 3.0
 
 
-def test_no_file_and_a_torn_file_are_told(tmp_path: Path) -> None:
+def test_missing_and_torn_files_are_reported(tmp_path: Path) -> None:
     (tmp_path / "torn.toml").write_text("name = [", encoding="utf-8")
 
     with pytest.raises(UnreadableExperimentError, match=r"torn\.toml"):
@@ -150,7 +150,7 @@ def test_no_file_and_a_torn_file_are_told(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("fields", "told"),
+    ("fields", "expected"),
     [
         ({"axes": [{"key": "links.plant-to-filter.delay_s", "values": [0.0, 11.0]}]}, "delay_s: got 11.0"),
         ({"axes": [BISECTED | {"high": 3.0}]}, "plant.hold_s: got 3.0"),
@@ -158,8 +158,8 @@ def test_no_file_and_a_torn_file_are_told(tmp_path: Path) -> None:
         ({"overrides": {"filter.barriers.disc.radius": 1.0}}, "filter.barriers.disc.radius: got 'disc', allowed disk"),
     ],
 )
-def test_a_refused_scenario_value_is_reported_before_any_run(fields: dict[str, Any], told: str) -> None:
+def test_a_refused_scenario_value_is_reported_before_any_run(fields: dict[str, Any], expected: str) -> None:
     with pytest.raises(ScenarioError) as refusal:
         check(study(**fields))
 
-    assert told in str(refusal.value)
+    assert expected in str(refusal.value)

@@ -61,7 +61,7 @@ def test_the_same_run_agrees_in_every_metric_exactly(same: tuple[Verdict, Metric
         ({"h_min": None}, "h_min", float("inf")),
     ],
 )
-def test_a_metric_that_is_off_is_told_with_by_how_much(
+def test_a_metric_that_is_off_is_reported_with_its_deviation(
     changes: dict[str, Any], metric: str, difference: float | None, same: tuple[Verdict, Metrics]
 ) -> None:
     found = {one.metric: one for one in compare("cell", same[0].model_copy(update=changes), [same[1]])}

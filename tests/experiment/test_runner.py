@@ -186,18 +186,18 @@ def test_every_seed_has_links_of_its_own_unless_one_is_named() -> None:
 
 
 @pytest.mark.parametrize(
-    ("overrides", "told"),
+    ("overrides", "expected"),
     [
         ({"plant.parameters.sigma": -1.0}, "sigma"),
         ({"plant.start_low": [-0.1, -0.1, 0, 0], "plant.start_high": [0.1, 0.1, 0, 0]}, "plant.start_low"),
         ({"duration_s": -1.0}, "duration_s"),
     ],
 )
-def test_a_run_that_cannot_be_run_says_why(overrides: dict[str, Any], told: str) -> None:
+def test_a_run_that_cannot_be_run_says_why(overrides: dict[str, Any], expected: str) -> None:
     [result] = results(study(start="random", overrides=overrides))
 
     assert result.metrics is None
-    assert told in result.error
+    assert expected in result.error
     assert "\n" not in result.error
 
 

@@ -23,7 +23,7 @@ def estimated() -> EstimatedRequest:
     return EstimatedRequest(1, STALE_NS, FADE_NS, HumanInputEstimator(model, 1))
 
 
-def hear(
+def receive(
     request: PassThroughRequest,
     at_ms: float,
     u_h: tuple[float, ...],
@@ -42,7 +42,7 @@ def hear(
 
 def ramp(request: PassThroughRequest, first_ms: int = 0, last_ms: int = 500) -> None:
     for at_ms in range(first_ms, last_ms + 1, 20):
-        hear(request, at_ms, (at_ms * 1e-3,))
+        receive(request, at_ms, (at_ms * 1e-3,))
 
 
 @pytest.mark.parametrize("make", [as_sent, estimated])
@@ -74,7 +74,7 @@ def test_a_released_dead_man_fades_and_is_not_stale(make: type) -> None:
     ramp(request)
     (last,), *_ = request.at(510 * MS)
     for at_ms in range(520, 700, 20):  # a device says it again and again
-        hear(request, at_ms, (3.0,), enabled=False)
+        receive(request, at_ms, (3.0,), enabled=False)
 
     assert request.at(520 * MS)[0] == (last,)
     assert request.at(570 * MS) == ((pytest.approx(last / 2),), (pytest.approx(-last / 0.1),), 0, False)
@@ -84,9 +84,9 @@ def test_a_released_dead_man_fades_and_is_not_stale(make: type) -> None:
 
 def test_release_of_a_stale_command_does_not_restart_the_fade() -> None:
     request = as_sent()
-    hear(request, 0, (1.0,))
+    receive(request, 0, (1.0,))
     request.at(200 * MS)
-    hear(request, 250, (1.0,), enabled=False)
+    receive(request, 250, (1.0,), enabled=False)
 
     assert request.at(260 * MS)[0] == (pytest.approx(0.4),)
     assert request.at(300 * MS)[:2] == ZERO
@@ -94,31 +94,31 @@ def test_release_of_a_stale_command_does_not_restart_the_fade() -> None:
 
 def test_a_dead_man_that_is_pressed_again_counts_at_once() -> None:
     request = as_sent()
-    hear(request, 0, (1.0,))
+    receive(request, 0, (1.0,))
     request.at(0)
-    hear(request, 10, (1.0,), enabled=False)
+    receive(request, 10, (1.0,), enabled=False)
     request.at(50 * MS)
-    hear(request, 60, (2.0,))
+    receive(request, 60, (2.0,))
 
     assert request.at(60 * MS) == ((2.0,), (0.0,), 0, False)
 
 
 def test_unpressed_dead_man_requests_nothing() -> None:
     request = as_sent()
-    hear(request, 0, (1.0,), enabled=False)
+    receive(request, 0, (1.0,), enabled=False)
 
     assert request.at(10 * MS) == (*ZERO, 10 * MS, False)
 
 
 def test_without_a_time_to_fade_it_is_zero_at_once() -> None:
     request = as_sent(fade_ns=0)
-    hear(request, 0, (1.0,))
+    receive(request, 0, (1.0,))
     request.at(200 * MS)
 
     assert request.at(201 * MS) == (*ZERO, 201 * MS, True)
-    hear(request, 210, (1.0,))
+    receive(request, 210, (1.0,))
     request.at(210 * MS)
-    hear(request, 220, (1.0,), enabled=False)
+    receive(request, 220, (1.0,), enabled=False)
     assert request.at(220 * MS) == (*ZERO, 0, False)
 
 
@@ -131,7 +131,7 @@ def test_restart_discards_all_commands(make: type) -> None:
     request.restart()
 
     assert request.at(510 * MS) == (*ZERO, -1, True)
-    hear(request, 0, (0.25,))
+    receive(request, 0, (0.25,))
     assert request.at(10 * MS) == ((0.25,), (0.0,), 10 * MS, False)
 
 
@@ -139,16 +139,16 @@ def test_restart_discards_all_commands(make: type) -> None:
 @pytest.mark.parametrize("u_h", [(), (1.0, 2.0), (float("nan"),), (float("inf"),)])
 def test_what_is_no_request_changes_nothing(make: type, u_h: tuple[float, ...]) -> None:
     request = make()
-    hear(request, 0, (1.0,))
-    hear(request, 10, u_h)
+    receive(request, 0, (1.0,))
+    receive(request, 10, u_h)
 
     assert request.at(10 * MS) == ((1.0,), (0.0,), 10 * MS, False)
 
 
 def test_as_sent_is_the_newest_command_to_the_last_bit() -> None:
     request = as_sent()
-    hear(request, 20, (0.1,), rate=(7.0,))
-    hear(request, 0, (9.0,))
+    receive(request, 20, (0.1,), rate=(7.0,))
+    receive(request, 0, (9.0,))
 
     assert request.at(30 * MS) == ((0.1,), (7.0,), 10 * MS, False)
     assert request.at(0) == ((0.1,), (7.0,), 0, False)
@@ -168,7 +168,7 @@ def test_ramp_is_extrapolated_between_commands_with_its_rate() -> None:
 def test_delay_that_varies_does_not_reach_the_rate() -> None:
     request = estimated()
     for at_ms in range(0, 501, 20):
-        hear(request, at_ms, (at_ms * 1e-3,), late_ms=(at_ms * 7) % 19)
+        receive(request, at_ms, (at_ms * 1e-3,), late_ms=(at_ms * 7) % 19)
 
     u_h, rate, _, _ = request.at(510 * MS)
 
@@ -180,7 +180,7 @@ def test_reordered_command_counts_as_a_sample_not_as_the_newest() -> None:
     in_order, overtaken = estimated(), estimated()
     for request, times in ((in_order, (0, 20, 40, 60)), (overtaken, (0, 40, 20, 60))):
         for at_ms in times:
-            hear(request, at_ms, (at_ms * at_ms * 1e-3,), late_ms=60 - at_ms)
+            receive(request, at_ms, (at_ms * at_ms * 1e-3,), late_ms=60 - at_ms)
 
     assert overtaken.at(70 * MS)[:2] == in_order.at(70 * MS)[:2]
 
@@ -190,18 +190,18 @@ def test_estimator_restarts(how: str) -> None:
     request = estimated()
     ramp(request)
     if how == "release":
-        hear(request, 510, (9.0,), enabled=False)
-        hear(request, 505, (9.0,), late_ms=6, number=505)
-        hear(request, 520, (0.25,))
+        receive(request, 510, (9.0,), enabled=False)
+        receive(request, 505, (9.0,), late_ms=6, number=505)
+        receive(request, 520, (0.25,))
     elif how == "silence":
-        hear(request, 800, (0.25,))
+        receive(request, 800, (0.25,))
     elif how == "session":
-        hear(request, 520, (0.25,), epoch=2, number=0)
+        receive(request, 520, (0.25,), epoch=2, number=0)
     elif how == "clock stands still":
-        hear(request, 500, (0.25,), late_ms=20, number=501)
+        receive(request, 500, (0.25,), late_ms=20, number=501)
     else:
-        hear(request, 100_000, (8.0,), late_ms=-99_490, number=502)
-        hear(request, 520, (0.25,), number=503)
+        receive(request, 100_000, (8.0,), late_ms=-99_490, number=502)
+        receive(request, 520, (0.25,), number=503)
 
     newest_ms = 800 if how == "silence" else 520
     assert request.at((newest_ms + 10) * MS) == ((0.25,), (0.0,), 10 * MS, False)
@@ -213,20 +213,20 @@ def test_samples_before_a_silence_are_discarded(*, asked_between: bool) -> None:
     ramp(request)
     if asked_between:
         request.at(701 * MS)
-    hear(request, 490, (5.0,), late_ms=215)
-    hear(request, 490, (5.0,), late_ms=215, epoch=0, number=9999)
+    receive(request, 490, (5.0,), late_ms=215)
+    receive(request, 490, (5.0,), late_ms=215, epoch=0, number=9999)
 
     assert request.at(706 * MS) == (*ZERO, 206 * MS, True)
-    hear(request, 710, (0.5,))
+    receive(request, 710, (0.5,))
     assert request.at(710 * MS) == ((0.5,), (0.0,), 0, False)
 
 
 def test_implausibly_late_newest_command_resets_the_estimator() -> None:
     request = estimated()
-    hear(request, 0, (0.0,))
-    hear(request, 20, (0.02,))
-    hear(request, 21, (0.25,), late_ms=199)
-    hear(request, 22, (0.25,), late_ms=380)
+    receive(request, 0, (0.0,))
+    receive(request, 20, (0.02,))
+    receive(request, 21, (0.25,), late_ms=199)
+    receive(request, 22, (0.25,), late_ms=380)
 
     assert request.at(402 * MS) == ((0.25,), (0.0,), 0, False)
 
@@ -250,6 +250,6 @@ def test_reordered_message_does_not_set_the_clock_back() -> None:
 
 def test_a_rate_that_the_device_tells_is_not_used() -> None:
     request = estimated()
-    hear(request, 0, (1.0,), rate=(50.0,))
+    receive(request, 0, (1.0,), rate=(50.0,))
 
     assert request.at(10 * MS)[:2] == ((1.0,), (0.0,))

@@ -118,15 +118,15 @@ def test_prediction_is_bit_exact_at_one_model_step_per_tick(delay: int) -> None:
 
 
 @pytest.mark.parametrize("missing", [1, 2, 7])
-@pytest.mark.parametrize("told", [0, 1, 4, 9])
-def test_broken_sequence_is_predicted_through_hold_and_fail_safe(missing: int, told: int) -> None:
-    """The plant lacks the input of one period; the filter hears of it later and begins anew at period 20."""
+@pytest.mark.parametrize("late", [0, 1, 4, 9])
+def test_broken_sequence_is_predicted_through_hold_and_fail_safe(missing: int, late: int) -> None:
+    """The plant lacks the input of one period; the filter learns of it later and begins anew at period 20."""
     inputs, truth, predictor = random_inputs(40), TruePlant(), make_predictor()
     predictor.confirm(truth.state())
     sent_ahead(predictor, inputs, 1, 12)
     for k in range(1, missing):
         truth.advance(inputs[k])
-    for _ in range(1 + told):
+    for _ in range(1 + late):
         truth.advance(None)
     predictor.confirm(truth.state())
 

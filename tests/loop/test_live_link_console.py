@@ -26,7 +26,7 @@ LINK = "operator-to-filter"
 
 
 class BusRecorder:
-    """Hears every message of every topic."""
+    """Receive every message of every topic."""
 
     def __init__(self, port: int) -> None:
         self._opened = open_bus(RouterEndpoint(port=port))

@@ -265,7 +265,7 @@ def test_first_repetition_of_a_missing_input_gives_its_lateness() -> None:
 
     assert missed(held, 6, repeats=4) == 0  # does not reach back to 1
     assert missed(held, 5, repeats=4) == 4
-    assert missed(held, 4, repeats=4) == 0  # told already
+    assert missed(held, 4, repeats=4) == 0  # reported already
     assert missed(held, 3, repeats=0) == 0
 
 

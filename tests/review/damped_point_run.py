@@ -97,7 +97,7 @@ def state(step: int, x: Iterable[float], u: Iterable[float], **keys: object) -> 
 
 
 def tick(step: int, u: Iterable[float], **keys: object) -> FilterTick:
-    """Filter tick ``step + 1``, whose own figures say that all is well."""
+    """Filter tick ``step + 1``, whose own telemetry reports no problem."""
     u = tuple(map(float, u))
     fields: dict[str, Any] = {
         "tick": step + 1,

@@ -1,4 +1,4 @@
-"""Verdicts on runs whose figures are known in closed form."""
+"""Verdicts on runs whose metrics are known in closed form."""
 
 import json
 import math
@@ -259,7 +259,7 @@ def test_a_robot_that_waits_for_its_first_input_is_not_judged(tmp_path: Path) ->
 
 
 def test_duplicate_state_changes_nothing(tmp_path: Path) -> None:
-    # A plant step that comes before the next period is over tells the state once more.
+    # A plant step that comes before the next period is over repeats the state.
     run = Run()
     states = rollout(run, x0=(2.0, 0.0, -0.5, 0.0), u=lambda _: REST, steps=10)
     run.add(header("plant", 10), state(9, states[9], REST))

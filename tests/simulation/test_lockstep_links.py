@@ -116,10 +116,12 @@ def test_links_that_do_nothing_are_accounted_for_too() -> None:
 
 
 def test_link_states_are_reported_at_start_end_and_every_second() -> None:
-    told = [(body.trigger, header.sent_ns) for header, body in run(2.2).of(LinkState) if body.link == "filter-to-plant"]
+    reported = [
+        (body.trigger, header.sent_ns) for header, body in run(2.2).of(LinkState) if body.link == "filter-to-plant"
+    ]
 
-    assert [trigger for trigger, _ in told] == ["start", "period", "period", "end"]
-    assert [(at_ns - told[0][1]) / 1e9 for _, at_ns in told[:3]] == [0.0, 1.0, 2.0]
+    assert [trigger for trigger, _ in reported] == ["start", "period", "period", "end"]
+    assert [(at_ns - reported[0][1]) / 1e9 for _, at_ns in reported[:3]] == [0.0, 1.0, 2.0]
 
 
 def test_planned_changes_take_effect_on_time() -> None:
@@ -131,14 +133,14 @@ def test_planned_changes_take_effect_on_time() -> None:
     trace = run(0.4, link_changes=changes)
     start_ns = trace.of(OperatorCommand)[0][0].sent_ns
     lost = [e.sequence for _, e in trace.of(LinkEvent) if isinstance(e, LinkEvent)]
-    told = [
+    reported = [
         (body.trigger, (header.sent_ns - start_ns) / 1e9, body.parameters.delay_s, body.parameters.loss)
         for header, body in trace.of(LinkState)
         if body.link == "operator-to-filter"
     ]
 
     assert lost == list(range(200, 300))
-    assert told[:-1] == [
+    assert reported[:-1] == [
         ("start", 0.0, 0.0, 0.0),
         ("scheduled", 0.1, 0.03, 0.0),
         ("scheduled", 0.2, 0.03, 1.0),

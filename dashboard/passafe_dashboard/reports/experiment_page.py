@@ -52,7 +52,7 @@ def experiment_page(
         experiment=experiment,
         summary=summary,
         criteria={name: str(criterion) for name, criterion in experiment.criteria.items()},
-        figures=list(dict.fromkeys(criterion.metric for criterion in experiment.criteria.values())),
+        metrics=list(dict.fromkeys(criterion.metric for criterion in experiment.criteria.values())),
         cells=summary.cells[:MOST_ROWS],
         left_out=max(0, len(summary.cells) - MOST_ROWS),
         cell_values=_values,

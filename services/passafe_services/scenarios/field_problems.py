@@ -108,9 +108,9 @@ def _problem(details: ErrorDetails, model: type[BaseModel]) -> FieldProblem:
         got = "nothing" if tag is None else repr(tag)
         path, allowed = [*path, _KIND], ", ".join(tags) + suggestion(str(tag), tags)
     elif kind == "value_error":  # our own message names the field and what it holds
-        told, separator, own = allowed.partition(", allowed ")
+        reported, separator, own = allowed.partition(", allowed ")
         if separator:
-            inner, _, got = told.rpartition("got ")
+            inner, _, got = reported.rpartition("got ")
             path, allowed = [*path, *filter(None, [inner.rstrip(": ")])], own
     return FieldProblem(field=".".join(path) or "file", got=got, allowed=allowed)
 

@@ -70,7 +70,7 @@ def scenario_from(data: Any, source: str, overrides: Mapping[str, Any] | None = 
     except ValidationError as error:
         first, *more = problems_of(error, Scenario)
         raise ScenarioError(source, first.field, first.got, first.allowed, *more) from error
-    link_settings(scenario)  # a trace that cannot be read is told now, not when the processes start
+    link_settings(scenario)  # a trace that cannot be read is reported now, not when the processes start
     link_changes(scenario)
     return scenario
 

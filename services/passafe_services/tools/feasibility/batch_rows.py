@@ -29,7 +29,7 @@ FURTHEST: Final = 2.0
 class StateRows:
     """G u ≥ d at each of C states, rows of unit length, so that G u − d is a distance in units of u.
 
-    As in the filter, a bound further away than any input can go is drawn in: margins beyond are not told apart.
+    As in the filter, a bound further away than any input can go is drawn in: margins beyond are not distinguished.
 
     Attributes:
         G: Shape (C, N, m).
