@@ -78,7 +78,7 @@ class Decision(Struct, frozen=True, eq=False):
 
     @property
     def evaluation(self) -> Evaluation[Array]:
-        """What follows from the answer."""
+        """Evaluation of the answer."""
         return Evaluation.of(self.view)
 
     @property

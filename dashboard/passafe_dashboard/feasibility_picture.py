@@ -20,22 +20,22 @@ HEIGHT: Final = 582.0
 Mask = NDArray[np.bool_]
 
 
-class Answer(NamedTuple):
-    """One answer and its colour. Lightness differs from one to the next, so that grey print works too."""
+class Category(NamedTuple):
+    """Category of cells and its colour. Lightness differs between categories, so that grey print works too."""
 
     label: str
     colour: str
 
 
-UNSAFE: Final = Answer("h < 0", "#8A8A8A")
-OUTSIDE: Final = Answer("ψ < 0: not protected", "#DADADA")
-CONFLICT: Final = Answer("hard rows conflict", "#882255")
-NOT_PASSIVE: Final = Answer("not with passivity", "#E69F00")
-KEPT: Final = Answer("all can be kept", "#A8D3EE")
+UNSAFE: Final = Category("h < 0", "#8A8A8A")
+OUTSIDE: Final = Category("ψ < 0: not protected", "#DADADA")
+CONFLICT: Final = Category("hard rows conflict", "#882255")
+NOT_PASSIVE: Final = Category("not with passivity", "#E69F00")
+KEPT: Final = Category("all can be kept", "#A8D3EE")
 
 
-def answers_of(found: Findings) -> list[tuple[Answer, Mask]]:
-    """Return each answer with the cells that give it; every cell gives one."""
+def categories_of(found: Findings) -> list[tuple[Category, Mask]]:
+    """Return each category with its cells; every cell is in one category."""
     inside, hard, passive = found.inside, found.hard_kept, found.passive_kept
     unsafe = ~(found.h >= 0)
     return [
@@ -70,7 +70,7 @@ def draw_atlas(axes: Axes, atlas: Atlas, *, across: str, up: str, same_scale: bo
 
     Arguments as for ``atlas_picture``.
     """
-    answers, grid = answers_of(atlas.found), atlas.grid
+    answers, grid = categories_of(atlas.found), atlas.grid
     numbers = np.argmax([mask for _, mask in answers], axis=0)
     axes.imshow(
         numbers.reshape(grid.cells, grid.cells),

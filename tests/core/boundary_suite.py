@@ -1,4 +1,4 @@
-"""What every shipped barrier must keep, at states that lie densely on and near its boundaries.
+"""Properties of every shipped barrier, at states on and near its boundary.
 
 A shape enters by a subclass of ``BarrierSuite`` that says, without using the shape, where its boundary runs and on
 which side it is safe. It is then tested on every robot that has such coordinates.
@@ -71,7 +71,7 @@ class Case:
 
     @cached_property
     def rows(self) -> slice:
-        """Where in x the shape's coordinates are."""
+        """Return the indices of the shape's coordinates in x."""
         k = self.shipped.coordinates
         return slice(0, k) if self.suite.of == "position" else slice(k, 2 * k)
 
@@ -137,7 +137,7 @@ class BarrierSuite:
         raise NotImplementedError
 
     def inside(self, place: Array, t: float) -> bool:
-        """Tell whether a place is safe, by geometry."""
+        """Check geometrically whether a position is safe."""
         raise NotImplementedError
 
     def on_boundary(self, rng: np.random.Generator, t: float) -> OnBoundary:

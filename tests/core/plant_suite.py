@@ -1,4 +1,4 @@
-"""What every shipped robot and every shipped storage function must keep.
+"""Properties of every shipped robot and storage function.
 
 A robot enters by a subclass of ``PlantSuite`` that names its entry in ``shipped_robots``, a storage function by one
 of ``StorageSuite`` that also says V in plain numbers.

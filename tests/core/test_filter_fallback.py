@@ -1,4 +1,4 @@
-"""When no answer can be used: INFEASIBLE and UNCERTIFIED reached by real designs, and the fail-safe that follows."""
+"""Fallbacks: INFEASIBLE and UNCERTIFIED reached by real designs, and the fail-safe that follows."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace

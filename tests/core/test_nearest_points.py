@@ -75,7 +75,7 @@ def nearest_by_trying(G: Array, d: Array) -> Array | None:
     return min(kept, key=lambda z: float(z @ z), default=None)
 
 
-def test_a_row_that_no_number_bounds_spoils_its_own_element_alone() -> None:
+def test_unbounded_row_affects_its_own_element_alone() -> None:
     G = np.array([[1.0, 0.0], [0.0, 1.0]])
     programs = [(G, np.array([2.0, 1.0])), (G, np.array([np.nan, 1.0])), (G, np.array([0.5, -1.0]))]
     z, _ = found(programs)

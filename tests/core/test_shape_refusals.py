@@ -1,4 +1,4 @@
-"""What shapes and models refuse, and say so: field, value, what is allowed."""
+"""Errors of shapes and models: field, value, allowed range."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""What an experiment file may say, and what is said of one that says something else."""
+"""Schema of experiment files and its error messages."""
 
 from pathlib import Path
 from typing import Any

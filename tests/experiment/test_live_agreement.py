@@ -115,7 +115,7 @@ def test_cells_are_spread_evenly() -> None:
 
 @pytest.mark.live
 def test_a_live_run_is_compared_with_lockstep_in_every_metric(tmp_path: Path) -> None:
-    """How close they are depends on the machine; that the robot did the same does not."""
+    """The differences depend on the machine; the motion of the robot does not."""
     # A play-out time in which a busy machine does not let the plant run out of inputs.
     runner, chosen = scenario(duration_s=2.0, **{"plant.playout_s": 0.3})
     verdict = run_live(chosen, tmp_path)

@@ -1,4 +1,4 @@
-"""Which runs are wanted: whatever is known, and in whatever order it came."""
+"""Planned runs, for any known results in any order."""
 
 from collections.abc import Callable, Iterable
 from random import Random

@@ -10,7 +10,7 @@ import pytest
 from closed_form_designs import mass
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
-from passafe_dashboard.feasibility_picture import answers_of, atlas_picture, draw_atlas
+from passafe_dashboard.feasibility_picture import atlas_picture, categories_of, draw_atlas
 from passafe_services.tools.feasibility.atlas import Atlas, Counts, SampleSummary
 from passafe_services.tools.feasibility.constraint_feasibility import ConstraintFeasibility, Findings
 from passafe_services.tools.feasibility.errors import FeasibilityError
@@ -136,7 +136,7 @@ def test_every_cell_gives_one_answer() -> None:
         tolerance=1e-6,
         unsettled=np.zeros(6, dtype=np.bool_),
     )
-    masks = np.array([mask for _, mask in answers_of(found)])
+    masks = np.array([mask for _, mask in categories_of(found)])
 
     assert masks.sum(axis=0).tolist() == [1] * 6
     assert masks.argmax(axis=0).tolist() == [0, 1, 2, 3, 4, 0]
@@ -148,7 +148,7 @@ def test_every_cell_is_drawn_in_the_colour_of_its_answer(atlas: Atlas) -> None:
     [image] = axes.get_images()
     colours = image.to_rgba(image.get_array())[..., :3].reshape(64, 3)
 
-    for answer, mask in answers_of(atlas.found):
+    for answer, mask in categories_of(atlas.found):
         assert np.allclose(colours[mask], to_rgb(answer.colour), atol=1e-6)
     assert (image.origin, list(image.get_extent())) == ("lower", [-1.0, 3.0, -4.0, 4.0])
 
@@ -158,7 +158,7 @@ def test_picture_names_every_category_and_has_a_description(atlas: Atlas) -> Non
     root = ET.fromstring(text)  # noqa: S314 - our own text
     words = [element.text for element in root.iter(f"{SVG}text")]
 
-    labels = [answer.label for answer, _ in answers_of(atlas.found)]
+    labels = [answer.label for answer, _ in categories_of(atlas.found)]
     assert len(set(labels)) == 5
     for word in [*labels, "x0 (position)", "x1 (velocity)"]:
         assert word in words

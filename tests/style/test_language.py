@@ -12,18 +12,6 @@ PACKAGES: Final = ("passafe", "protocol/passafe_protocol", "services/passafe_ser
 FOLDERS: Final = (*PACKAGES, "tests", "benchmarks", "examples", "wheel_build")
 LONGEST_TEST_NAME: Final = 60
 
-PENDING: Final = (
-    "passafe",
-    "services/passafe_services/tools/experiment",
-    "services/passafe_services/tools/runs",
-    "tests/campaign",
-    "tests/core",
-    "tests/docs",
-    "tests/experiment",
-    "tests/runs",
-)
-"""Folders that do not follow the rules yet."""
-
 QUESTION_WORDS: Final = frozenset(
     {"What", "How", "Whether", "Where", "Which", "Who", "Whom", "Whose", "When", "Why"}
     | {"That", "Those", "These", "Tell", "Tells", "Say", "Says", "It"}
@@ -40,10 +28,7 @@ def tree_of(path: Path) -> ast.Module:
 
 def sources(*folders: str) -> Iterator[Path]:
     for folder in folders:
-        for path in sorted((ROOT / folder).rglob("*.py")):
-            name = path.relative_to(ROOT).as_posix()
-            if not name.endswith("_pb2.py") and not name.startswith(PENDING):
-                yield path
+        yield from (path for path in sorted((ROOT / folder).rglob("*.py")) if not path.name.endswith("_pb2.py"))
 
 
 def place(path: Path, node: ast.AST) -> str:
@@ -68,11 +53,8 @@ def test_docstrings_begin_with_a_verb_or_a_noun() -> None:
     for path in sources(*FOLDERS):
         for node in ast.walk(tree_of(path)):
             text = ast.get_docstring(node) if isinstance(node, Documented) else None
-            is_property = isinstance(node, ast.FunctionDef) and any(
-                isinstance(each, ast.Name) and each.id == "property" for each in node.decorator_list
-            )
             word = text.split(maxsplit=1)[0].rstrip(",:;.") if text else ""
-            if word in QUESTION_WORDS and not (is_property and word == "Whether"):
+            if word in QUESTION_WORDS:
                 questions.append(f"{place(path, node)}: {word} …")
 
     assert not questions, "\n".join(questions)

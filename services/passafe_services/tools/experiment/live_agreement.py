@@ -185,5 +185,5 @@ def _holding(one: Verdict | Metrics) -> dict[str, bool | None]:
 
 
 def _is_random(link: ScenarioLink) -> bool:
-    """Tell whether a link does anything but delay: then its seed matters."""
+    """Check whether a link has random effects, so that its seed matters."""
     return link != ScenarioLink(delay_s=link.delay_s, seed=link.seed)

@@ -45,17 +45,17 @@ class Findings:
 
     @property
     def inside(self) -> Kept:
-        """Whether each state is in the set that the rows protect."""
+        """True for states in the set that the rows protect."""
         return self.protecting >= 0
 
     @property
     def hard_kept(self) -> Kept:
-        """Whether an input within the limits satisfies the hard rows."""
+        """True for states where an input within the limits satisfies the hard rows."""
         return self.hard_margin >= -self.tolerance
 
     @property
     def passive_kept(self) -> Kept:
-        """Whether an input within the limits satisfies the hard rows and passivity."""
+        """True for states where an input within the limits satisfies the hard rows and passivity."""
         return self.passive_margin >= -self.tolerance
 
     @classmethod
