@@ -14,7 +14,7 @@ CLOCK_AHEAD_NS = 77_000_000 * MS
 ZERO = ((0.0,), (0.0,))
 
 
-def as_sent(fade_ns: int = FADE_NS) -> PassThroughRequest:
+def pass_through(fade_ns: int = FADE_NS) -> PassThroughRequest:
     return PassThroughRequest(1, STALE_NS, fade_ns)
 
 
@@ -45,12 +45,12 @@ def ramp(request: PassThroughRequest, first_ms: int = 0, last_ms: int = 500) -> 
         receive(request, at_ms, (at_ms * 1e-3,))
 
 
-@pytest.mark.parametrize("make", [as_sent, estimated])
+@pytest.mark.parametrize("make", [pass_through, estimated])
 def test_without_a_command_it_is_zero_and_stale(make: type) -> None:
     assert make().at(5 * MS) == (*ZERO, -1, True)
 
 
-@pytest.mark.parametrize("make", [as_sent, estimated])
+@pytest.mark.parametrize("make", [pass_through, estimated])
 def test_stale_command_fades_linearly_to_zero(make: type) -> None:
     request = make()
     ramp(request)
@@ -68,7 +68,7 @@ def test_stale_command_fades_linearly_to_zero(make: type) -> None:
     assert request.at(9_000 * MS)[:2] == ZERO
 
 
-@pytest.mark.parametrize("make", [as_sent, estimated])
+@pytest.mark.parametrize("make", [pass_through, estimated])
 def test_a_released_dead_man_fades_and_is_not_stale(make: type) -> None:
     request = make()
     ramp(request)
@@ -83,7 +83,7 @@ def test_a_released_dead_man_fades_and_is_not_stale(make: type) -> None:
 
 
 def test_release_of_a_stale_command_does_not_restart_the_fade() -> None:
-    request = as_sent()
+    request = pass_through()
     receive(request, 0, (1.0,))
     request.at(200 * MS)
     receive(request, 250, (1.0,), enabled=False)
@@ -93,7 +93,7 @@ def test_release_of_a_stale_command_does_not_restart_the_fade() -> None:
 
 
 def test_a_dead_man_that_is_pressed_again_counts_at_once() -> None:
-    request = as_sent()
+    request = pass_through()
     receive(request, 0, (1.0,))
     request.at(0)
     receive(request, 10, (1.0,), enabled=False)
@@ -104,14 +104,14 @@ def test_a_dead_man_that_is_pressed_again_counts_at_once() -> None:
 
 
 def test_unpressed_dead_man_requests_nothing() -> None:
-    request = as_sent()
+    request = pass_through()
     receive(request, 0, (1.0,), enabled=False)
 
     assert request.at(10 * MS) == (*ZERO, 10 * MS, False)
 
 
 def test_without_a_time_to_fade_it_is_zero_at_once() -> None:
-    request = as_sent(fade_ns=0)
+    request = pass_through(fade_ns=0)
     receive(request, 0, (1.0,))
     request.at(200 * MS)
 
@@ -122,7 +122,7 @@ def test_without_a_time_to_fade_it_is_zero_at_once() -> None:
     assert request.at(220 * MS) == (*ZERO, 0, False)
 
 
-@pytest.mark.parametrize("make", [as_sent, estimated])
+@pytest.mark.parametrize("make", [pass_through, estimated])
 def test_restart_discards_all_commands(make: type) -> None:
     request = make()
     ramp(request)
@@ -135,7 +135,7 @@ def test_restart_discards_all_commands(make: type) -> None:
     assert request.at(10 * MS) == ((0.25,), (0.0,), 10 * MS, False)
 
 
-@pytest.mark.parametrize("make", [as_sent, estimated])
+@pytest.mark.parametrize("make", [pass_through, estimated])
 @pytest.mark.parametrize("u_h", [(), (1.0, 2.0), (float("nan"),), (float("inf"),)])
 def test_what_is_no_request_changes_nothing(make: type, u_h: tuple[float, ...]) -> None:
     request = make()
@@ -146,7 +146,7 @@ def test_what_is_no_request_changes_nothing(make: type, u_h: tuple[float, ...]) 
 
 
 def test_as_sent_is_the_newest_command_to_the_last_bit() -> None:
-    request = as_sent()
+    request = pass_through()
     receive(request, 20, (0.1,), rate=(7.0,))
     receive(request, 0, (9.0,))
 

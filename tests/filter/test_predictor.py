@@ -120,7 +120,7 @@ def test_prediction_is_bit_exact_at_one_model_step_per_tick(delay: int) -> None:
 @pytest.mark.parametrize("missing", [1, 2, 7])
 @pytest.mark.parametrize("late", [0, 1, 4, 9])
 def test_broken_sequence_is_predicted_through_hold_and_fail_safe(missing: int, late: int) -> None:
-    """The plant lacks the input of one period; the filter learns of it later and begins anew at period 20."""
+    """The plant lacks the input of one period; the filter learns of it later and starts a new sequence at period 20."""
     inputs, truth, predictor = random_inputs(40), TruePlant(), make_predictor()
     predictor.confirm(truth.state())
     sent_ahead(predictor, inputs, 1, 12)
@@ -178,7 +178,7 @@ def test_earlier_break_than_predicted_is_noticed() -> None:
 @settings(max_examples=40)
 @given(st.sets(st.integers(1, 40)), st.integers(1, 12))
 def test_applied_inputs_always_meet_the_predicted_state(lost: set[int], delay: int) -> None:
-    """States come at once, inputs ``delay`` periods later; after a break the filter begins anew as soon as it can."""
+    """States arrive at once, inputs ``delay`` periods later; after a break the filter starts a new sequence at once."""
     inputs, truth, predictor = random_inputs(60), TruePlant(), SHARED
     predictor.restart()
     predictor.confirm(truth.state())

@@ -389,7 +389,7 @@ def test_a_killed_supervisor_leaves_nothing_behind(terminal: Terminal) -> None:
 
 
 def test_a_live_system_is_stopped_in_order(terminal: Terminal, port: int) -> None:
-    """Router and two loops at 1 kHz; the router is asked last, so nobody loses it."""
+    """Router and two loops at 1 kHz; the router stops last, so no process loses it."""
 
     def process(name: str, *arguments: object) -> ProcessSpec:
         argv = (sys.executable, TOY, name, "--port", port, "--lifeline", *arguments)

@@ -1,4 +1,4 @@
-"""Reading logs: whole, torn, with gaps and repetitions, foreign and broken."""
+"""Reading logs: complete, truncated, with gaps and duplicates, foreign and damaged."""
 
 import json
 from pathlib import Path

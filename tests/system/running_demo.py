@@ -120,6 +120,6 @@ def all_gone(pids: list[int], timeout_s: float) -> bool:
 
 
 def free_port() -> int:
-    """Return a port of loopback that nobody listens on."""
+    """Return a free port of the loopback interface."""
     with socket.create_server(("127.0.0.1", 0)) as server:
         return int(server.getsockname()[1])

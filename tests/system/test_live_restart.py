@@ -1,4 +1,4 @@
-"""Processes of a running system are killed; the robot stays safe and goes on by itself."""
+"""Processes of a running system are killed; the robot stays safe and continues without intervention."""
 
 import os
 import signal

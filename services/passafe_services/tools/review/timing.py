@@ -127,7 +127,7 @@ def _operator_to_plant_ms(log: RunLog) -> Percentiles | None:
     commands, ticks = log.of(OperatorCommand), log.of(FilterTick)
     states = [state for state in log.of(PlantState) if state.body.phase is not PlantPhase.WAITING]
     if _sessions(ticks) != 1 or _sessions(states) != 1:
-        return None  # tick numbers begin anew with a session: no way to tell which is meant
+        return None  # tick numbers restart with a session and are ambiguous
     sent_ns = {(c.header.epoch, c.header.sequence): c.header.wall_ns for c in commands}
     applied = np.maximum.accumulate(_ns([state.body.applied_tick for state in states]))
     begun_ns = [s.header.wall_ns - (s.header.sent_ns - s.header.started_ns) for s in states]
