@@ -121,9 +121,8 @@ def kill_of_command(seed: int, folder: Path) -> Kill:
     arguments = ["experiment", str(file), "--out", str(out), "--workers", "2"]
     command = [sys.executable, "-P", "-m", "passafe_services.cli", *arguments]
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as running:
-        while len(workers := workers_of(running.pid)) < 2:
-            time.sleep(0.01)
-        while at_work and not (out / "results.jsonl").read_text(encoding="utf-8").count("\n") > 1:
+        while len(workers := workers_of(running.pid)) < 2 or (at_work and not results_in(out)):
+            assert running.poll() is None, running.stderr and running.stderr.read()
             time.sleep(0.01)
         time.sleep(delay_s)
         killed_s = time.monotonic()
@@ -133,8 +132,12 @@ def kill_of_command(seed: int, folder: Path) -> Kill:
         reported_s = time.monotonic() - killed_s
         assert running.wait() == 2, last
         ended_s = time.monotonic() - killed_s
-    results = (out / "results.jsonl").read_text(encoding="utf-8").count("\n") - 1
-    return Kill(of="command", delay_s=delay_s, results=results, reported_s=reported_s, ended_s=ended_s)
+    return Kill(of="command", delay_s=delay_s, results=results_in(out), reported_s=reported_s, ended_s=ended_s)
+
+
+def results_in(folder: Path) -> int:
+    """Return how many results a command has written."""
+    return (folder / "results.jsonl").read_text(encoding="utf-8").count("\n") - 1
 
 
 def workers_of(pid: int) -> list[int]:

@@ -141,7 +141,8 @@ class DecisionLoop:
         for effective_ns in effective:
             self._last = self._decide(effective_ns, request, inbox, state_age_ns, path, outgoing)
             inbox = ()
-            self._report_override(now_ns, self._last, outgoing)
+            if now_ns >= self._override_events.check_due_ns:
+                self._report_override(now_ns, self._last, outgoing)
             outgoing.append((TICK, self._last))
         last = self._last
         if last is None:
@@ -158,18 +159,16 @@ class DecisionLoop:
         for received in inbox:
             body = received.body
             if type(body) is PlantState:
-                if not newest.fits(body):
-                    continue  # not the plant of the filter's model
-                if received.header.epoch > newest.epoch:
-                    self._start_plant_session(received.header.epoch, path)
+                epoch = newest.epoch
                 if newest.receive(received, body):
+                    if newest.epoch != epoch:
+                        self._start_plant_session(path)
                     path.confirm(body)
             elif type(body) is OperatorCommand:
                 self._request.receive(received, body)
 
-    def _start_plant_session(self, epoch: int, path: InputPath) -> None:
+    def _start_plant_session(self, path: InputPath) -> None:
         """Restart for a newer session of the plant."""
-        self._newest.restart(epoch)
         self._starts = self._starts_nearest
         self._schedule.restart()
         path.restart()
@@ -183,7 +182,8 @@ class DecisionLoop:
         if len(self._unreported) > MOST_UNREPORTED:
             self._unreported = []
             self._request.restart()
-            self._start_plant_session(0, path)
+            self._newest.restart(0)
+            self._start_plant_session(path)
 
     def _due(self, now_ns: int, state: PlantState, path: InputPath) -> Sequence[int]:
         """Return the plant times of this step's inputs."""
@@ -230,10 +230,9 @@ class DecisionLoop:
         )
 
     def _report_override(self, now_ns: int, record: TickRecord, outgoing: list[Outgoing]) -> None:
-        if now_ns >= self._override_events.check_due_ns:
-            event = self._override_events.event(now_ns, record.decision)
-            if event is not None:
-                outgoing.append((EVENT, event))
+        event = self._override_events.event(now_ns, record.decision)
+        if event is not None:
+            outgoing.append((EVENT, event))
 
     def _status_event(self, now_ns: int, status: FilterStatus) -> list[Outgoing]:
         if status is self._status_events.settled:

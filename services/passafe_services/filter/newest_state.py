@@ -32,23 +32,27 @@ class NewestState:
         self._received_ns = 0
         self._sequence = -1
 
-    def fits(self, state: PlantState) -> bool:
-        """Check whether a state has the shape of the filter's model."""
-        return len(state.x) == self._n and len(state.y) == len(state.u) == self._m
-
     def receive(self, received: Received, state: PlantState) -> bool:
-        """Keep a state if it is the newest of the current session; return whether it is.
+        """Keep a state if it fits the filter's model and is the newest; return whether it is.
+
+        A newer session of the plant replaces the current one: ``epoch`` changes.
 
         Args:
             received: The message.
             state: Its body.
         """
-        sequence = received.header.sequence  # a duplicate does not refresh the age
-        if received.header.epoch != self.epoch or sequence <= self._sequence:
+        if len(state.x) != self._n or not len(state.y) == len(state.u) == self._m:
             return False
-        if self.state is not None and state.plant_ns < self.state.plant_ns:
+        header, newest = received.header, self.state
+        if header.epoch > self.epoch:
+            self.restart(header.epoch)
+        elif (
+            header.epoch < self.epoch
+            or header.sequence <= self._sequence  # a duplicate does not refresh the age
+            or (newest is not None and state.plant_ns < newest.plant_ns)
+        ):
             return False
-        self.state, self._received_ns, self._sequence = state, received.received_ns, sequence
+        self.state, self._received_ns, self._sequence = state, received.received_ns, header.sequence
         return True
 
     def age_ns(self, now_ns: int) -> int:

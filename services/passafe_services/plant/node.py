@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from passafe_protocol.messages import UNSEQUENCED, Header, PlantInput, PlantPhase, Received
+from passafe_protocol.messages import UNSEQUENCED, Header, PlantInput, Received
 from passafe_protocol.topics import INPUT, Topic
 
 from passafe.limits import Limits
@@ -11,7 +11,7 @@ from passafe_services.node import Outgoing
 from passafe_services.plant.input_account import InputAccount
 from passafe_services.plant.input_check import InputCheck
 from passafe_services.plant.sequenced_inputs import REFUSED, SequencedInputs
-from passafe_services.plant.simulated_robot import SimulatedRobot
+from passafe_services.plant.simulated_robot import WAITING, SimulatedRobot
 from passafe_services.plant_contract.fail_safe import FailSafe
 
 
@@ -90,7 +90,7 @@ class PlantNode:
         oldest = self._inputs.receive(header, plant_input)
         if oldest is REFUSED:
             account.refused += 1
-        if robot.phase is PlantPhase.WAITING:
+        if robot.phase is WAITING:
             if oldest is REFUSED:
                 return
             robot.begin_at(self._inputs.first_ns, received_ns)

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from passafe_protocol.messages import UNSEQUENCED, Header, PlantInput, PlantPhase, Received
+from passafe_protocol.messages import UNSEQUENCED, Header, PlantInput, Received
 from passafe_protocol.topics import INPUT, Topic
 
 from passafe.limits import Limits
@@ -11,7 +11,7 @@ from passafe_services.node import Outgoing
 from passafe_services.plant.input_account import InputAccount
 from passafe_services.plant.input_check import InputCheck
 from passafe_services.plant.playout_buffer import PlayoutBuffer
-from passafe_services.plant.simulated_robot import SimulatedRobot
+from passafe_services.plant.simulated_robot import RUNNING, WAITING, SimulatedRobot
 from passafe_services.plant_contract.fail_safe import FailSafe
 
 
@@ -74,7 +74,7 @@ class UnpredictedPlantNode:
             return
         if header.epoch > account.transit.epoch:  # another filter, whose ticks start at 1
             account.received_tick = robot.applied_tick = 0
-        if robot.phase is PlantPhase.WAITING:
+        if robot.phase is WAITING:
             if not robot.has_origin:
                 robot.begin_at(plant_input.effective_plant_ns, received_ns)
         elif plant_input.effective_plant_ns <= robot.plant_ns:
@@ -88,6 +88,6 @@ class UnpredictedPlantNode:
         if due is None or due.tick <= robot.applied_tick:
             robot.apply_fail_safe()
             return
-        if robot.phase is not PlantPhase.RUNNING:
+        if robot.phase is not RUNNING:
             self._account.sequence_break_ns = robot.plant_ns
         robot.apply(due.u, due.tick, due.hold_ns, due.effective_plant_ns)
