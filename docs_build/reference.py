@@ -1,12 +1,13 @@
 """Generate the reference pages: ``python docs_build/reference.py --write``, or ``--check`` that they are current."""
 
+import re
+import subprocess
 import sys
 from argparse import ArgumentParser
 from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
-import cli_page
 from passafe_services.scenarios.fields import Config
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.experiment.schema import Experiment
@@ -27,8 +28,17 @@ _EXPERIMENT: Final = """# Experiment keys
 
 Every key of an experiment file. [Run your own experiment](../how-to/own-experiment.md) shows how they fit together."""
 
+
+def commands() -> str:
+    """Return a section for each command, as Typer makes it."""
+    argv = [sys.executable, "-P", "-m", "typer", "passafe_services.cli.app", "utils", "docs", "--name", "passafe"]
+    text = subprocess.run(argv, check=True, capture_output=True, text=True).stdout  # noqa: S603 - our own command
+    sections = text[text.index("## ") :].strip()
+    return re.sub(r"\n([^-*\n][^\n]*\n)(?=- )", r"\n\1\n", sections) + "\n"  # Markdown needs a line before a list
+
+
 PAGES: Final[dict[str, tuple[str, Callable[[], str]]]] = {
-    "cli.md": (_CLI, cli_page.render),
+    "cli.md": (_CLI, commands),
     "scenario-keys.md": (_SCENARIO, SchemaPage(Scenario, Config).render),
     "experiment-keys.md": (_EXPERIMENT, SchemaPage(Experiment, Config).render),
 }

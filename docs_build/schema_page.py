@@ -1,11 +1,11 @@
 """Reference of a TOML file's keys, generated from the pydantic model that reads it."""
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from inspect import getdoc
 from typing import Any, Final, TypeAlias
 
-from markdown_text import anchor, inline, table
+from markdown.extensions.toc import slugify  # type: ignore[import-untyped]
 from pydantic import BaseModel
 
 JsonSchema: TypeAlias = Mapping[str, Any]
@@ -66,7 +66,7 @@ class SchemaPage:
             )
             for key, field in schema.get("properties", {}).items()
         ]
-        return f"## {heading}\n\n{summary}\n\n" + table(("Key", "Allowed", "Default", "Meaning"), rows)
+        return f"## {heading}\n\n{summary}\n\n" + _table(("Key", "Allowed", "Default", "Meaning"), rows)
 
     def _type(self, field: JsonSchema) -> str:
         alternatives = field.get("anyOf") or field.get("oneOf")
@@ -98,7 +98,18 @@ class SchemaPage:
         heading = self._headings.get(name)
         if heading is None:
             return "any value"
-        return f"[{_kinds(self._definitions[name]) or heading}](#{anchor(heading)})"
+        return f"[{_kinds(self._definitions[name]) or heading}](#{slugify(heading, '-')})"
+
+
+def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a Markdown table; pipes and line breaks within cells are escaped."""
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(" ".join(c.split()).replace("|", "\\|") for c in line) + " |" for line in lines)
+
+
+def _inline(text: str) -> str:
+    """Return a docstring's text on one line, with Markdown's code marks."""
+    return " ".join(text.replace("``", "`").split())
 
 
 def _descendants(base: type[BaseModel]) -> Iterator[type[BaseModel]]:
@@ -128,10 +139,10 @@ def _docstring(text: str) -> tuple[str, dict[str, str]]:
     """Return a docstring's prose, and the meanings of its ``Attributes`` section by name."""
     prose, _, attributes = text.partition("\n\nAttributes:\n")
     meanings = {
-        name: inline(meaning)
+        name: _inline(meaning)
         for name, meaning in re.findall(r"^ {4}(\w+): (.*(?:\n {5,}.*)*)", attributes, re.MULTILINE)
     }
-    return "\n\n".join(inline(paragraph) for paragraph in prose.split("\n\n")), meanings
+    return "\n\n".join(_inline(paragraph) for paragraph in prose.split("\n\n")), meanings
 
 
 def _default(field: JsonSchema) -> str:
