@@ -5,6 +5,7 @@ squares: they come in chunks), without the first chunks of every process, in whi
 are worth two only where two processors are free.
 """
 
+from contextlib import closing
 from functools import partial
 from statistics import linear_regression, median
 from time import perf_counter
@@ -16,7 +17,7 @@ from passafe_services.tools.experiment.load import Study, experiment_from
 from passafe_services.tools.experiment.plan import Plan
 from passafe_services.tools.experiment.study_job import CHUNK, StudyJob, chunk_size
 from passafe_services.tools.runs.sweep import sweep as run_sweep
-from passafe_services.tools.runs.worker_processes import worker_processes
+from passafe_services.tools.runs.worker_processes import WorkerProcesses
 from report import AsJson, Ratio, Report, Smallest, spread
 from timing import in_turn
 
@@ -80,7 +81,7 @@ def speed(study: Study, workers: int) -> Speed:
     """Return how fast a sweep is."""
     plan = Plan(study.experiment)
     begin_s = perf_counter()
-    with worker_processes(StudyJob.of(study), workers) as pool:
+    with closing(WorkerProcesses(StudyJob.of(study), workers)) as pool:
         chunks = run_sweep(plan, pool, partial(chunk_size, workers=workers))
         at_s = [perf_counter() - begin_s for chunk in chunks for _ in chunk]
     first = workers * CHUNK

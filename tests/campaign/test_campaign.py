@@ -1,5 +1,6 @@
 """Campaigns: a short, seeded slice of what ``make campaign`` runs, and what surrounds it."""
 
+from contextlib import closing
 from itertools import chain
 from pathlib import Path
 
@@ -16,7 +17,7 @@ from passafe_services.tools.campaign.summary import CampaignSummary
 from passafe_services.tools.runs.errors import ResultsFileError
 from passafe_services.tools.runs.summary import Spread
 from passafe_services.tools.runs.sweep import FixedPlan, sweep
-from passafe_services.tools.runs.worker_processes import worker_processes
+from passafe_services.tools.runs.worker_processes import WorkerProcesses
 
 from passafe import SafetyPassivityFilter
 from passafe.batch.batch_filter import BatchFilter
@@ -153,7 +154,7 @@ def test_adversaries_without_their_row_take_the_first_axis(mode: str) -> None:
 def test_worker_processes_give_what_one_process_gives() -> None:
     job = CampaignJob.of(load_scenario(NAME), 0.2)
 
-    with worker_processes(job, 2) as pool:
+    with closing(WorkerProcesses(job, 2)) as pool:
         two = [*chain.from_iterable(sweep(FixedPlan(range(7)), pool, lambda _: job.batch_size(7, 2)))]
 
     assert sorted(two, key=lambda result: result.seed) == job.compile()(range(7))
@@ -163,7 +164,7 @@ def test_a_box_without_a_safe_start_ends_the_campaign() -> None:
     inside = {"plant.start_low": [-0.1, -0.1, 0.0, 0.0], "plant.start_high": [0.1, 0.1, 0.0, 0.0]}
     job = CampaignJob.of(load_scenario(NAME, inside), 0.1)
 
-    with worker_processes(job, 1) as pool, pytest.raises(NoSafeStartError, match=r"plant\.start_low") as caught:
+    with closing(WorkerProcesses(job, 1)) as pool, pytest.raises(NoSafeStartError, match=r"plant\.start_low") as caught:
         list(sweep(FixedPlan([0]), pool, lambda _: 1))
 
     assert caught.value.field == "plant.start_low, plant.start_high"

@@ -1,6 +1,7 @@
 """Worker processes, here and in a cluster: the same results as in this process, to the last bit."""
 
 from collections.abc import Iterator
+from contextlib import closing
 from functools import partial
 from typing import Any
 
@@ -15,7 +16,7 @@ from passafe_services.tools.experiment.study_job import StudyJob, chunk_size
 from passafe_services.tools.runs.dask_workers import dask_workers
 from passafe_services.tools.runs.errors import SchedulerError
 from passafe_services.tools.runs.sweep import sweep
-from passafe_services.tools.runs.worker_processes import worker_processes
+from passafe_services.tools.runs.worker_processes import WorkerProcesses
 from passafe_services.tools.runs.workers import Workers
 from studies import study
 
@@ -72,7 +73,7 @@ def cluster() -> Iterator[str]:
 @pytest.mark.live
 @pytest.mark.parametrize("count", [1, 2])
 def test_worker_processes_give_what_this_process_gives(alone: dict[RunKey, Metrics | None], count: int) -> None:
-    with worker_processes(StudyJob.of(swept()), count) as workers:
+    with closing(WorkerProcesses(StudyJob.of(swept()), count)) as workers:
         assert workers.count == count
         assert metrics_by(workers, swept()) == alone
     assert len(alone) >= 2 * 3 * 2

@@ -1,7 +1,7 @@
 from math import inf, nan
 
 import pytest
-from passafe_services.tools.runs.summary import Spread, badness, worst_of
+from passafe_services.tools.runs.summary import Spread, badness
 
 
 def test_the_spread_of_values_leaves_missing_ones_out() -> None:
@@ -17,7 +17,7 @@ def test_the_spread_of_infinite_values_has_a_median() -> None:
 def test_the_worst_is_the_first_of_equal_ones(high_is_worse: bool, worst: int) -> None:
     values = [2.0, 1.0, 3.0, 1.0, 3.0]
 
-    found = worst_of(range(5), lambda k: badness(values[k], high_is_worse=high_is_worse))
+    found = max(range(5), key=lambda k: badness(values[k], high_is_worse=high_is_worse))
 
     assert found == worst
 
@@ -27,4 +27,4 @@ def test_the_worst_is_the_first_of_equal_ones(high_is_worse: bool, worst: int) -
 def test_nothing_is_worse_than_no_value(missing: float | None, high_is_worse: bool) -> None:
     values = [-1e300, missing, 1e300]
 
-    assert worst_of(values, lambda value: badness(value, high_is_worse=high_is_worse)) is missing
+    assert max(values, key=lambda value: badness(value, high_is_worse=high_is_worse)) is missing

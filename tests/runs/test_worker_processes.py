@@ -6,12 +6,13 @@ import subprocess
 import sys
 import threading
 import time
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 from passafe_services.tools.runs.errors import WorkerLostError
 from passafe_services.tools.runs.sweep import FixedPlan, sweep
-from passafe_services.tools.runs.worker_processes import worker_processes
+from passafe_services.tools.runs.worker_processes import WorkerProcesses
 from sleep_job import SleepJob, Task, TwoArgumentsError
 
 SOON_S = 5.0
@@ -25,7 +26,7 @@ def one_by_one(_: int) -> int:
 def test_every_task_is_done_once_by_several_processes() -> None:
     tasks = [Task(sleep_s=0.05, size=size) for size in range(40)]
 
-    with worker_processes(SleepJob(), 2) as workers:
+    with closing(WorkerProcesses(SleepJob(), 2)) as workers:
         found = [result for chunk in sweep(FixedPlan(tasks), workers, lambda _: 2) for result in chunk]
 
     assert sorted(len(sent) for _, sent in found) == list(range(40))
@@ -40,14 +41,17 @@ def test_tasks_that_a_result_asks_for_are_done_too() -> None:
         def after(self, result: tuple[int, bytes]) -> list[Task]:
             return [Task(size=2 * len(result[1]))] * 2 if len(result[1]) < 4 else []
 
-    with worker_processes(SleepJob(), 2) as workers:
+    with closing(WorkerProcesses(SleepJob(), 2)) as workers:
         found = [len(sent) for chunk in sweep(Doubling(), workers, one_by_one) for _, sent in chunk]
 
     assert sorted(found) == [1, 2, 2, 4, 4, 4, 4]
 
 
 def test_an_error_of_a_task_is_raised_as_it_was() -> None:
-    with worker_processes(SleepJob(), 1) as workers, pytest.raises(TwoArgumentsError, match="one and two") as caught:
+    with (
+        closing(WorkerProcesses(SleepJob(), 1)) as workers,
+        pytest.raises(TwoArgumentsError, match="one and two") as caught,
+    ):
         list(sweep(FixedPlan([Task(size=-1)]), workers, one_by_one))
 
     assert caught.value.second == "two"
@@ -57,7 +61,7 @@ def test_an_error_of_a_task_is_raised_as_it_was() -> None:
 def test_a_worker_that_is_killed_at_work_ends_the_sweep_at_once() -> None:
     begun_s = time.monotonic()
 
-    with worker_processes(SleepJob(), 2) as workers, pytest.raises(WorkerLostError, match="resumes"):
+    with closing(WorkerProcesses(SleepJob(), 2)) as workers, pytest.raises(WorkerLostError, match="resumes"):
         list(sweep(FixedPlan([Task(sleep_s=60.0), Task(size=-2)]), workers, one_by_one))
 
     assert time.monotonic() - begun_s < SOON_S
@@ -65,7 +69,7 @@ def test_a_worker_that_is_killed_at_work_ends_the_sweep_at_once() -> None:
 
 def test_a_worker_killed_while_it_sends_is_lost_at_once() -> None:
     """The other one would wait for ever for a lock of a common queue, and the parent for the rest of the message."""
-    with worker_processes(SleepJob(), 2) as workers:
+    with closing(WorkerProcesses(SleepJob(), 2)) as workers:
         for _ in workers.processes:
             workers.submit([Task(size=50_000_000)])
         time.sleep(1.0)  # nobody reads: more than a pipe holds
@@ -78,7 +82,7 @@ def test_a_worker_killed_while_it_sends_is_lost_at_once() -> None:
 
 @pytest.mark.parametrize("after_s", [0.0, 1.0])
 def test_a_worker_that_dies_idle_or_while_it_starts_is_lost(after_s: float) -> None:
-    with worker_processes(SleepJob(), 2) as workers:
+    with closing(WorkerProcesses(SleepJob(), 2)) as workers:
         time.sleep(after_s)
         os.kill(workers.processes[0].pid or 0, signal.SIGKILL)
         with pytest.raises(WorkerLostError):
@@ -89,7 +93,7 @@ def test_a_request_to_stop_ends_the_sweep_at_once() -> None:
     stop = threading.Event()
     threading.Timer(1.0, stop.set).start()
     begun_s = time.monotonic()
-    with worker_processes(SleepJob(), 2) as workers:
+    with closing(WorkerProcesses(SleepJob(), 2)) as workers:
         found = list(sweep(FixedPlan([Task(sleep_s=60.0)] * 4), workers, one_by_one, stop.is_set))
         processes = workers.processes
 
@@ -100,16 +104,17 @@ def test_a_request_to_stop_ends_the_sweep_at_once() -> None:
 
 def test_a_worker_lost_after_a_request_to_stop_is_no_error() -> None:
     asked = iter([False])
-    with worker_processes(SleepJob(), 1) as workers:
+    with closing(WorkerProcesses(SleepJob(), 1)) as workers:
         assert list(sweep(FixedPlan([Task(size=-2)]), workers, one_by_one, lambda: next(asked, True))) == []
 
 
 def test_workers_end_with_a_parent_that_is_killed() -> None:
     program = (
         "import time\n"
-        "from passafe_services.tools.runs.worker_processes import worker_processes\n"
+        "from contextlib import closing\n"
+        "from passafe_services.tools.runs.worker_processes import WorkerProcesses\n"
         "from sleep_job import SleepJob, Task\n"
-        "with worker_processes(SleepJob(), 2) as workers:\n"
+        "with closing(WorkerProcesses(SleepJob(), 2)) as workers:\n"
         "    workers.submit([Task()])\n"
         "    workers.completed(60.0)\n"
         "    workers.submit([Task(sleep_s=100.0)])\n"

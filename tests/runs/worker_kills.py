@@ -16,6 +16,7 @@ import threading
 import time
 from collections import Counter
 from collections.abc import Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Final
@@ -24,7 +25,7 @@ import numpy as np
 import typer
 from passafe_services.tools.runs.errors import WorkerLostError
 from passafe_services.tools.runs.sweep import sweep
-from passafe_services.tools.runs.worker_processes import WorkerProcesses, worker_processes
+from passafe_services.tools.runs.worker_processes import WorkerProcesses
 from sleep_job import SleepJob, Task
 
 BOUND_S: Final = 60.0
@@ -98,7 +99,7 @@ def kill_of_pool(seed: int) -> Kill:
         os.kill(workers.processes[victim].pid or 0, signal.SIGKILL)
 
     reported_s = float("inf")
-    with worker_processes(SleepJob(), count) as workers:
+    with closing(WorkerProcesses(SleepJob(), count)) as workers:
         timer = threading.Timer(delay_s, kill, [workers])
         if not at_work:
             timer.start()

@@ -1,7 +1,7 @@
 """Starts workers and handles Ctrl-C for the commands of many runs."""
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Final, TypeVar
 
@@ -12,7 +12,7 @@ from passafe_services.loop.realtime import available_processors
 from passafe_services.loop.stop import Stop
 from passafe_services.tools.runs.dask_workers import dask_workers
 from passafe_services.tools.runs.job import Job
-from passafe_services.tools.runs.worker_processes import worker_processes
+from passafe_services.tools.runs.worker_processes import WorkerProcesses
 from passafe_services.tools.runs.workers import Workers
 
 Task = TypeVar("Task")
@@ -35,7 +35,7 @@ def workers_for(job: Job[Task, R], workers: int, scheduler: str | None = None) -
         with dask_workers(job, scheduler) as cluster:
             yield cluster
     else:
-        with worker_processes(job, workers or available_processors()) as processes:
+        with closing(WorkerProcesses(job, workers or available_processors())) as processes:
             yield processes
 
 

@@ -7,7 +7,7 @@ from typing import Final, Self
 from pydantic import BaseModel, ConfigDict
 
 from passafe_services.tools.campaign.rollout_result import RolloutResult
-from passafe_services.tools.runs.summary import Spread, badness, worst_of
+from passafe_services.tools.runs.summary import Spread, badness
 
 ROUNDING = 1e-12
 """By how much an input may be beyond its limits through rounding, units of u."""
@@ -89,5 +89,5 @@ class CampaignSummary(BaseModel):
 
 def _worst(results: Sequence[RolloutResult], name: str) -> WorstRollout:
     high = HIGH_IS_WORSE[name]
-    worst = worst_of(results, lambda result: badness(getattr(result, name), high_is_worse=high))
+    worst = max(results, key=lambda result: badness(getattr(result, name), high_is_worse=high))
     return WorstRollout(value=getattr(worst, name), seed=worst.seed, adversary=worst.adversary)

@@ -13,7 +13,7 @@ from passafe_services.tools.experiment.plan import Plan
 from passafe_services.tools.experiment.run_result import RunResult
 from passafe_services.tools.experiment.schema import Criterion, Experiment
 from passafe_services.tools.feasibility.share import Share
-from passafe_services.tools.runs.summary import Spread, badness, worst_of
+from passafe_services.tools.runs.summary import Spread, badness
 
 VERDICT = "verdict"
 """Beside the criteria: runs whose verdict is not that every required property holds."""
@@ -121,7 +121,7 @@ def in_order(result: RunResult) -> tuple[int, float, int]:
 
 def worst_result(results: Sequence[RunResult], criterion: Criterion) -> RunResult:
     """Return the run whose metric is furthest on the wrong side of a criterion; the first of equal ones."""
-    return worst_of(results, partial(badness_of, criterion=criterion))
+    return max(results, key=partial(badness_of, criterion=criterion))
 
 
 def badness_of(result: RunResult, criterion: Criterion) -> float:

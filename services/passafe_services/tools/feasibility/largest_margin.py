@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 from scipy.optimize import linprog
-from scipy.sparse import csr_array
+from scipy.sparse import bsr_array
 
 from passafe.limits import Limits
 from passafe.workspace import Array
@@ -67,7 +67,7 @@ def _solve(G: Array, d: Array, cuts: Array, limits: Limits) -> tuple[Array, Arra
     low, high = np.append(-magnitude, -LARGEST_COEFFICIENT), np.append(magnitude, LARGEST_COEFFICIENT)
     found = linprog(
         np.tile(np.append(np.zeros(m), -1.0), count),
-        A_ub=_block_diagonal(blocks),
+        A_ub=_block_diagonal(blocks).tocsr(),
         b_ub=above.ravel(),
         bounds=np.tile(np.column_stack((low, high)), (count, 1)),
         method="highs-ds",
@@ -79,13 +79,11 @@ def _solve(G: Array, d: Array, cuts: Array, limits: Limits) -> tuple[Array, Arra
     return answer[:, :m], answer[:, m]
 
 
-def _block_diagonal(blocks: Array) -> csr_array:
+def _block_diagonal(blocks: Array) -> bsr_array:
     """Return the block-diagonal matrix of ``blocks``, shape (C, R, k)."""
     count, height, k = blocks.shape
-    columns = np.arange(count)[:, None, None] * k + np.arange(k)
-    every = np.broadcast_to(columns, blocks.shape)
-    starts = np.arange(0, count * height * k + 1, k)
-    return csr_array((blocks.ravel(), every.ravel(), starts), shape=(count * height, count * k))
+    starts = np.arange(count + 1)
+    return bsr_array((blocks, starts[:-1], starts), shape=(count * height, count * k))
 
 
 def _within(u: Array, limits: Limits) -> Array:

@@ -1,13 +1,11 @@
-"""Summaries of many runs: the spread of a metric, and the run in which it is worst."""
+"""Summaries of many runs: the spread of a metric, and how bad a value of it is."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable
 from math import inf, isnan
-from typing import Self, TypeVar
+from typing import Self
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict
-
-R = TypeVar("R")
 
 
 class Spread(BaseModel):
@@ -27,16 +25,6 @@ class Spread(BaseModel):
             return None
         low, high = min(known), max(known)
         return cls(min=low, median=float(np.median(known)) if np.isfinite((low, high)).all() else low, max=high)
-
-
-def worst_of(results: Sequence[R], badness: Callable[[R], float]) -> R:
-    """Return the worst of at least one result, the first of equal ones.
-
-    Args:
-        results: The results.
-        badness: From a result to a number, the larger the worse, see ``badness``.
-    """
-    return max(results, key=badness)
 
 
 def badness(value: float | None, *, high_is_worse: bool) -> float:

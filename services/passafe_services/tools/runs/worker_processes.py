@@ -8,8 +8,7 @@ pipe, which wakes the parent at once, in the middle of a message too (``docs/dec
 import os
 import signal
 import traceback
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
 from multiprocessing import connection, get_context, parent_process, resource_tracker
 from multiprocessing.connection import Connection
@@ -26,23 +25,10 @@ Task = TypeVar("Task")
 R = TypeVar("R")
 
 
-@contextmanager
-def worker_processes(job: Job[Task, R], count: int) -> Iterator["WorkerProcesses[Task, R]"]:
-    """Start worker processes, and kill them in the end, whatever they are doing.
-
-    Args:
-        job: What they work for.
-        count: How many.
-    """
-    workers = WorkerProcesses(job, count)
-    try:
-        yield workers
-    finally:
-        workers.close()
-
-
 class WorkerProcesses(Generic[Task, R]):
     """Processes of this machine that work for one job; each ends when its parent does, however that happens.
+
+    ``contextlib.closing`` kills them at the end of a block, whatever they are doing.
 
     Attributes:
         count: How many there are.
