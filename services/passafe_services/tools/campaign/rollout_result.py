@@ -1,9 +1,9 @@
 """The result of one rollout."""
 
-from pydantic import BaseModel, ConfigDict
+from passafe_services.tools.runs.record import Record
 
 
-class RolloutResult(BaseModel):
+class RolloutResult(Record):
     """The result of one rollout.
 
     Attributes:
@@ -17,8 +17,6 @@ class RolloutResult(BaseModel):
         between_samples_unproven: Certified decisions without the margin of their own neighbourhood.
         decided_scalar: Decisions that the filter took by itself, not in a batch.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid", ser_json_inf_nan="constants")
 
     seed: int
     adversary: str

@@ -4,9 +4,8 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Final, Self
 
-from pydantic import BaseModel, ConfigDict
-
 from passafe_services.tools.campaign.rollout_result import RolloutResult
+from passafe_services.tools.runs.record import Record
 from passafe_services.tools.runs.summary import Spread, badness
 
 ROUNDING = 1e-12
@@ -16,17 +15,15 @@ HIGH_IS_WORSE: Final[Mapping[str, bool]] = {"h_min": False, "tank_min_j": False,
 """The metrics of a rollout, and whether large values are bad."""
 
 
-class WorstRollout(BaseModel):
+class WorstRollout(Record):
     """The worst value of a metric and the rollout that shows it."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", ser_json_inf_nan="constants")
 
     value: float
     seed: int
     adversary: str
 
 
-class CampaignSummary(BaseModel):
+class CampaignSummary(Record):
     """The summary of a campaign of one scenario.
 
     Attributes:
@@ -42,8 +39,6 @@ class CampaignSummary(BaseModel):
         between_samples_unproven: Certified ticks without their margin between samples.
         decided_scalar: Ticks that the filter decided by itself; the others were decided in batches.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid", ser_json_inf_nan="constants")
 
     scenario: str
     rollouts: int

@@ -3,12 +3,11 @@
 from collections.abc import Mapping
 from typing import Self
 
-from pydantic import BaseModel, ConfigDict
-
 from passafe_services.tools.experiment.axes import BisectAxis
+from passafe_services.tools.runs.record import Record
 
 
-class Boundary(BaseModel):
+class Boundary(Record):
     """Interval in which a criterion first fails along an axis, as far as the values that were tried show.
 
     Attributes:
@@ -17,8 +16,6 @@ class Boundary(BaseModel):
         monotone: Whether no value tried beyond the first failure holds again.
         tried: How many values were tried.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     holds_up_to: float | None
     fails_from: float | None

@@ -4,9 +4,10 @@ from collections.abc import Mapping
 from itertools import product
 from typing import NamedTuple
 
-from pydantic import BaseModel, ConfigDict, JsonValue
+from pydantic import JsonValue
 
 from passafe_services.tools.experiment.schema import Experiment
+from passafe_services.tools.runs.record import Record
 
 
 class RunKey(NamedTuple):
@@ -23,7 +24,7 @@ class RunKey(NamedTuple):
     seed: int
 
 
-class Cell(BaseModel):
+class Cell(Record):
     """A variant with one value of every listed axis.
 
     Attributes:
@@ -31,8 +32,6 @@ class Cell(BaseModel):
         variant: Name.
         values: Value of each axis with listed values, by the axis' name.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     number: int
     variant: str
@@ -43,7 +42,7 @@ class Cell(BaseModel):
         return ", ".join((self.variant, *(f"{name} = {displayed(value)}" for name, value in self.values.items())))
 
 
-class Run(BaseModel):
+class Run(Record):
     """One run of an experiment.
 
     Attributes:
@@ -53,8 +52,6 @@ class Run(BaseModel):
         probe: Value of the axis that is bisected, if one is.
         seed: Decides random axes, links, start and operator.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     cell: int
     variant: str

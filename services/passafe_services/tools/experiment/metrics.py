@@ -5,7 +5,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 from passafe_protocol.messages import PlantPhase
-from pydantic import BaseModel, ConfigDict
 
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.experiment.run_trace import RunTrace
@@ -18,6 +17,7 @@ from passafe_services.tools.review.steering import Steering
 from passafe_services.tools.review.steering_of_log import steering_from
 from passafe_services.tools.review.trajectory import Trajectory
 from passafe_services.tools.review.verdict import POINTS_PER_PERIOD, Outcome, barrier_named, decide
+from passafe_services.tools.runs.record import Record
 
 NS_PER_MS: Final = 1e6
 
@@ -25,7 +25,7 @@ LASTS: Final = 0.5
 """Share of a period by which plant time may end before the scenario's duration and still count as all of it."""
 
 
-class Metrics(BaseModel):
+class Metrics(Record):
     """Metrics of one run; ``None`` where there is nothing to take one from. Those that a review has are the review's.
 
     Attributes:
@@ -59,8 +59,6 @@ class Metrics(BaseModel):
         properties: Whether each property of a review holds, by name; that of the links' account is of a log.
         verdict: ``holds`` if every required one does, ``fails`` if one does not.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid", ser_json_inf_nan="constants")
 
     duration_s: float
     ticks: int

@@ -2,16 +2,15 @@
 
 from pathlib import Path
 
-from pydantic import BaseModel, ConfigDict
-
 from passafe_services.tools.experiment.cells import Run, RunKey
 from passafe_services.tools.experiment.load import Study
 from passafe_services.tools.experiment.metrics import Metrics
 from passafe_services.tools.experiment.schema import Seeds
+from passafe_services.tools.runs.record import Record
 from passafe_services.tools.runs.results_file import ResultsFile, ResultsHeading
 
 
-class RunResult(BaseModel):
+class RunResult(Record):
     """The result of one run.
 
     Attributes:
@@ -20,8 +19,6 @@ class RunResult(BaseModel):
         error: Why it could not be run, in words; empty if it could.
         wall_s: Time that it took, s: the only number that another time differs.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid", ser_json_inf_nan="constants")
 
     run: Run
     metrics: Metrics | None

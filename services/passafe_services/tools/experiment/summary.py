@@ -4,8 +4,6 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Self
 
-from pydantic import BaseModel, ConfigDict
-
 from passafe_services.tools.experiment.bisection import Boundary
 from passafe_services.tools.experiment.cells import Cell, RunKey
 from passafe_services.tools.experiment.metrics import NUMERIC
@@ -13,13 +11,14 @@ from passafe_services.tools.experiment.plan import Plan
 from passafe_services.tools.experiment.run_result import RunResult
 from passafe_services.tools.experiment.schema import Criterion, Experiment
 from passafe_services.tools.feasibility.share import Share
+from passafe_services.tools.runs.record import Record
 from passafe_services.tools.runs.summary import Spread, badness
 
 VERDICT = "verdict"
 """Beside the criteria: runs whose verdict is not that every required property holds."""
 
 
-class CellSummary(BaseModel):
+class CellSummary(Record):
     """The summary of one cell's runs, at one value of the bisected axis where there is one.
 
     Attributes:
@@ -31,8 +30,6 @@ class CellSummary(BaseModel):
         breaking: Share of the runs that break each criterion, by its name, and ``verdict``; errors break all.
         worst: Seed of the worst run by the experiment's ``worst_by``.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid", ser_json_inf_nan="constants")
 
     cell: Cell
     probe: float | None
@@ -62,16 +59,14 @@ class CellSummary(BaseModel):
         )
 
 
-class CellBoundaries(BaseModel):
+class CellBoundaries(Record):
     """The boundaries of one cell: between which values each criterion first fails, by the criterion's name."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     cell: Cell
     boundaries: dict[str, Boundary]
 
 
-class ExperimentSummary(BaseModel):
+class ExperimentSummary(Record):
     """The summary of an experiment.
 
     Attributes:
@@ -83,8 +78,6 @@ class ExperimentSummary(BaseModel):
         cells: Every cell that has runs, in order; with a bisected axis once for each value that was tried.
         boundaries: Of every cell, where an axis is bisected.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid", ser_json_inf_nan="constants")
 
     name: str
     runs: int

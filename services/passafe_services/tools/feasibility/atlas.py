@@ -5,11 +5,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, TextIO
 
-from pydantic import BaseModel, ConfigDict
-
 from passafe_services.tools.feasibility.constraint_feasibility import Findings
 from passafe_services.tools.feasibility.grid import Grid
 from passafe_services.tools.feasibility.share import Share
+from passafe_services.tools.runs.record import Record
 
 LIMITATION: Final = (
     "Each state is evaluated on its own, without rate limits: feasible rows at a state do not imply feasible rows at "
@@ -17,7 +16,7 @@ LIMITATION: Final = (
 )
 
 
-class Counts(BaseModel):
+class Counts(Record):
     """Counts of a set of states; the last three count states inside the protected set only.
 
     Attributes:
@@ -27,8 +26,6 @@ class Counts(BaseModel):
         passive: States with feasible hard rows and passivity.
         unsettled: States at which the search for a larger margin ended early.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     states: int
     inside: int
@@ -49,7 +46,7 @@ class Counts(BaseModel):
         )
 
 
-class SampleSummary(BaseModel):
+class SampleSummary(Record):
     """Random states in a box, and the estimated shares.
 
     Attributes:
@@ -61,8 +58,6 @@ class SampleSummary(BaseModel):
         hard: Share of that set with feasible hard rows.
         passive: Share of that set with feasible hard rows and passivity.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     low: tuple[float, ...]
     high: tuple[float, ...]
@@ -87,7 +82,7 @@ class SampleSummary(BaseModel):
         )
 
 
-class AtlasSummary(BaseModel):
+class AtlasSummary(Record):
     """Summary of an atlas.
 
     Attributes:
@@ -100,8 +95,6 @@ class AtlasSummary(BaseModel):
         sample: Random states, if any.
         limitation: Limitation of the method.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     scenario: str
     across: int

@@ -4,13 +4,13 @@ from collections.abc import Sequence
 from typing import Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict
 from scipy.stats import binomtest
 
 from passafe.workspace import Array
+from passafe_services.tools.runs.record import Record
 
 
-class Share(BaseModel):
+class Share(Record):
     """Share of random states.
 
     Attributes:
@@ -19,8 +19,6 @@ class Share(BaseModel):
         low: Lower end of the 95 % Wilson interval (Wilson 1927).
         high: Its upper end.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     kept: int
     of: int

@@ -4,16 +4,17 @@ from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, Generic, Literal, Self, TypeVar
 
-from pydantic import BaseModel, ConfigDict, JsonValue, ValidationError
+from pydantic import BaseModel, JsonValue, ValidationError
 
 from passafe_services.scenarios.info import versions
 from passafe_services.tools.runs.errors import ResultsFileError
+from passafe_services.tools.runs.record import Record
 
 R = TypeVar("R", bound=BaseModel)
 K = TypeVar("K", bound=Hashable)
 
 
-class ResultsHeading(BaseModel):
+class ResultsHeading(Record):
     """First line of a results file: what the results are of, and what computed them.
 
     Attributes:
@@ -22,8 +23,6 @@ class ResultsHeading(BaseModel):
         subject: All that decides a result but its own key.
         versions: Of passafe and of what it computes with.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid", ser_json_inf_nan="constants")
 
     schema_version: Literal[2]
     kind: str

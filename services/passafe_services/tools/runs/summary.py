@@ -5,13 +5,12 @@ from math import inf, isnan
 from typing import Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict
+
+from passafe_services.tools.runs.record import Record
 
 
-class Spread(BaseModel):
+class Spread(Record):
     """The spread of a metric over runs."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", ser_json_inf_nan="constants")
 
     min: float
     median: float
