@@ -33,8 +33,8 @@ def commands() -> str:
     """Return a section for each command, as Typer makes it."""
     argv = [sys.executable, "-P", "-m", "typer", "passafe_services.cli.app", "utils", "docs", "--name", "passafe"]
     text = subprocess.run(argv, check=True, capture_output=True, text=True).stdout  # noqa: S603 - our own command
-    sections = text[text.index("## ") :].strip()
-    return re.sub(r"\n([^-*\n][^\n]*\n)(?=- )", r"\n\1\n", sections) + "\n"  # Markdown needs a line before a list
+    headings = re.sub(r"^#+ `(.+)`$", r"## \1", text[text.index("## ") :].strip(), flags=re.MULTILINE)
+    return re.sub(r"\n([^-*\n][^\n]*\n)(?=- )", r"\n\1\n", headings) + "\n"  # Markdown needs a line before a list
 
 
 PAGES: Final[dict[str, tuple[str, Callable[[], str]]]] = {

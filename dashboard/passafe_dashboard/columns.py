@@ -6,7 +6,7 @@ Two tables share a time axis in seconds of plant time. ``ticks`` holds the resul
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import asinh, sinh
+from math import asinh
 from typing import Final
 
 from passafe_protocol.messages import FilterTick, PlantState
@@ -58,11 +58,6 @@ def signed_log_column(column: str) -> str:
 def signed_log(value: float) -> float:
     """Return the symmetric logarithm asinh(value / c), c = ``SIGNED_LOG_LINEAR``: odd, increasing, 0 at 0."""
     return asinh(value / SIGNED_LOG_LINEAR)
-
-
-def signed_log_inverse(place: float) -> float:
-    """Return the value at a place on a signed-log axis."""
-    return SIGNED_LOG_LINEAR * sinh(place)
 
 
 @dataclass(frozen=True, kw_only=True)

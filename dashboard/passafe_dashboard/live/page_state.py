@@ -14,7 +14,7 @@ from passafe_protocol.topics import HEALTH, LINKS, PROCESSES, STATE, TICK, TOPIC
 
 from passafe_dashboard.columns import COMMAND_AGE, POWER_MARGIN, STATE_AGE, TANK, measured_h, psi
 from passafe_dashboard.decimation import NS_PER_S, WorstSample
-from passafe_dashboard.live.feed import Feed
+from passafe_dashboard.live.feed import Feed, ReceivedEvent
 from passafe_dashboard.live.topic_monitor import TopicMonitor
 from passafe_dashboard.palette import PHASE_MEANINGS, STATUS_STYLES
 
@@ -50,16 +50,7 @@ def page_state(feed: Feed, now_ns: int) -> Json:
             for (link, effect), count in sorted(feed.run.link_effects.items())
         ],
         "link_states": [link_json(feed, name, now_ns) for name in LINKS],
-        "events": [
-            {
-                "number": event.number,
-                "source": event.source,
-                "severity": event.severity,
-                "text": event.text,
-                "age_s": (now_ns - event.received_ns) / NS_PER_S,
-            }
-            for event in feed.events
-        ],
+        "events": [_event_json(event, now_ns) for event in feed.events],
     }
 
 
@@ -125,13 +116,7 @@ def _filter_json(feed: Feed, tick: FilterTick) -> Json:
             {"name": row.name, "active": row.active, "margin": row.margin, "dual": row.dual, "share": row.share}
             for row in tick.rows
         ],
-        "certificate": {
-            "solver": tick.certificate.solver,
-            "accepted": tick.certificate.accepted,
-            "primal_residual": tick.certificate.primal_residual,
-            "dual_residual": tick.certificate.dual_residual,
-            "gap": tick.certificate.gap,
-        },
+        "certificate": as_dict(tick.certificate),
         STATE_AGE: _age_ms(tick.state_age_ns),
         COMMAND_AGE: _age_ms(tick.command_age_ns),
     }
@@ -142,13 +127,7 @@ def _override_json(tick: FilterTick) -> Json | None:
     override = tick.override
     if not override.held_back:
         return None
-    return {
-        "held_back": override.held_back,
-        "held_back_norm": hypot(*override.held_back),
-        "allowed_fraction": override.allowed_fraction,
-        "unavoidable": override.unavoidable,
-        "distance_to_infeasibility": override.distance_to_infeasibility,
-    }
+    return as_dict(override) | {"held_back_norm": hypot(*override.held_back)}
 
 
 def _age_ms(age_ns: int) -> float | None:
@@ -214,23 +193,16 @@ def link_json(feed: Feed, name: str, now_ns: int) -> Json:
     }
 
 
+def _event_json(event: ReceivedEvent, now_ns: int) -> Json:
+    fields = event._asdict()
+    del fields["received_ns"]
+    return fields | {"age_s": (now_ns - event.received_ns) / NS_PER_S}
+
+
 def _process_json(feed: Feed, name: str, now_ns: int) -> Json:
     report = feed.processes.get(name)
     if report is None:
         return {"process": name, "state": "no report"}
     age_s = (now_ns - report.received_ns) / NS_PER_S
-    health = report.health
-    return {
-        "process": name,
-        "state": "silent" if age_s > HEALTH_DEADLINE_S else "ok",
-        "age_s": age_s,
-        "rate_hz": health.rate_hz,
-        "steps": health.steps,
-        "overruns": health.overruns,
-        "steps_skipped": health.steps_skipped,
-        "late_us_max": health.late_us_max,
-        "topics": [
-            {"topic": topic.topic, "received": topic.received, "gaps": topic.gaps, "refused": topic.refused}
-            for topic in health.topics
-        ],
-    }
+    state = "silent" if age_s > HEALTH_DEADLINE_S else "ok"
+    return {"process": name, "state": state, "age_s": age_s} | as_dict(report.health)

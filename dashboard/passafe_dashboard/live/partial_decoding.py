@@ -5,7 +5,7 @@ that one is decoded and checked by the codec.
 """
 
 from collections.abc import Callable
-from typing import Any, Final, TypeAlias
+from typing import Any, Final, TypeAlias, TypeVar
 
 from google.protobuf.message import DecodeError
 from passafe_protocol.checksum import is_intact
@@ -23,6 +23,7 @@ from passafe_protocol.passafe_pb2 import FilterTick as FilterTickBytes
 from passafe_protocol.passafe_pb2 import PlantState as PlantStateBytes
 from passafe_protocol.topics import STATE, TICK
 
+M = TypeVar("M", FilterTickBytes, PlantStateBytes)
 PartialMessage: TypeAlias = tuple[Header, FilterTick | PlantState]
 
 _NO_CERTIFICATE: Final = Certificate("", accepted=False, primal_residual=0.0, dual_residual=0.0, gap=0.0)
@@ -39,14 +40,9 @@ def decode_tick_partially(data: bytes) -> PartialMessage | None:
     Returns:
         Header and body, or ``None`` for bytes that only the codec can accept or refuse.
     """
-    if not is_intact(data):
-        return None
-    try:
-        read = FilterTickBytes.FromString(data)
-    except DecodeError:
-        return None
-    status = _STATUSES.get(read.status)
-    if read.header.schema_version != SCHEMA_VERSION or status is None:
+    read = _read(FilterTickBytes, data)
+    status = None if read is None else _STATUSES.get(read.status)
+    if read is None or status is None:
         return None
     return _header(read.header), FilterTick(
         tick=0,
@@ -83,14 +79,9 @@ def decode_state_partially(data: bytes) -> PartialMessage | None:
     Returns:
         Header and body, or ``None`` for bytes that only the codec can accept or refuse.
     """
-    if not is_intact(data):
-        return None
-    try:
-        read = PlantStateBytes.FromString(data)
-    except DecodeError:
-        return None
-    phase = _PHASES.get(read.phase)
-    if read.header.schema_version != SCHEMA_VERSION or phase is None:
+    read = _read(PlantStateBytes, data)
+    phase = None if read is None else _PHASES.get(read.phase)
+    if read is None or phase is None:
         return None
     return _header(read.header), PlantState(
         plant_ns=read.plant_ns,
@@ -107,6 +98,17 @@ def decode_state_partially(data: bytes) -> PartialMessage | None:
         integration_error=0.0,
         received_tick=0,
     )
+
+
+def _read(kind: type[M], data: bytes) -> M | None:
+    """Return the message; ``None`` for bytes that only the codec can accept or refuse."""
+    if not is_intact(data):
+        return None
+    try:
+        read = kind.FromString(data)
+    except DecodeError:
+        return None
+    return read if read.header.schema_version == SCHEMA_VERSION else None
 
 
 def _header(head: Any) -> Header:  # noqa: ANN401 - protobuf makes its classes at run time

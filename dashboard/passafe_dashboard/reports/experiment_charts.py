@@ -1,8 +1,8 @@
 """Choose the charts of an experiment: each criterion's metric over the axes, or the boundary where it first fails."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from math import isfinite
-from typing import Final
+from typing import Final, TypeVar
 
 from passafe_services.tools.experiment.axes import BisectAxis, GridAxis, RandomAxis
 from passafe_services.tools.experiment.bisection import Boundary
@@ -19,7 +19,7 @@ MOST_CHARTS: Final = 40
 MOST_POINTS: Final = 2000
 """Points of a scatter chart for each variant; of more, evenly spread ones are drawn."""
 
-LEAST_PLACES: Final = 2
+C = TypeVar("C", CellSummary, CellBoundaries)
 
 
 def charts_of(plan: Plan, summary: ExperimentSummary) -> list[LineChart]:
@@ -41,13 +41,13 @@ def boundary_charts(experiment: Experiment, summary: ExperimentSummary) -> list[
         LineChart(
             x_label=f"{over.name}{where}",
             y_label=f"{name} up to {axis.name}",
-            curves=tuple(_boundary_curve(found, name, over, axis, experiment) for found in _by_variant(cells)),
+            curves=tuple(_boundary_curve(cells, name, over, axis, experiment) for cells in variants),
             limit=axis.high,
             limit_label="not tried beyond",
             least=axis.low,
         )
         for name in experiment.criteria
-        for where, cells in _panels(summary.boundaries, over).items()
+        for where, variants in _panels(summary.boundaries, over)
     ]
 
 
@@ -60,12 +60,12 @@ def _spread_charts(experiment: Experiment, summary: ExperimentSummary) -> list[L
         LineChart(
             x_label=f"{over.name}{where}",
             y_label=criterion.metric,
-            curves=tuple(_spread_curve(found, criterion.metric, over, experiment) for found in _by_variant(cells)),
+            curves=tuple(_spread_curve(cells, criterion.metric, over, experiment) for cells in variants),
             limit=_limit(criterion),
             limit_label=f"limit of {name}",
         )
         for name, criterion in experiment.criteria.items()
-        for where, cells in _panels(summary.cells, over).items()
+        for where, variants in _panels(summary.cells, over)
     ]
 
 
@@ -74,33 +74,29 @@ def _scatter_charts(plan: Plan) -> Iterator[LineChart]:
     runs = sorted(plan.results.values(), key=in_order)
     for axis in plan.experiment.random:
         for name, criterion in plan.experiment.criteria.items():
-            curves = []
-            for style, variant in enumerate(plan.experiment.variants):
-                points = _points([one for one in runs if one.run.variant == variant], axis, criterion)
-                x, y = tuple(x for x, _ in points), tuple(y for _, y in points)
-                curves.append(Curve(label=variant, style=style, x=x, y=y))
+            curves = tuple(
+                _scatter([one for one in runs if one.run.variant == variant], variant, style, axis, criterion)
+                for style, variant in enumerate(plan.experiment.variants)
+            )
             if any(curve.x for curve in curves):
-                yield _scatter_chart(axis, name, criterion, curves)
+                yield LineChart(
+                    x_label=axis.name,
+                    y_label=criterion.metric,
+                    curves=curves,
+                    limit=_limit(criterion),
+                    limit_label=f"limit of {name}",
+                    points=True,
+                )
 
 
-def _points(runs: Sequence[RunResult], axis: RandomAxis, criterion: Criterion) -> list[tuple[float, float]]:
+def _scatter(runs: Sequence[RunResult], variant: str, style: int, axis: RandomAxis, criterion: Criterion) -> Curve:
     found = [
         (one.run.values[axis.name], None if one.metrics is None else one.metrics.number(criterion.metric))
         for one in runs
     ]
     known = [(_number(x), y) for x, y in found if _is_number(x) and y is not None and isfinite(y)]
-    return known[:: -(-len(known) // MOST_POINTS) or 1]
-
-
-def _scatter_chart(axis: RandomAxis, name: str, criterion: Criterion, curves: Sequence[Curve]) -> LineChart:
-    return LineChart(
-        x_label=axis.name,
-        y_label=criterion.metric,
-        curves=tuple(curves),
-        limit=_limit(criterion),
-        limit_label=f"limit of {name}",
-        points=True,
-    )
+    drawn = known[:: -(-len(known) // MOST_POINTS) or 1]
+    return Curve(label=variant, style=style, x=tuple(x for x, _ in drawn), y=tuple(y for _, y in drawn))
 
 
 def _longest(experiment: Experiment) -> GridAxis | None:
@@ -109,41 +105,34 @@ def _longest(experiment: Experiment) -> GridAxis | None:
     return max(numbers, key=lambda axis: len(axis.values), default=None)
 
 
-def _panels(
-    cells: Sequence[CellSummary] | Sequence[CellBoundaries], over: GridAxis
-) -> Mapping[str, list[CellSummary | CellBoundaries]]:
-    """Return the cells by the values of the other axes, in words."""
-    found: dict[str, list[CellSummary | CellBoundaries]] = {}
+def _panels(cells: Sequence[C], over: GridAxis) -> Iterator[tuple[str, list[list[C]]]]:
+    """Yield the values of the other axes, in words, with their cells: a list a variant, in order of the axis."""
+    found: dict[str, dict[str, list[C]]] = {}
     for one in cells:
         others = [f"{name} = {displayed(value)}" for name, value in one.cell.values.items() if name != over.name]
-        found.setdefault(f", where {', '.join(others)}" if others else "", []).append(one)
-    return found
+        where = f", where {', '.join(others)}" if others else ""
+        found.setdefault(where, {}).setdefault(one.cell.variant, []).append(one)
+    for where, variants in found.items():
+        yield where, [sorted(curve, key=lambda one: _place(one, over)) for curve in variants.values()]
 
 
-def _by_variant(cells: Sequence[CellSummary | CellBoundaries]) -> list[list[CellSummary | CellBoundaries]]:
-    found: dict[str, list[CellSummary | CellBoundaries]] = {}
-    for one in cells:
-        found.setdefault(one.cell.variant, []).append(one)
-    return list(found.values())
+def _place(one: CellSummary | CellBoundaries, over: GridAxis) -> float:
+    return _number(one.cell.values[over.name])
 
 
 def _boundary_curve(
-    cells: Sequence[CellSummary | CellBoundaries], name: str, over: GridAxis, axis: BisectAxis, experiment: Experiment
+    cells: Sequence[CellBoundaries], name: str, over: GridAxis, axis: BisectAxis, experiment: Experiment
 ) -> Curve:
-    found = [
-        (_number(one.cell.values[over.name]), one.boundaries[name])
-        for one in cells
-        if isinstance(one, CellBoundaries) and one.boundaries[name].tried
-    ]
-    found.sort(key=lambda point: point[0])
+    tried = [one for one in cells if one.boundaries[name].tried]
+    boundaries = [one.boundaries[name] for one in tried]
     variant = cells[0].cell.variant
     return Curve(
         label=variant,
         style=list(experiment.variants).index(variant),
-        x=tuple(x for x, _ in found),
-        y=tuple(_height(boundary, axis) for _, boundary in found),
-        open_at=tuple(k for k, (_, boundary) in enumerate(found) if boundary.fails_from is None),
-        doubtful_at=tuple(k for k, (_, boundary) in enumerate(found) if not boundary.monotone),
+        x=tuple(_place(one, over) for one in tried),
+        y=tuple(_height(boundary, axis) for boundary in boundaries),
+        open_at=tuple(k for k, boundary in enumerate(boundaries) if boundary.fails_from is None),
+        doubtful_at=tuple(k for k, boundary in enumerate(boundaries) if not boundary.monotone),
     )
 
 
@@ -154,15 +143,12 @@ def _height(boundary: Boundary, axis: BisectAxis) -> float:
     return axis.low if boundary.holds_up_to is None else boundary.holds_up_to
 
 
-def _spread_curve(
-    cells: Sequence[CellSummary | CellBoundaries], metric: str, over: GridAxis, experiment: Experiment
-) -> Curve:
-    points = []
-    for one in cells:
-        spread = one.metrics[metric] if isinstance(one, CellSummary) else None
-        if spread is not None and all(map(isfinite, (spread.min, spread.median, spread.max))):
-            points.append((_number(one.cell.values[over.name]), spread))
-    points.sort(key=lambda point: point[0])
+def _spread_curve(cells: Sequence[CellSummary], metric: str, over: GridAxis, experiment: Experiment) -> Curve:
+    points = [
+        (_place(one, over), spread)
+        for one in cells
+        if (spread := one.metrics[metric]) is not None and all(map(isfinite, (spread.min, spread.median, spread.max)))
+    ]
     variant = cells[0].cell.variant
     return Curve(
         label=variant,

@@ -1,6 +1,6 @@
 """Disks: ``disk-keep-out`` and ``disk-keep-in``."""
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 import casadi as ca
 
@@ -18,14 +18,11 @@ class DiskBarrier(PlaceBarrier):
         radius: Radius, m.
     """
 
+    h_unit: ClassVar[str] = "m²"
+
     kind: Literal["disk-keep-out", "disk-keep-in"]
     centre: Place
     radius: Positive
-
-    @property
-    def h_unit(self) -> str:
-        """Return m²."""
-        return "m²"
 
     def h_at(self, position: ca.SX) -> ca.SX:
         """Return h of a position."""

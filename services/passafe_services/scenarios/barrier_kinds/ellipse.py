@@ -1,6 +1,6 @@
 """Ellipses: ``ellipse-keep-out`` and ``ellipse-keep-in``."""
 
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 import casadi as ca
 from pydantic import Field
@@ -22,15 +22,12 @@ class EllipseBarrier(PlaceBarrier):
         rotation_rad: Angle from the first coordinate to the first semi-axis, rad.
     """
 
+    h_unit: ClassVar[str] = "m²"
+
     kind: Literal["ellipse-keep-out", "ellipse-keep-in"]
     centre: Place
     semi_axes_m: Annotated[tuple[Positive, ...], Field(min_length=2, max_length=2)]
     rotation_rad: Finite = 0.0
-
-    @property
-    def h_unit(self) -> str:
-        """Return m²."""
-        return "m²"
 
     def h_at(self, position: ca.SX) -> ca.SX:
         """Return h of a position."""

@@ -1,6 +1,6 @@
 """One side of a line: ``half-plane``."""
 
-from typing import Literal, Self
+from typing import ClassVar, Literal, Self
 
 import casadi as ca
 from pydantic import model_validator
@@ -19,6 +19,8 @@ class HalfPlaneBarrier(PlaceBarrier):
         offset: Value of normalᵀp on the line, before it has moved.
     """
 
+    h_unit: ClassVar[str] = "m"
+
     kind: Literal["half-plane"]
     normal: Place
     offset: Finite
@@ -28,11 +30,6 @@ class HalfPlaneBarrier(PlaceBarrier):
         if not any(self.normal):
             raise ValueError(f"normal: got {self.normal}, allowed a vector that is not zero")
         return self
-
-    @property
-    def h_unit(self) -> str:
-        """Return m."""
-        return "m"
 
     def h_at(self, position: ca.SX) -> ca.SX:
         """Return h of a position."""

@@ -18,14 +18,10 @@ class ApartBarrier(SingleBarrier):
     """
 
     least_points: ClassVar[int] = 2
+    h_unit: ClassVar[str] = "m²"
 
     kind: Literal["keep-apart"]
     distance_m: Positive
-
-    @property
-    def h_unit(self) -> str:
-        """Return m²."""
-        return "m²"
 
     def h(self, robot: Robot) -> ca.SX:
         """Return h of both positions."""

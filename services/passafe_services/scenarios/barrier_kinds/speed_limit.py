@@ -1,6 +1,6 @@
 """Limits of the speed: ``speed-limit``."""
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 import casadi as ca
 
@@ -17,18 +17,11 @@ class SpeedBarrier(PointBarrier):
         limit_m_per_s: Largest speed, m/s.
     """
 
+    h_unit: ClassVar[str] = "m²/s²"
+    is_of_position: ClassVar[bool] = False
+
     kind: Literal["speed-limit"]
     limit_m_per_s: Positive
-
-    @property
-    def h_unit(self) -> str:
-        """Return m²/s²."""
-        return "m²/s²"
-
-    @property
-    def is_of_position(self) -> bool:
-        """Return ``False``: h limits velocities."""
-        return False
 
     def h(self, robot: Robot) -> ca.SX:
         """Return h of the point's velocity."""
