@@ -3,10 +3,11 @@
 import os
 from collections.abc import Callable, Sequence
 from importlib import import_module
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from filter_contenders import Request
+from passafe_services.scenarios.barrier_kinds.disk import DiskBarrier
 from passafe_services.scenarios.schema import Scenario
 from timing import Times
 
@@ -46,16 +47,31 @@ class CbfpyWithElastiqp:
 
 
 def _step(scenario: Scenario) -> Callable[..., Any]:
-    """Return (x, u, u_h, u̇_h) → u⁺, not compiled yet.
+    """Return (x, u, u_h, u̇_h) → u⁺, not compiled yet."""
+    jnp: Any = import_module("jax.numpy")
+    config, sigma = scenario.filter, scenario.plant.parameters["sigma"]
+    k_p, k_d, bound, dt_s = config.feedback.k_p, config.feedback.k_d, config.input_bound, scenario.dt_s
+    cbf = _cbf(scenario)
+
+    def step(x: Any, u: Any, u_h: Any, u_h_rate: Any) -> Any:  # noqa: ANN401 - JAX arrays
+        u_nominal = -k_p * x[:2] - k_d * x[2:] + u_h
+        u_fb_rate = -k_p * x[2:] - k_d * (u - sigma * x[2:])
+        phi = u_fb_rate + u_h_rate + config.k_i * (u_nominal - u)
+        u_ref = jnp.clip(u + dt_s * phi, -bound, bound)
+        return cbf.safety_filter(jnp.concatenate([x, jnp.zeros(1)]), u_ref)
+
+    return step
+
+
+def _cbf(scenario: Scenario) -> Any:  # noqa: ANN401 - loaded at run time, no types
+    """Return cbfpy's filter.
 
     The scenario's robot is written anew here, in JAX; the comparison of answers would reveal a mistake.
     """
     cbfpy: Any = import_module("cbfpy")
     jnp: Any = import_module("jax.numpy")
-    config = scenario.filter
-    disk: Any = config.barriers[0]
+    bound, disk = scenario.filter.input_bound, cast("DiskBarrier", scenario.filter.barriers[0])
     sigma = scenario.plant.parameters["sigma"]
-    k_p, k_d, bound, dt_s = config.feedback.k_p, config.feedback.k_d, config.input_bound, scenario.dt_s
     gain_1, gain_2 = disk.class_k[0].gain, disk.class_k[1].gain
     centre = jnp.array(disk.centre)
 
@@ -83,14 +99,4 @@ def _step(scenario: Scenario) -> Callable[..., Any]:
             return gain_1 * h
 
     options = {"backend": "elastiqp", "solver_tol": 1e-6, "cbf_relaxation_penalty": 1e4}
-    limits = {"u_min": [-bound] * 2, "u_max": [bound] * 2}
-    cbf = cbfpy.CBF.from_config(Config(n=5, m=2, **options, **limits))
-
-    def step(x: Any, u: Any, u_h: Any, u_h_rate: Any) -> Any:  # noqa: ANN401 - JAX arrays
-        u_nominal = -k_p * x[:2] - k_d * x[2:] + u_h
-        u_fb_rate = -k_p * x[2:] - k_d * (u - sigma * x[2:])
-        phi = u_fb_rate + u_h_rate + config.k_i * (u_nominal - u)
-        u_ref = jnp.clip(u + dt_s * phi, -bound, bound)
-        return cbf.safety_filter(jnp.concatenate([x, jnp.zeros(1)]), u_ref)
-
-    return step
+    return cbfpy.CBF.from_config(Config(n=5, m=2, u_min=[-bound] * 2, u_max=[bound] * 2, **options))

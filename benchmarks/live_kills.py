@@ -67,11 +67,7 @@ def main(
             except (NoRobotError, BusError) as error:
                 report.failures.append(f"demo {number}: {error}")
                 continue
-            verdict = Verdict.of(log, CoreEvaluator(log.identity.scenario))
-            report.rows += map(row, strikes)
-            report.notes.append(note(number, verdict, log))
-            if verdict.h_min is None or not verdict.h_min >= 0:  # a NaN is not
-                report.failures.append(f"lowest h of demo {number}: got {verdict.h_min}, allowed 0 or more")
+            judge(log, number, strikes, report)
             resumed += sum(strike.resumed for strike in strikes)
     report.notes.append(f"resumed {resumed} of {kills} times")
     if resumed < kills:
@@ -93,6 +89,15 @@ def struck_demo(
     [path] = [path for path in folder.glob("*.mcap") if not path.name.endswith(".torn.mcap")]
     log = RunLog.read(path)
     return log, with_breaks(strikes, sequence_breaks(log.of(PlantState)))
+
+
+def judge(log: RunLog, number: int, strikes: list[Strike], report: Report) -> None:
+    """Report one demo's kills and what its log shows; h < 0 is a failure."""
+    verdict = Verdict.of(log, CoreEvaluator(log.identity.scenario))
+    report.rows += map(row, strikes)
+    report.notes.append(note(number, verdict, log))
+    if verdict.h_min is None or not verdict.h_min >= 0:  # a NaN is not
+        report.failures.append(f"lowest h of demo {number}: got {verdict.h_min}, allowed 0 or more")
 
 
 def row(strike: Strike) -> tuple[str, ...]:
