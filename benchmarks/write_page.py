@@ -35,7 +35,19 @@ BENCHMARKS: Final = {
 }
 """Benchmarks that measure ratios, with what they are of."""
 
-PACKAGES: Final = ("casadi", "piqp", "daqp", "numpy", "scipy", "msgspec", "cbfpy", "elastiqp", "jax", "cvxpy")
+PACKAGES: Final = (
+    "passafe",
+    "casadi",
+    "piqp",
+    "daqp",
+    "numpy",
+    "scipy",
+    "msgspec",
+    "cbfpy",
+    "elastiqp",
+    "jax",
+    "cvxpy",
+)
 
 INTRODUCTION: Final = """# Benchmarks
 
@@ -52,7 +64,7 @@ def main(
     """Run every benchmark that measures ratios, and write the page."""
     console = Console()
     reports: dict[str, dict[str, Any]] = {}
-    failed = False
+    failed, load = False, os.getloadavg()[0]
     for name in BENCHMARKS:
         console.print(f"{name} …", highlight=False)
         command = [sys.executable, str(FOLDER / f"{name}.py"), "--json", *(["--smallest"] if smallest else [])]
@@ -64,12 +76,12 @@ def main(
         reports[name] = json.loads(done.stdout)
     if failed:
         raise typer.Exit(1)
-    page.write_text("\n".join(lines(reports)) + "\n", encoding="utf-8")
+    page.write_text("\n".join(lines(reports, load)) + "\n", encoding="utf-8")
     console.print(f"{page}: written")
 
 
-def lines(reports: dict[str, dict[str, Any]]) -> Iterator[str]:
-    """Yield the lines of the page."""
+def lines(reports: dict[str, dict[str, Any]], load: float) -> Iterator[str]:
+    """Yield the lines of the page; the load is that of the machine before the first benchmark."""
     yield INTRODUCTION
     yield "| benchmark | dividend | divisor | ratio | least to most |"
     yield "|---|---|---|---|---|"
@@ -78,8 +90,8 @@ def lines(reports: dict[str, dict[str, Any]]) -> Iterator[str]:
             spread = "" if ratio.least == ratio.most else f"{ratio.least:.2f} to {ratio.most:.2f}"
             yield f"| `{name}` | {ratio.of} | {ratio.over} | {ratio.median:.2f} | {spread} |"
     yield ""
-    yield f"Measured {datetime.now(UTC):%Y-%m-%d} on {processor()}, {len(os.sched_getaffinity(0))} processors,"
-    yield f"{platform.system()}, Python {platform.python_version()}, {', '.join(versions())}."
+    yield f"Measured {datetime.now(UTC):%Y-%m-%d} on {processor()}, {os.cpu_count()} processors, load {load:.1f}"
+    yield f"before, {platform.system()}, Python {platform.python_version()}, {', '.join(versions())}."
     for name, report in reports.items():
         yield f"\n## {name}\n\n`python benchmarks/{name}.py`: {BENCHMARKS[name]}. {report['title']}.\n"
         columns = report["columns"]
