@@ -7,6 +7,7 @@ from typing import Final, TypeVar
 import casadi as ca
 
 from passafe.barrier_chain import BarrierChain
+from passafe.decision_functions import DecisionFunctions
 from passafe.decision_schema import Answer, Linearization, NormTangents, Program, Request
 from passafe.design import FilterDesign
 from passafe.stage import Stage
@@ -17,7 +18,7 @@ from passafe.symbolic.evaluation import evaluate
 from passafe.symbolic.reference_input import reference_input
 from passafe.symbolic.trust_region import trust_radius
 from passafe.symbolic.whole_program import RowLayout, first_cuts
-from passafe.workspace import BlockLayout, dense_function, expressions
+from passafe.workspace import BlockLayout, expressions, expressions_by_name, named_function
 
 TIGHTENING: Final = 2.0
 """Distance by which constraints are kept beyond what is asked, in units of the residual that an answer may have."""
@@ -27,29 +28,19 @@ Symbols = TypeVar("Symbols", bound=Stage[ca.SX])
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Derivation:
-    """Functions and shapes that follow from a design. Arguments and results are parts of ``passafe.decision_schema``.
+    """Functions and shapes that follow from a design.
 
     Attributes:
         layout: Places and shapes of all parts.
         rows: The whole program's rows.
         has_margins: Whether there are margins between samples.
-        linearize: Request → first linearization, about u for a trust region that reaches u_ref, and first tangents.
-        prepare: Request and linearization → program and a blank answer, all zero.
-        prepare_usual: Request → first linearization and tangents, program and blank answer, where start is 0.
-        evaluate: Request, linearization, program, tangents and answer → evaluation and assessment.
-        prove_conflict: Program and ``relax`` → ``conflict``.
-        fail_safe: x → the fail-safe law's input, not clipped.
+        functions: The compiled functions.
     """
 
     layout: BlockLayout
     rows: RowLayout
     has_margins: bool
-    linearize: ca.Function
-    prepare: ca.Function
-    prepare_usual: ca.Function
-    evaluate: ca.Function
-    prove_conflict: ca.Function
-    fail_safe: ca.Function
+    functions: DecisionFunctions[ca.Function]
 
     @classmethod
     def of(cls, design: FilterDesign, chains: Sequence[BarrierChain]) -> "Derivation":
@@ -73,30 +64,31 @@ class Derivation:
         answer = Answer.of(lambda name: ca.SX.sym(name, sizes[name]))
         evaluation, assessment = evaluate(chains, barriers, request, linearization, posed, tangents, answer, root)
         about_u, blank = _about_u(design, request), zeros_like(answer)
-        first = [*expressions(about_u), first_cuts(rows.tangents, design.system.m)]
-        given = [*expressions(request), *expressions(linearization)]
+        first = expressions_by_name(about_u, NormTangents(first_cuts(rows.tangents, design.system.m)))
+        usual = _usual(program, request, linearization, about_u)
+        functions = DecisionFunctions(
+            linearize=named_function("linearize", request.fields(), first),
+            prepare=named_function(
+                "prepare", expressions_by_name(request, linearization), expressions_by_name(program, blank)
+            ),
+            prepare_usual=named_function("prepare_usual", request.fields(), first | expressions_by_name(usual, blank)),
+            evaluate=named_function(
+                "evaluate",
+                expressions_by_name(request, linearization, posed, tangents, answer),
+                expressions_by_name(evaluation, assessment),
+            ),
+            prove_conflict=named_function(
+                "prove_conflict",
+                posed.fields() | {"relax": answer.relax},
+                {"conflict": conflict(design.limits, posed, answer.relax)},
+            ),
+            fail_safe=named_function("fail_safe", {"x": design.system.x}, {"u_plus": design.fail_safe}),
+        )
         return cls(
             layout=BlockLayout.of_stages(request, linearization, program, tangents, answer, evaluation, assessment),
             rows=rows,
             has_margins=barriers.has_margins,
-            linearize=dense_function("linearize", expressions(request), first),
-            prepare=dense_function("prepare", given, [*expressions(program), *expressions(blank)]),
-            prepare_usual=dense_function(
-                "prepare_usual",
-                expressions(request),
-                [*first, *_usual(program, request, linearization, about_u), *expressions(blank)],
-            ),
-            evaluate=dense_function(
-                "evaluate",
-                [*given, *expressions(posed), *expressions(tangents), *expressions(answer)],
-                [*expressions(evaluation), *expressions(assessment)],
-            ),
-            prove_conflict=dense_function(
-                "prove_conflict",
-                [*expressions(posed), answer.relax],
-                [conflict(design.limits, posed, answer.relax)],
-            ),
-            fail_safe=dense_function("fail_safe", [design.system.x], [design.fail_safe]),
+            functions=functions,
         )
 
 
@@ -151,7 +143,7 @@ def _usual(
     request: Request[ca.SX],
     linearization: Linearization[ca.SX],
     about_u: Linearization[ca.SX],
-) -> list[ca.SX]:
+) -> Program[ca.SX]:
     """Return the program of nearly every decision: not the first of all, linearized about u."""
     own = [request.start, *expressions(linearization)]
-    return ca.substitute(expressions(program), own, [ca.SX(0), *expressions(about_u)])
+    return Program(*ca.substitute(expressions(program), own, [ca.SX(0), *expressions(about_u)]))

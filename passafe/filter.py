@@ -17,10 +17,10 @@ import numpy as np
 
 from passafe.attempt import Attempt
 from passafe.barrier_chain import derive_chain
-from passafe.bound_functions import BoundFunctions
 from passafe.certificate import accepts
 from passafe.decision import Decision, Status
 from passafe.decision_block import DecisionBlock
+from passafe.decision_functions import DecisionFunctions
 from passafe.derivation import Derivation
 from passafe.design import FilterDesign
 from passafe.errors import ShapeError
@@ -71,7 +71,9 @@ class SafetyPassivityFilter:
         self.chains = tuple(derive_chain(design.system, barrier) for barrier in design.barriers)
         self.derivation = derivation = Derivation.of(design, self.chains)
         self._block = block = DecisionBlock(derivation.layout)
-        self._functions = BoundFunctions(derivation, block.space)
+        self._functions: DecisionFunctions[Callable[[], None]] = DecisionFunctions.of(
+            lambda name: block.space.bind(getattr(derivation.functions, name))
+        )
         self._program = QuadraticProgram(block, derivation.rows, norm_asked(design.limits))
         self._tolerance = design.tolerance
         self._relaxed_above = design.passivity.relaxed_above

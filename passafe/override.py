@@ -20,7 +20,7 @@ from passafe.decision import Decision, Status
 from passafe.decision_schema import Answer, Evaluation, NormTangents, Program, Request
 from passafe.filter import SafetyPassivityFilter
 from passafe.stage import Stage, T
-from passafe.workspace import Array, BlockLayout, Workspace, dense_function
+from passafe.workspace import Array, BlockLayout, Workspace, expressions_by_name, named_function
 
 ACTIVE_DUAL: Final = 1e-6
 """Push from which a row counts as active, units of u."""
@@ -89,12 +89,11 @@ class Explainer:
         request, program, answer = Request.of(symbol), Program.of(symbol), Answer.of(symbol)
         tangents, evaluation = NormTangents.of(symbol), Evaluation.of(symbol)
         explanation = _explain(core, request, program, tangents, answer, evaluation)
-        stages = (request, program, tangents, answer, evaluation)
-        read = {name: expression for stage in stages for name, expression in stage.fields().items()}
-        function = dense_function("explain", list(read.values()), list(explanation.fields().values()))
+        read = expressions_by_name(request, program, tangents, answer, evaluation)
+        function = named_function("explain", read, explanation.fields())
         sizes = {name: expression.numel() for name, expression in explanation.fields().items()}
         self._space = space = Workspace(BlockLayout.of({**shapes, **sizes}))
-        self._evaluate = space.bind(function, list(read), list(sizes))
+        self._evaluate = space.bind(function)
         self._decided = space.block[: core.layout.size]
         self._explanation = _Explanation.of(space.view)
         self._read_push, self._read_share = space.reader("push"), space.reader("share")

@@ -10,9 +10,9 @@ from msgspec import Struct
 from scipy.linalg import expm
 
 from passafe.errors import IntegrationError, ShapeError
-from passafe.stage import Stage, T, part_names
+from passafe.stage import Stage, T
 from passafe.system import System
-from passafe.workspace import BlockLayout, Workspace, dense_function, expressions
+from passafe.workspace import BlockLayout, Workspace, dense_function, expressions_by_name, named_function
 
 LOCAL_TOLERANCE: Final = 1e-10
 """Largest estimated local error of one period of a nonlinear plant, in each state's own units."""
@@ -107,9 +107,9 @@ class SampledPlant:
         y, stored = ca.substitute([system.y, V], [system.x], [x_next])
         after, scalars = AfterStep(x_next=x_next, y=y), StepEnergy(stored=stored, energy=energy, error=error)
         self.layout = BlockLayout.of_stages(held, after, scalars)
-        self.step = dense_function("advance", expressions(held), [*expressions(after), *expressions(scalars)])
+        self.step = named_function("advance", expressions_by_name(held), expressions_by_name(after, scalars))
         self._space = space = Workspace(self.layout)
-        self._advance = space.bind(self.step, part_names(HeldStep), part_names(AfterStep, StepEnergy))
+        self._advance = space.bind(self.step)
         self._observe = dense_function("observe", [system.x], [system.y, V])
         self._write = HeldStep.of(space.writer)
         self._read = AfterStep.of(space.reader)

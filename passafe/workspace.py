@@ -130,7 +130,9 @@ class Workspace:
 
         return read
 
-    def bind(self, function: ca.Function, arguments: Sequence[str], results: Sequence[str]) -> Callable[[], None]:
+    def bind(
+        self, function: ca.Function, arguments: Sequence[str] | None = None, results: Sequence[str] | None = None
+    ) -> Callable[[], None]:
         """Tie a function to parts of the block and return what evaluates it, without arguments or allocation.
 
         CasADi's buffer keeps bare addresses: the workspace holds the function and the buffer from now on, and must
@@ -138,8 +140,8 @@ class Workspace:
 
         Args:
             function: Dense inputs and outputs of the parts' sizes.
-            arguments: Part read for each input.
-            results: Part written for each output.
+            arguments: Part read for each input; by default the one that the input is named for.
+            results: Part written for each output; by default the one that the output is named for.
 
         Raises:
             ValueError: A part's size is not that of the function's argument or result.
@@ -147,6 +149,8 @@ class Workspace:
         buffer, evaluate = function.buffer()
         inputs = [function.sparsity_in(i) for i in range(function.n_in())]
         outputs = [function.sparsity_out(i) for i in range(function.n_out())]
+        arguments = function.name_in() if arguments is None else arguments
+        results = function.name_out() if results is None else results
         for i, (name, sparsity) in enumerate(zip(arguments, inputs, strict=True)):
             memory = self._fitting(name, function, sparsity)
             if memory.nbytes:
@@ -170,6 +174,17 @@ class Workspace:
 def dense_function(name: str, arguments: Sequence[ca.SX], results: Sequence[ca.SX]) -> ca.Function:
     """Return a CasADi function whose results are dense, as buffers need them."""
     return ca.Function(name, list(arguments), [ca.densify(result) for result in results], {"cse": True})
+
+
+def named_function(name: str, arguments: Mapping[str, ca.SX], results: Mapping[str, ca.SX]) -> ca.Function:
+    """Return a function with dense results whose inputs and outputs are named, so that a workspace can bind it."""
+    dense = [ca.densify(result) for result in results.values()]
+    return ca.Function(name, list(arguments.values()), dense, list(arguments), list(results), {"cse": True})
+
+
+def expressions_by_name(*stages: Stage[ca.SX]) -> dict[str, ca.SX]:
+    """Return the expressions of stages by the names of their parts, in the order of declaration."""
+    return {name: expression for stage in stages for name, expression in stage.fields().items()}
 
 
 def expressions(stage: Stage[ca.SX]) -> list[ca.SX]:

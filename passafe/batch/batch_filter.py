@@ -12,9 +12,8 @@ from passafe.batch.batch_workspace import BatchWorkspace
 from passafe.batch.nearest_points import NearestPoints
 from passafe.certificate import accepts
 from passafe.decision import Status
-from passafe.decision_schema import Answer, Assessment, Evaluation, Linearization, NormTangents, Program, Request
+from passafe.decision_schema import Answer, Assessment, Evaluation, Program, Request
 from passafe.filter import SafetyPassivityFilter
-from passafe.stage import part_names
 from passafe.symbolic.whole_program import NORM_TOLERANCE, norm_asked
 from passafe.workspace import Array
 
@@ -45,14 +44,8 @@ class BatchFilter:
         self.core = core
         derivation = core.derivation
         self.batch = batch = BatchWorkspace(derivation.layout, count)
-        self._prepare = batch.bind(
-            derivation.prepare_usual, part_names(Request), part_names(Linearization, NormTangents, Program, Answer)
-        )
-        self._evaluate = batch.bind(
-            derivation.evaluate,
-            part_names(Request, Linearization, Program, NormTangents, Answer),
-            part_names(Evaluation, Assessment),
-        )
+        self._prepare = batch.bind(derivation.functions.prepare_usual)
+        self._evaluate = batch.bind(derivation.functions.evaluate)
         self.program: Program[Array] = Program.of(batch.view)
         self.evaluation: Evaluation[Array] = Evaluation.of(batch.view)
         self.assessment: Assessment[Array] = Assessment.of(batch.view)

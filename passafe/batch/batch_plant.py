@@ -3,8 +3,7 @@
 import numpy as np
 
 from passafe.batch.batch_workspace import BatchWorkspace
-from passafe.sampled_plant import LOCAL_TOLERANCE, AfterStep, HeldStep, SampledPlant, StepEnergy
-from passafe.stage import part_names
+from passafe.sampled_plant import LOCAL_TOLERANCE, SampledPlant
 from passafe.workspace import Array
 
 
@@ -28,7 +27,7 @@ class BatchPlant:
         """
         self.plant = plant
         self.batch = batch = BatchWorkspace(plant.layout, count)
-        self._step = batch.bind(plant.step, part_names(HeldStep), part_names(AfterStep, StepEnergy))
+        self._step = batch.bind(plant.step)
 
     def advance(self, x: Array, u: Array) -> None:
         """Write the plants one period later; a step that misses its accuracy is done again as ``SampledPlant`` does it.

@@ -39,16 +39,19 @@ class BatchWorkspace:
         """Return the view of one part in its shape: (size, count), or (columns, rows, count) of a matrix."""
         return self.part(name).reshape(*reversed(self.layout.shapes[name]), self.count)
 
-    def bind(self, function: ca.Function, arguments: Sequence[str], results: Sequence[str]) -> Callable[[], None]:
+    def bind(
+        self, function: ca.Function, arguments: Sequence[str] | None = None, results: Sequence[str] | None = None
+    ) -> Callable[[], None]:
         """Tie a function to parts of the blocks and return what evaluates it for all elements.
 
         Args:
             function: Dense inputs and outputs of the parts' sizes.
-            arguments: Part read for each input.
-            results: Part written for each output; none of them is an argument.
+            arguments: Part read for each input; by default the one that the input is named for.
+            results: Part written for each output, by default likewise; none of them is an argument.
 
         Raises:
             DesignError: The function has an operation that arrays do not know.
         """
-        read, written = ([self.part(name) for name in names] for names in (arguments, results))
+        read = [self.part(name) for name in arguments or function.name_in()]
+        written = [self.part(name) for name in results or function.name_out()]
         return BatchFunction(function).bind(read, written)

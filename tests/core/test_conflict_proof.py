@@ -30,7 +30,7 @@ def test_conflict_is_demand_of_weighted_rows_beyond_the_limits(norm: float | Non
             gives = min(gives, norm * float(np.linalg.norm(pull)) - float(pull @ u_ref))
         posed = {"G": G, "d": d, "u_ref": u_ref, "low": low, "high": high}
         program = [posed.get(name, np.zeros(derivation.layout.shapes[name])) for name in Program.names()]
-        value = float(derivation.prove_conflict(*program, weights))
+        value = float(derivation.functions.prove_conflict(*program, weights))
 
         assert value == pytest.approx(float(weights @ d[:2]) - gives, abs=1e-12)
         if value > 0:

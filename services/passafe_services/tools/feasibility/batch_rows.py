@@ -9,12 +9,11 @@ from numpy.typing import NDArray
 
 from passafe.barrier_chain import derive_chain
 from passafe.batch.batch_function import BatchFunction
-from passafe.decision_schema import Answer, Linearization, Program, Request
+from passafe.decision_schema import Program
 from passafe.derivation import Derivation, first_tightening
 from passafe.design import FilterDesign, Law, Mode
 from passafe.limits import Limits
 from passafe.rows import TINY
-from passafe.stage import part_names
 from passafe.symbolic.trust_region import LEAST_TRUST
 from passafe.workspace import Array
 from passafe_services.tools.feasibility.errors import FeasibilityError
@@ -83,7 +82,7 @@ class BatchRows:
         self.limits: Limits = design.limits
         self.least_trust: Array = LEAST_TRUST * np.array(design.limits.magnitude)
         self.tolerance = design.tolerance.residual
-        self._prepare = BatchFunction(self._derivation.prepare, by_casadi=True)
+        self._prepare = BatchFunction(self._derivation.functions.prepare, by_casadi=True)
         self._m, self._hard = design.system.m, self._derivation.rows.hard
         tank = design.passivity.tank
         self._constant = {
@@ -120,9 +119,9 @@ class BatchRows:
         shapes = self._derivation.layout.shapes
         columns = [
             np.broadcast_to(np.asarray(given.get(name, 0.0), dtype=np.float64), (*shapes[name], count))
-            for name in part_names(Request, Linearization)
+            for name in self._prepare.function.name_in()
         ]
-        found = dict(zip(part_names(Program, Answer), self._prepare(*columns), strict=True))
+        found = dict(zip(self._prepare.function.name_out(), self._prepare(*columns), strict=True))
         program = Program.of(found.__getitem__)
         constraints, k = shapes["G"]
         G = program.G.reshape(k, constraints, count).transpose(2, 1, 0)[:, :, :m]
