@@ -2,11 +2,10 @@
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from math import inf
 
 import casadi as ca
 
-from passafe.errors import DesignError
+from passafe.ranges import require_positive
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -21,7 +20,7 @@ class ClassK(ABC):
 
     def __post_init__(self) -> None:
         """Refuse gains for which γ would not be strictly increasing."""
-        _require_gain("gain", self.gain)
+        require_positive("class-K function gain", self.gain)
 
     @abstractmethod
     def __call__(self, s: ca.SX) -> ca.SX:
@@ -58,14 +57,9 @@ class Piecewise(ClassK):
 
     def __post_init__(self) -> None:
         """Refuse gains for which γ would not be strictly increasing."""
-        _require_gain("gain", self.gain)
-        _require_gain("gain_below", self.gain_below)
+        require_positive("class-K function gain", self.gain)
+        require_positive("class-K function gain_below", self.gain_below)
 
     def __call__(self, s: ca.SX) -> ca.SX:
         """Return gain·s where s > 0, gain_below·s elsewhere."""
         return ca.if_else(s > 0, self.gain * s, self.gain_below * s)
-
-
-def _require_gain(field: str, value: float) -> None:
-    if not 0.0 < value < inf:
-        raise DesignError(f"class-K function {field}", value, "a positive finite number")

@@ -47,15 +47,30 @@ class Linearization(Stage[T], frozen=True, eq=False, gc=False):
     tightening: T
 
 
-class Program(Stage[T], frozen=True, eq=False, gc=False):
-    """The quadratic program min ½‖z‖² subject to G z ≥ d, and what it was made from.
+class ReferenceInput(Stage[T], frozen=True, eq=False, gc=False):
+    """The input that the filter would send if no row stood in the way.
 
     Attributes:
         u_nominal: û = u_fb(x) + u_h, m.
         phi: Tracking term φ, m, per second.
-        u_ref: Input if v = 0, within the limits, m.
+        u_ref: u + dt·φ, or û at the start, clipped to ``low`` and ``high``, m: where z = 0.
         low: Least input that magnitude and rate allow, m.
         high: Largest one, m.
+    """
+
+    u_nominal: T
+    phi: T
+    u_ref: T
+    low: T
+    high: T
+
+
+class Program(ReferenceInput[T], frozen=True, eq=False, gc=False):
+    """The quadratic program min ½‖z‖² subject to G z ≥ d, and what it was made from.
+
+    The reference input comes first.
+
+    Attributes:
         trust: Radius of the trust region in which margins are valid, m.
         eps: Margin ε of every enforced barrier between samples.
         G: Rows of the constraints, of unit length, shape (C, k).
@@ -64,11 +79,6 @@ class Program(Stage[T], frozen=True, eq=False, gc=False):
         nan_guard: 0 for ordinary numbers, NaN or infinite where an argument or a row is, 1.
     """
 
-    u_nominal: T
-    phi: T
-    u_ref: T
-    low: T
-    high: T
     trust: T
     eps: T
     G: Matrix[T]

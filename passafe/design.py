@@ -11,6 +11,7 @@ from passafe.certificate import Tolerance
 from passafe.errors import DesignError
 from passafe.limits import Limits
 from passafe.passivity import Passivity
+from passafe.ranges import require_positive
 from passafe.system import System
 
 
@@ -85,10 +86,8 @@ class FilterDesign:
 
     def __post_init__(self) -> None:
         """Refuse parts that do not fit together."""
-        for part in ("k_i", "dt_s"):
-            value = getattr(self, part)
-            if not 0.0 < value < inf:
-                raise DesignError(part, value, "a positive finite number")
+        require_positive("k_i", self.k_i)
+        require_positive("dt_s", self.dt_s)
         if self.k_i * self.dt_s >= 1.0:
             raise DesignError("k_i", self.k_i, f"less than 1/dt_s = {1 / self.dt_s:g}, or the tracking oscillates")
         if self.hold_s is not None and not 0.0 <= self.hold_s < inf:

@@ -1,13 +1,14 @@
 """Limits of the actuators: magnitude of every axis, norm of the whole input, and rate of change."""
 
 from dataclasses import dataclass
-from math import inf, sqrt
+from math import sqrt
 from typing import Final
 
 import casadi as ca
 import numpy as np
 
-from passafe.errors import DesignError, ShapeError
+from passafe.errors import ShapeError
+from passafe.ranges import require_positive
 from passafe.workspace import Array
 
 LEAST_WAY: Final = 1e-300
@@ -46,7 +47,7 @@ class Limits:
             DesignError: A limit that is not a positive finite number.
         """
         if norm is not None:
-            _require_positive("input_norm_bound", norm)
+            require_positive("input_norm_bound", norm)
         rates = None if rate_per_s is None else _each_axis("input_rate_bound_per_s", rate_per_s, m)
         return cls(magnitude=_each_axis("input_bound", magnitude, m), norm=norm, rate_per_s=rates)
 
@@ -104,10 +105,5 @@ def _each_axis(field: str, value: float | tuple[float, ...], m: int) -> tuple[fl
     if len(each) != m:
         raise ShapeError(field, f"{len(each)} numbers", f"one number, or {m}: one for each axis")
     for one in each:
-        _require_positive(field, one)
+        require_positive(field, one)
     return tuple(map(float, each))
-
-
-def _require_positive(field: str, value: float) -> None:
-    if not 0.0 < value < inf:
-        raise DesignError(field, value, "a positive finite number")

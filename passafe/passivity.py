@@ -1,12 +1,11 @@
 """Passivity as a constraint on the input: storage functions and the power margin (paper, section 3.2)."""
 
 from dataclasses import dataclass
-from math import inf
 
 import casadi as ca
 
 from passafe.class_k import ClassK, Linear
-from passafe.errors import DesignError
+from passafe.ranges import require_positive
 from passafe.system import System
 from passafe.tank import Tank
 
@@ -34,10 +33,8 @@ class Passivity:
 
     def __post_init__(self) -> None:
         """Refuse weights that make the quadratic program meaningless."""
-        for field in ("slack_weight", "relaxed_above"):
-            value = getattr(self, field)
-            if not 0.0 < value < inf:
-                raise DesignError(f"passivity {field}", value, "a positive finite number")
+        require_positive("passivity slack_weight", self.slack_weight)
+        require_positive("passivity relaxed_above", self.relaxed_above)
 
 
 def power_margin(system: System, V: ca.SX) -> ca.SX:

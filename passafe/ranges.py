@@ -5,14 +5,14 @@ from math import inf, isfinite
 from passafe.errors import DesignError
 
 
-def require_positive(part: str, value: float, unit: str) -> None:
-    """Refuse a number that is not positive and finite.
+def require_positive(part: str, value: float, unit: str = "") -> None:
+    """Refuse a number that is not positive and finite; the message states the unit, if there is one.
 
     Raises:
         DesignError: It is not.
     """
     if not 0 < value < inf:
-        raise DesignError(part, value, f"a positive finite number, {unit}")
+        raise DesignError(part, value, f"a positive finite number{unit and ', '}{unit}")
 
 
 def require_not_negative(part: str, value: float, unit: str) -> None:

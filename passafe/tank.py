@@ -6,6 +6,7 @@ from math import inf
 import numpy as np
 
 from passafe.errors import DesignError
+from passafe.ranges import require_positive
 from passafe.workspace import Array
 
 
@@ -32,8 +33,7 @@ class Tank:
         if not 0.0 <= self.reserve_j <= self.initial_j <= self.max_j < inf:
             got = f"reserve {self.reserve_j}, initial {self.initial_j}, max {self.max_j}"
             raise DesignError("tank energies", got, "0 ≤ reserve ≤ initial ≤ max, finite, J")
-        if not 0.0 < self.rate_per_s < inf:
-            raise DesignError("tank rate_per_s", self.rate_per_s, "a positive finite number, 1/s")
+        require_positive("tank rate_per_s", self.rate_per_s, "1/s")
 
     def balance(self, level_j: float, energy_in_j: float, stored_change_j: float) -> float:
         """Return the level after a period: min(E + ∫yᵀu − ΔV, E_max), J.

@@ -55,15 +55,7 @@ class PiqpSolver:
         self._x, self._z_l = self._solver.result.x.data, self._solver.result.z_l.data
 
     def solve(self, z: memoryview, lam: memoryview) -> SolverOutcome:
-        """Solve for the present G and d.
-
-        Args:
-            z: Receives the decision, k numbers. Whatever the outcome, it may hold anything.
-            lam: Receives the multipliers, N numbers.
-
-        Returns:
-            The outcome that the solver reports. A NaN or an infeasible problem also fills ``z``.
-        """
+        """Solve for the present G and d; see ``Solver.solve``. A NaN or an infeasible problem also fills ``z``."""
         solver = self._solver
         solver.update(None, None, None, None, self._G, self._d)
         status = int(solver.solve())

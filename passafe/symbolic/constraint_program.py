@@ -4,19 +4,18 @@ from collections.abc import Sequence
 
 import casadi as ca
 
-from passafe.decision_schema import Linearization, Program, Request
+from passafe.decision_schema import Linearization, Program, ReferenceInput, Request
 from passafe.design import FilterDesign, Law
 from passafe.passivity import power_margin
 from passafe.rows import ConstraintRow, continuous_rows, passivity_row, stack
 from passafe.symbolic.enforced_barriers import EnforcedBarriers
-from passafe.symbolic.reference_input import ReferenceInput
 
 
 def constraint_rows(
     barriers: EnforcedBarriers,
     request: Request[ca.SX],
     linearization: Linearization[ca.SX],
-    reference: ReferenceInput,
+    reference: ReferenceInput[ca.SX],
     eps: ca.SX,
 ) -> list[ConstraintRow]:
     """Return the constraints of the design's law and mode, hard ones first.
@@ -44,7 +43,7 @@ def constraint_program(
     design: FilterDesign,
     rows: Sequence[ConstraintRow],
     request: Request[ca.SX],
-    reference: ReferenceInput,
+    reference: ReferenceInput[ca.SX],
     trust: ca.SX,
     eps: ca.SX,
 ) -> tuple[Program[ca.SX], float]:
@@ -63,11 +62,7 @@ def constraint_program(
     asked = [request.x, request.u, request.u_h, request.u_h_rate, request.tank, request.t]
     guarded = ca.vertcat(*asked, reference.phi, *(row.value for row in rows))
     program = Program(
-        u_nominal=reference.u_nominal,
-        phi=reference.phi,
-        u_ref=reference.u_ref,
-        low=reference.low,
-        high=reference.high,
+        **reference.fields(),
         trust=trust,
         eps=eps,
         G=G,
