@@ -1,11 +1,7 @@
 """The paper's robot: a point mass in the plane with linear damping (paper, equation 25)."""
 
-import casadi as ca
-
-from passafe.models.braking import braking_condition, stopping_segment
+from passafe.models.braking import braking_robot
 from passafe.models.robot import Robot
-from passafe.ranges import require_not_negative, require_positive
-from passafe.system import System
 
 
 def damped_point(*, sigma: float = 1.0, gamma_1: float = 0.0) -> Robot:
@@ -21,18 +17,4 @@ def damped_point(*, sigma: float = 1.0, gamma_1: float = 0.0) -> Robot:
     Raises:
         DesignError: Numbers that make no such robot.
     """
-    require_positive("damped point sigma", sigma, "1/s")
-    require_not_negative("damped point gamma_1", gamma_1, "1/s")
-    x, u = ca.SX.sym("x", 4), ca.SX.sym("u", 2)
-    position, velocity = x[:2], x[2:]
-    rate = max(gamma_1, sigma)
-    return Robot(
-        system=System(x=x, u=u, f=ca.vertcat(velocity, -sigma * velocity + u), y=velocity),
-        position=position,
-        velocity=velocity,
-        points=1,
-        fail_safe=-(rate - sigma) * velocity,
-        fail_safe_gain=rate - sigma,
-        stopping_hull=stopping_segment(position, velocity, rate),
-        fail_safe_condition=braking_condition(rate),
-    )
+    return braking_robot("damped point", axes=2, points=1, sigma=sigma, gamma_1=gamma_1)

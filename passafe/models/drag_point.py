@@ -2,10 +2,9 @@
 
 import casadi as ca
 
-from passafe.models.braking import braking_condition, stopping_segment
+from passafe.models.braking import braking_robot
 from passafe.models.robot import Robot
-from passafe.ranges import require_not_negative, require_positive
-from passafe.system import System
+from passafe.ranges import require_not_negative
 
 
 def drag_point(*, sigma: float = 0.5, drag: float = 0.5, gamma_1: float = 0.0) -> Robot:
@@ -23,21 +22,11 @@ def drag_point(*, sigma: float = 0.5, drag: float = 0.5, gamma_1: float = 0.0) -
     Raises:
         DesignError: Numbers that make no such robot.
     """
-    require_positive("drag point sigma", sigma, "1/s")
     require_not_negative("drag point drag", drag, "1/m")
-    require_not_negative("drag point gamma_1", gamma_1, "1/s")
-    x, u = ca.SX.sym("x", 4), ca.SX.sym("u", 2)
-    position, velocity = x[:2], x[2:]
-    # The norm's slope is undefined at rest; this one differs from it by less than 1e-9 m/s and is smooth.
-    speed = ca.sqrt(ca.sumsqr(velocity) + 1e-18)
-    rate = max(gamma_1, sigma)
-    return Robot(
-        system=System(x=x, u=u, f=ca.vertcat(velocity, -(sigma + drag * speed) * velocity + u), y=velocity),
-        position=position,
-        velocity=velocity,
-        points=1,
-        fail_safe=-(rate - sigma) * velocity,
-        fail_safe_gain=rate - sigma,
-        stopping_hull=stopping_segment(position, velocity, rate),
-        fail_safe_condition=braking_condition(rate),
-    )
+
+    def acceleration(velocity: ca.SX, u: ca.SX) -> ca.SX:
+        # The norm's slope is undefined at rest; this one differs from it by less than 1e-9 m/s and is smooth.
+        speed = ca.sqrt(ca.sumsqr(velocity) + 1e-18)
+        return -(sigma + drag * speed) * velocity + u
+
+    return braking_robot("drag point", axes=2, points=1, sigma=sigma, gamma_1=gamma_1, acceleration=acceleration)

@@ -1,14 +1,14 @@
 """A damped point whose drive saturates smoothly: its dynamics are not affine in the input."""
 
+from dataclasses import replace
 from math import inf, sqrt
 from typing import Final
 
 import casadi as ca
 
-from passafe.models.braking import braking_condition, stopping_segment
+from passafe.models.braking import braking_robot
 from passafe.models.robot import Robot
-from passafe.ranges import require_not_negative, require_positive
-from passafe.system import System
+from passafe.ranges import require_positive
 
 RESERVE: Final = 2.0
 """Factor by which the fail-safe brakes harder than an unsaturated drive would have to."""
@@ -32,21 +32,17 @@ def saturating_point(*, sigma: float = 1.0, force: float = 20.0, gamma_1: float 
     Raises:
         DesignError: Numbers that make no such robot.
     """
-    require_positive("saturating point sigma", sigma, "1/s")
     require_positive("saturating point force", force, "N/kg")
-    require_not_negative("saturating point gamma_1", gamma_1, "1/s")
-    x, u = ca.SX.sym("x", 4), ca.SX.sym("u", 2)
-    position, velocity = x[:2], x[2:]
-    push = u / ca.sqrt(1 + ca.sumsqr(u) / force**2)
-    rate = max(gamma_1, sigma)
-    top_speed = sqrt(1 - 1 / RESERVE**2) * force / (rate - sigma) if rate > sigma else inf
-    return Robot(
-        system=System(x=x, u=u, f=ca.vertcat(velocity, -sigma * velocity + push), y=velocity),
-        position=position,
-        velocity=velocity,
-        points=1,
-        fail_safe=-RESERVE * (rate - sigma) * velocity,
-        fail_safe_gain=RESERVE * (rate - sigma),
-        stopping_hull=stopping_segment(position, velocity, rate),
-        fail_safe_condition=f"speed at most {top_speed:g} m/s; {braking_condition(rate)}",
+
+    def acceleration(velocity: ca.SX, u: ca.SX) -> ca.SX:
+        return -sigma * velocity + u / ca.sqrt(1 + ca.sumsqr(u) / force**2)
+
+    robot = braking_robot("saturating point", axes=2, points=1, sigma=sigma, gamma_1=gamma_1, acceleration=acceleration)
+    excess = max(gamma_1 - sigma, 0.0)
+    top_speed = sqrt(1 - 1 / RESERVE**2) * force / excess if excess else inf
+    return replace(
+        robot,
+        fail_safe=-RESERVE * excess * robot.velocity,
+        fail_safe_gain=RESERVE * excess,
+        fail_safe_condition=f"speed at most {top_speed:g} m/s; {robot.fail_safe_condition}",
     )

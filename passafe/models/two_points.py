@@ -1,11 +1,7 @@
 """Two of the paper's robots in one plane, driven at once: for the distance between robots."""
 
-import casadi as ca
-
-from passafe.models.braking import braking_condition, stopping_segment
+from passafe.models.braking import braking_robot
 from passafe.models.robot import Robot
-from passafe.ranges import require_not_negative, require_positive
-from passafe.system import System
 
 
 def two_points(*, sigma: float = 1.0, gamma_1: float = 0.0) -> Robot:
@@ -22,18 +18,4 @@ def two_points(*, sigma: float = 1.0, gamma_1: float = 0.0) -> Robot:
     Raises:
         DesignError: Numbers that make no such robot.
     """
-    require_positive("two points sigma", sigma, "1/s")
-    require_not_negative("two points gamma_1", gamma_1, "1/s")
-    x, u = ca.SX.sym("x", 8), ca.SX.sym("u", 4)
-    position, velocity = x[:4], x[4:]
-    rate = max(gamma_1, sigma)
-    return Robot(
-        system=System(x=x, u=u, f=ca.vertcat(velocity, -sigma * velocity + u), y=velocity),
-        position=position,
-        velocity=velocity,
-        points=2,
-        fail_safe=-(rate - sigma) * velocity,
-        fail_safe_gain=rate - sigma,
-        stopping_hull=stopping_segment(position, velocity, rate),
-        fail_safe_condition=braking_condition(rate),
-    )
+    return braking_robot("two points", axes=4, points=2, sigma=sigma, gamma_1=gamma_1)
