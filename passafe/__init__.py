@@ -22,96 +22,54 @@ A name is imported when it is first used, so that a process which needs ``passaf
 from importlib import import_module
 from typing import TYPE_CHECKING, Final
 
-if TYPE_CHECKING:
-    from passafe.barrier_chain import Barrier, BarrierChain, derive_chain
-    from passafe.barriers import (
-        box,
-        circular_motion,
-        disk_keep_in,
-        disk_keep_out,
-        ellipse_keep_in,
-        ellipse_keep_out,
-        half_plane,
-        oscillating_motion,
-        separation,
-        speed_limit,
-        uniform_motion,
-    )
-    from passafe.certificate import Tolerance
-    from passafe.class_k import ClassK, Cubic, Linear, Piecewise
-    from passafe.decision import Decision, Status
-    from passafe.design import FilterDesign, Law, Mode
-    from passafe.errors import (
-        DesignError,
-        IntegrationError,
-        NotAllowedError,
-        PassafeError,
-        RelativeDegreeError,
-        ShapeError,
-    )
-    from passafe.filter import SafetyPassivityFilter
-    from passafe.models.damped_point import damped_point
-    from passafe.models.drag_point import drag_point
-    from passafe.models.joint_chain import joint_chain
-    from passafe.models.lagged_point import lagged_point
-    from passafe.models.robot import Robot
-    from passafe.models.saturating_point import saturating_point
-    from passafe.models.two_points import two_points
-    from passafe.passivity import Passivity, power_margin
-    from passafe.sampled_plant import Sample, SampledPlant
-    from passafe.storage import kinetic_energy, spring_energy, squared_norm
-    from passafe.system import System
-    from passafe.tank import Tank
-
-__all__ = [
-    "Barrier",
-    "BarrierChain",
-    "ClassK",
-    "Cubic",
-    "Decision",
-    "DesignError",
-    "FilterDesign",
-    "IntegrationError",
-    "Law",
-    "Linear",
-    "Mode",
-    "NotAllowedError",
-    "PassafeError",
-    "Passivity",
-    "Piecewise",
-    "RelativeDegreeError",
-    "Robot",
-    "SafetyPassivityFilter",
-    "Sample",
-    "SampledPlant",
-    "ShapeError",
-    "Status",
-    "System",
-    "Tank",
-    "Tolerance",
-    "box",
-    "circular_motion",
-    "damped_point",
-    "derive_chain",
-    "disk_keep_in",
-    "disk_keep_out",
-    "drag_point",
-    "ellipse_keep_in",
-    "ellipse_keep_out",
-    "half_plane",
-    "joint_chain",
-    "kinetic_energy",
-    "lagged_point",
-    "oscillating_motion",
-    "power_margin",
-    "saturating_point",
-    "separation",
-    "speed_limit",
-    "spring_energy",
-    "squared_norm",
-    "two_points",
-    "uniform_motion",
-]
+if TYPE_CHECKING:  # imported under their own names: exported, for type checkers
+    from passafe.barrier_chain import Barrier as Barrier
+    from passafe.barrier_chain import BarrierChain as BarrierChain
+    from passafe.barrier_chain import derive_chain as derive_chain
+    from passafe.barriers import box as box
+    from passafe.barriers import circular_motion as circular_motion
+    from passafe.barriers import disk_keep_in as disk_keep_in
+    from passafe.barriers import disk_keep_out as disk_keep_out
+    from passafe.barriers import ellipse_keep_in as ellipse_keep_in
+    from passafe.barriers import ellipse_keep_out as ellipse_keep_out
+    from passafe.barriers import half_plane as half_plane
+    from passafe.barriers import oscillating_motion as oscillating_motion
+    from passafe.barriers import separation as separation
+    from passafe.barriers import speed_limit as speed_limit
+    from passafe.barriers import uniform_motion as uniform_motion
+    from passafe.certificate import Tolerance as Tolerance
+    from passafe.class_k import ClassK as ClassK
+    from passafe.class_k import Cubic as Cubic
+    from passafe.class_k import Linear as Linear
+    from passafe.class_k import Piecewise as Piecewise
+    from passafe.decision import Decision as Decision
+    from passafe.decision import Status as Status
+    from passafe.design import FilterDesign as FilterDesign
+    from passafe.design import Law as Law
+    from passafe.design import Mode as Mode
+    from passafe.errors import DesignError as DesignError
+    from passafe.errors import IntegrationError as IntegrationError
+    from passafe.errors import NotAllowedError as NotAllowedError
+    from passafe.errors import PassafeError as PassafeError
+    from passafe.errors import RelativeDegreeError as RelativeDegreeError
+    from passafe.errors import ShapeError as ShapeError
+    from passafe.filter import SafetyPassivityFilter as SafetyPassivityFilter
+    from passafe.models.damped_point import damped_point as damped_point
+    from passafe.models.drag_point import drag_point as drag_point
+    from passafe.models.joint_chain import joint_chain as joint_chain
+    from passafe.models.lagged_point import lagged_point as lagged_point
+    from passafe.models.robot import Robot as Robot
+    from passafe.models.saturating_point import saturating_point as saturating_point
+    from passafe.models.two_points import two_points as two_points
+    from passafe.passivity import Passivity as Passivity
+    from passafe.passivity import power_margin as power_margin
+    from passafe.sampled_plant import Sample as Sample
+    from passafe.sampled_plant import SampledPlant as SampledPlant
+    from passafe.storage import kinetic_energy as kinetic_energy
+    from passafe.storage import spring_energy as spring_energy
+    from passafe.storage import squared_norm as squared_norm
+    from passafe.system import System as System
+    from passafe.tank import Tank as Tank
 
 _NAMES_OF: Final = {
     "passafe.barrier_chain": ("Barrier", "BarrierChain", "derive_chain"),
@@ -155,6 +113,8 @@ _NAMES_OF: Final = {
     "passafe.tank": ("Tank",),
 }
 _MODULE_OF: Final = {name: module for module, names in _NAMES_OF.items() for name in names}
+
+__all__ = sorted(_MODULE_OF)  # noqa: PLE0605
 
 
 if not TYPE_CHECKING:  # a checker would take any name for granted

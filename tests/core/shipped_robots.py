@@ -35,9 +35,9 @@ class Shipped:
 
     build: Callable[[float, float], Robot]
     rate: Callable[[Array, Array], Array]
-    coordinates: int
-    degree: int
-    linear: bool
+    coordinates: int = 2
+    degree: int = 2
+    linear: bool = True
     top_speed: Callable[[float], float] = lambda _: inf
     input_bound: float = 1e4
 
@@ -66,29 +66,20 @@ ROBOTS: dict[str, Shipped] = {
     "damped point": Shipped(
         build=lambda gamma_1, _: damped_point(sigma=SIGMA, gamma_1=gamma_1),
         rate=_damped,
-        coordinates=2,
-        degree=2,
-        linear=True,
     ),
     "drag point": Shipped(
         build=lambda gamma_1, _: drag_point(sigma=SIGMA, drag=DRAG, gamma_1=gamma_1),
         rate=_drag,
-        coordinates=2,
-        degree=2,
         linear=False,
     ),
     "lagged point": Shipped(
         build=lambda gamma_1, gamma_2: lagged_point(sigma=SIGMA, lag_s=LAG_S, gamma_1=gamma_1, gamma_2=gamma_2),
         rate=_lagged,
-        coordinates=2,
         degree=3,
-        linear=True,
     ),
     "saturating point": Shipped(
         build=lambda gamma_1, _: saturating_point(sigma=SIGMA, force=FORCE, gamma_1=gamma_1),
         rate=_saturating,
-        coordinates=2,
-        degree=2,
         linear=False,
         top_speed=lambda gamma_1: sqrt(0.75) * FORCE / (gamma_1 - SIGMA) if gamma_1 > SIGMA else inf,
         input_bound=FORCE / 2,
@@ -97,15 +88,11 @@ ROBOTS: dict[str, Shipped] = {
         build=lambda gamma_1, _: two_points(sigma=SIGMA, gamma_1=gamma_1),
         rate=_damped,
         coordinates=4,
-        degree=2,
-        linear=True,
     ),
     "joint chain": Shipped(
         build=lambda gamma_1, _: joint_chain(joints=JOINTS, sigma=SIGMA, gamma_1=gamma_1),
         rate=_damped,
         coordinates=JOINTS,
-        degree=2,
-        linear=True,
     ),
 }
 

@@ -16,7 +16,7 @@ def test_public_names_exist_and_are_listed_once() -> None:
 def test_names_imported_on_first_use_are_those_of_checkers() -> None:
     tree = ast.parse(Path(passafe.__file__).read_text(encoding="utf-8"))
     imported = {
-        alias.name: node.module
+        str(alias.asname): node.module
         for block in tree.body
         if isinstance(block, ast.If)
         for node in block.body
