@@ -34,16 +34,9 @@ class _Format(NamedTuple):
     message_type: type[ProtobufMessage]
 
 
-def _format_of(topic: Topic) -> _Format:
-    body_type: RecordType = topic.body
-    return _Format(
-        topic=topic.name,
-        shape=shape_of(body_type),
-        message_type=getattr(passafe_pb2, body_type.__name__),
-    )
-
-
-_FORMAT_OF_BODY: Final[dict[RecordType, _Format]] = {topic.body: _format_of(topic) for topic in TOPICS}
+_FORMAT_OF_BODY: Final[dict[RecordType, _Format]] = {
+    topic.body: _Format(topic.name, shape_of(topic.body), getattr(passafe_pb2, topic.body.__name__)) for topic in TOPICS
+}
 
 
 def encode(header: Header, body: Message) -> bytes:

@@ -51,10 +51,10 @@ class Topic:
     name: str
     body: type[Message]
     publishers: tuple[str, ...]
-    rate_hz: float | None
-    deadline_s: float | None
-    congestion: Congestion
     queue: int
+    rate_hz: float | None = None
+    deadline_s: float | None = None
+    congestion: Congestion = Congestion.DROP
     recorded: bool = True
     links: Mapping[str, str] = field(default_factory=dict)
 
@@ -77,9 +77,7 @@ COMMAND: Final = Topic(
     name="command",
     body=OperatorCommand,
     publishers=("operator",),
-    rate_hz=None,
     deadline_s=0.1,
-    congestion=Congestion.DROP,
     queue=256,
     links={"filter": "operator-to-filter"},
 )
@@ -87,9 +85,7 @@ INPUT: Final = Topic(
     name="input",
     body=PlantInput,
     publishers=("filter",),
-    rate_hz=None,
     deadline_s=0.05,
-    congestion=Congestion.DROP,
     queue=256,
     links={"plant": "filter-to-plant"},
 )
@@ -97,38 +93,21 @@ STATE: Final = Topic(
     name="state",
     body=PlantState,
     publishers=("plant",),
-    rate_hz=None,
     deadline_s=0.05,
-    congestion=Congestion.DROP,
     queue=256,
     links={"filter": "plant-to-filter", "operator": "plant-to-operator"},
 )
-TICK: Final = Topic(
-    name="tick",
-    body=FilterTick,
-    publishers=("filter",),
-    rate_hz=None,
-    deadline_s=0.05,
-    congestion=Congestion.DROP,
-    queue=256,
-)
+TICK: Final = Topic(name="tick", body=FilterTick, publishers=("filter",), deadline_s=0.05, queue=256)
 LINK_CONFIG: Final = Topic(
     name="link_config",
     body=LinkConfig,
     publishers=("dashboard", "console"),
     rate_hz=0.0,
-    deadline_s=None,
     congestion=Congestion.BLOCK,
     queue=16,
 )
 LINK_EVENT: Final = Topic(
-    name="link_event",
-    body=LinkEvent,
-    publishers=("operator", "filter", "plant"),
-    rate_hz=0.0,
-    deadline_s=None,
-    congestion=Congestion.DROP,
-    queue=1024,
+    name="link_event", body=LinkEvent, publishers=("operator", "filter", "plant"), rate_hz=0.0, queue=1024
 )
 LINK_STATE: Final = Topic(
     name="link_state",
@@ -139,32 +118,10 @@ LINK_STATE: Final = Topic(
     congestion=Congestion.BLOCK,
     queue=64,
 )
-HEALTH: Final = Topic(
-    name="health",
-    body=Health,
-    publishers=PROCESSES,
-    rate_hz=1.0,
-    deadline_s=3.0,
-    congestion=Congestion.DROP,
-    queue=64,
-)
-EVENT: Final = Topic(
-    name="event",
-    body=Event,
-    publishers=PROCESSES,
-    rate_hz=0.0,
-    deadline_s=None,
-    congestion=Congestion.BLOCK,
-    queue=64,
-)
+HEALTH: Final = Topic(name="health", body=Health, publishers=PROCESSES, rate_hz=1.0, deadline_s=3.0, queue=64)
+EVENT: Final = Topic(name="event", body=Event, publishers=PROCESSES, rate_hz=0.0, congestion=Congestion.BLOCK, queue=64)
 SCENARIO: Final = Topic(
-    name="scenario",
-    body=ScenarioInfo,
-    publishers=("filter",),
-    rate_hz=0.0,
-    deadline_s=None,
-    congestion=Congestion.BLOCK,
-    queue=4,
+    name="scenario", body=ScenarioInfo, publishers=("filter",), rate_hz=0.0, congestion=Congestion.BLOCK, queue=4
 )
 
 TOPICS: Final = (COMMAND, INPUT, STATE, TICK, LINK_CONFIG, LINK_EVENT, LINK_STATE, HEALTH, EVENT, SCENARIO)

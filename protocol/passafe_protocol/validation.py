@@ -66,10 +66,6 @@ def _not_negative(field: str) -> Rule:
     return Rule(field, "≥ 0", lambda m: getattr(m, field) >= 0)
 
 
-def _up_to(field: str, largest: float) -> Rule:
-    return Rule(field, f"0 to {largest:g}", lambda m: 0 <= getattr(m, field) <= largest)
-
-
 def _between(field: str, least: float, largest: float) -> Rule:
     return Rule(field, f"{least:g} to {largest:g}", lambda m: least <= getattr(m, field) <= largest)
 
@@ -91,11 +87,8 @@ def _as_long_as(field: str, other: str) -> Rule:
 
 
 def _empty_or_as_long_as(field: str, other: str) -> Rule:
-    return Rule(
-        field,
-        f"no numbers, or as many as {other}",
-        lambda m: len(getattr(m, field)) in {0, len(getattr(m, other))},
-    )
+    allowed = f"no numbers, or as many as {other}"
+    return Rule(field, allowed, lambda m: len(getattr(m, field)) in {0, len(getattr(m, other))})
 
 
 RULES: Final[dict[RecordType, tuple[Rule, ...]]] = {
@@ -116,18 +109,14 @@ RULES: Final[dict[RecordType, tuple[Rule, ...]]] = {
     ),
     BarrierReport: (_text("name"), _vector("psi")),
     RowReport: (_text("name"), _not_negative("relaxed")),
-    OverrideReport: (_up_to("allowed_fraction", 1.0),),
+    OverrideReport: (_between("allowed_fraction", 0, 1.0),),
     Certificate: (_not_negative("dual_residual"), _not_negative("gap")),
     Consumed: (_text("topic"),),
     FilterTick: (
         _one_of("mode", "off", "safe", "passive", "both"),
         _one_of("law", "sampled", "continuous"),
         _vector("u"),
-        _empty_or_as_long_as("u_h", "u"),
-        _empty_or_as_long_as("u_h_rate", "u"),
-        _empty_or_as_long_as("u_nominal", "u"),
-        _empty_or_as_long_as("phi", "u"),
-        _empty_or_as_long_as("v", "u"),
+        *(_empty_or_as_long_as(field, "u") for field in ("u_h", "u_h_rate", "u_nominal", "phi", "v")),
         _age("state_age_ns"),
         _age("command_age_ns"),
         Rule(
@@ -136,7 +125,7 @@ RULES: Final[dict[RecordType, tuple[Rule, ...]]] = {
             lambda m: len(m.override.held_back) in {0, len(m.u)},
         ),
     ),
-    LinkOutage: (_up_to("start_s", MAX_SCHEDULE_S), _up_to("end_s", MAX_SCHEDULE_S)),
+    LinkOutage: (_between("start_s", 0, MAX_SCHEDULE_S), _between("end_s", 0, MAX_SCHEDULE_S)),
     LinkParameters: (
         *(_between(field, least, largest) for field, (least, largest) in RANGES.items()),
         _one_of("distribution", *DISTRIBUTIONS),

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from msgspec import Struct
+from msgspec.structs import replace
 from passafe_protocol.messages import (
     BarrierReport,
     Certificate,
@@ -58,18 +59,7 @@ class TickRecord(Struct, frozen=True, eq=False):
         self, status: FilterStatus, inbox: Sequence[Received], state_age_ns: int, command_age_ns: int
     ) -> "TickRecord":
         """Return the record of a step without a new decision."""
-        return TickRecord(
-            self.telemetry,
-            self.tick,
-            status,
-            self.decision,
-            self.effective_plant_ns,
-            self.tank_j,
-            inbox,
-            state_age_ns,
-            command_age_ns,
-            self.horizon_ns,
-        )
+        return replace(self, status=status, inbox=inbox, state_age_ns=state_age_ns, command_age_ns=command_age_ns)
 
     def __call__(self) -> FilterTick:
         """Return the message."""

@@ -6,7 +6,6 @@ The live recorder and the lockstep driver use the same writer, so their files ha
 import json
 from collections.abc import Mapping
 from pathlib import Path
-from types import TracebackType
 from typing import Final, Literal, Self
 
 from mcap.well_known import MessageEncoding, SchemaEncoding
@@ -130,10 +129,5 @@ class LogWriter:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        value: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self._file.__exit__(kind, value, trace)
+    def __exit__(self, *_raised: object) -> None:
+        self.close()

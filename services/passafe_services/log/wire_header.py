@@ -7,11 +7,13 @@ from google.protobuf.message import Message as ProtobufMessage
 from passafe_protocol import passafe_pb2
 from passafe_protocol.checksum import is_intact
 from passafe_protocol.messages import SCHEMA_VERSION, Header
+from passafe_protocol.shapes import shape_of
 from passafe_protocol.topics import TOPICS, Topic
 
 _MESSAGE_OF_TOPIC: Final[dict[str, type[ProtobufMessage]]] = {
     topic.name: getattr(passafe_pb2, topic.body.__name__) for topic in TOPICS
 }
+_HEADER_FIELDS: Final = shape_of(Header).read
 
 
 def read_header(topic: Topic, data: bytes) -> Header | None:
@@ -29,12 +31,4 @@ def read_header(topic: Topic, data: bytes) -> Header | None:
     header = message.header
     if header.schema_version != SCHEMA_VERSION:
         return None
-    return Header(
-        source=header.source,
-        epoch=header.epoch,
-        sequence=header.sequence,
-        scheduled_ns=header.scheduled_ns,
-        started_ns=header.started_ns,
-        sent_ns=header.sent_ns,
-        wall_ns=header.wall_ns,
-    )
+    return Header(*_HEADER_FIELDS(header))

@@ -8,6 +8,7 @@ thread that competes with the control loop.
 import json
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing, contextmanager
+from itertools import islice
 from typing import Final
 
 import zenoh
@@ -61,14 +62,8 @@ class TopicReader:
 
     def drain(self) -> list[bytes]:
         """Return the payloads received since the last call, at most one ring full, so that the call is bounded."""
-        payloads: list[bytes] = []
-        try_recv = self._subscriber.try_recv
-        for _ in range(self._capacity):
-            sample = try_recv()
-            if sample is None:
-                break
-            payloads.append(sample.payload.to_bytes())
-        return payloads
+        samples = islice(iter(self._subscriber.try_recv, None), self._capacity)
+        return [sample.payload.to_bytes() for sample in samples]
 
 
 class RecordingReader:
@@ -88,14 +83,8 @@ class RecordingReader:
 
     def drain(self) -> list[tuple[str, bytes]]:
         """Return key expressions and payloads received since the last call; those of one publisher in order."""
-        samples: list[tuple[str, bytes]] = []
-        try_recv = self._subscriber.try_recv
-        for _ in range(RECORDING_QUEUE):
-            sample = try_recv()
-            if sample is None:
-                break
-            samples.append((str(sample.key_expr), sample.payload.to_bytes()))
-        return samples
+        samples = islice(iter(self._subscriber.try_recv, None), RECORDING_QUEUE)
+        return [(str(sample.key_expr), sample.payload.to_bytes()) for sample in samples]
 
 
 class Bus:

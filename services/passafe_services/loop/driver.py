@@ -29,11 +29,7 @@ _NS_PER_S: Final = 1e9
 
 
 class Driver:
-    """Runs one node with its inlets and its outlet.
-
-    Attributes:
-        withheld: Invalid messages of the node, which were not sent.
-    """
+    """Runs one node with its inlets and its outlet."""
 
     def __init__(
         self,

@@ -110,8 +110,7 @@ class Lockstep:
             link.pop_received(_END_OF_TIME_NS)
         for topic, route in slot.routes.items():
             if route.sent:
-                ended = LinkSource(slot.name, slot.epoch, 0, route.sent - 1, route.sent)
-                self._ended.setdefault(topic, []).append(ended)
+                self._ended.setdefault(topic, []).append(slot.source(route))
         slot.node, slot.dead, slot.epoch = node, False, epoch
         slot.inbox, slot.routes = [], {}
 
@@ -167,7 +166,7 @@ class Lockstep:
         for slot in self._slots:
             route = slot.routes.get(link.topic)
             if route is not None and route.sent:
-                sent.append(LinkSource(slot.name, slot.epoch, 0, route.sent - 1, route.sent))
+                sent.append(slot.source(route))
         return tuple(sent)
 
     def _step(self, slot: "_Slot") -> None:
@@ -228,6 +227,10 @@ class _Slot:
         self.links: list[MessageLink] = []
         self.bypassed_links: list[MessageLink] = []
         self.routes: dict[Topic, _Route] = {}
+
+    def source(self, route: "_Route") -> LinkSource:
+        """Return the messages sent on a route."""
+        return LinkSource(self.name, self.epoch, 0, route.sent - 1, route.sent)
 
 
 _Reader = tuple[_Slot, MessageLink | None]

@@ -5,9 +5,9 @@ from contextlib import ExitStack
 
 from passafe_services.loop.node_process import run_node
 from passafe_services.loop.process_options import Device, ProcessOptions
+from passafe_services.operator.build import operator_node
 from passafe_services.operator.keyboard.terminal import Terminal
 from passafe_services.operator.node import OperatorNode
-from passafe_services.operator.sources.scenario_source import source_of
 from passafe_services.operator.sources.script_source import build_source
 from passafe_services.scenarios.design import robot_of
 from passafe_services.scenarios.source_schema import KeyboardSource
@@ -23,5 +23,5 @@ def start(options: ProcessOptions) -> None:
             source = build_source(KeyboardSource(kind="keyboard"), m, keys=terminal.poll)
             node = OperatorNode(source, epoch=epoch, show=terminal.show)
         else:
-            node = OperatorNode(source_of(options.scenario), epoch=epoch)
+            node = operator_node(options.scenario, epoch)
         run_node(node, options, epoch=epoch, finished=lambda: node.finished)

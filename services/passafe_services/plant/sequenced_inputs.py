@@ -37,7 +37,6 @@ class SequencedInputs:
     Attributes:
         is_running: Whether the input in force belongs to a sequence.
         sequence_break_ns: Plant time of the last break, ns; −1 before the first.
-        first_ns: Plant time of the first input of the pending sequence, ns; −1 without one.
     """
 
     def __init__(self, period_ns: int, is_applicable: Callable[[Vector], bool]) -> None:

@@ -27,6 +27,7 @@ class SimulatedRobot:
         plant_ns: Plant time, ns.
         phase: Origin of the input in force.
         applied_tick: Tick of the input in force.
+        has_origin: Whether the beginning of plant time is set.
     """
 
     def __init__(
@@ -56,7 +57,7 @@ class SimulatedRobot:
         self._period_ns = period_ns
         self._playout_ns = playout_ns
         self._origin_ns = 0
-        self._has_origin = False
+        self.has_origin = False
         self.plant_ns = 0
         self._u: Vector = (0.0,) * plant.system.m
         self.applied_tick = 0
@@ -65,11 +66,6 @@ class SimulatedRobot:
         self.phase = WAITING
         self._energy_in_j = 0.0
 
-    @property
-    def has_origin(self) -> bool:
-        """True once the beginning of plant time is set."""
-        return self._has_origin
-
     def begin_at(self, first_ns: int, received_ns: int) -> None:
         """Begin plant time with an input, one play-out time after its arrival, unless it is set already.
 
@@ -77,8 +73,8 @@ class SimulatedRobot:
             first_ns: Plant time of the input, ns.
             received_ns: Time of its arrival, monotonic, ns.
         """
-        if not self._has_origin or first_ns != self.plant_ns:
-            self.plant_ns, self._has_origin = first_ns, True
+        if not self.has_origin or first_ns != self.plant_ns:
+            self.plant_ns, self.has_origin = first_ns, True
             # Steps lie on a grid: the first one after the play-out time is plant time `first_ns`.
             self._origin_ns = received_ns + self._playout_ns - first_ns
 
@@ -93,13 +89,13 @@ class SimulatedRobot:
             now_ns: Monotonic time, ns.
             choose_input: Sets the input of the period that begins, with ``apply`` or ``apply_fail_safe``.
         """
-        if not self._has_origin or now_ns < self._origin_ns + self.plant_ns:
+        if not self.has_origin or now_ns < self._origin_ns + self.plant_ns:
             return ((STATE, self._state()),)
         outgoing: list[Outgoing] = []
         if self.phase is WAITING:
             self._begin_period(choose_input, outgoing)
             if self.phase is WAITING:  # the first input did not take effect
-                self._has_origin = False
+                self.has_origin = False
                 return outgoing
         while self._origin_ns + self.plant_ns + self._period_ns <= now_ns:
             self._sample = self._plant.advance(self._sample.x, self._u)

@@ -38,7 +38,7 @@ class LinkAccount(BaseModel):
         final: Whether the state is the one at the end; otherwise the reader was killed, and later messages are missing.
         sent: Messages from the first to the newest that the reader received of each session of a sender, by sequence
             number; the log must contain them all.
-        lost_on_bus: SentNumbers messages that never reached the reader.
+        lost_on_bus: Sent messages that never reached the reader.
         entered: Messages that entered the link.
         duplicated: Copies made.
         corrupted: Messages and copies with a flipped bit, delivered or in flight.

@@ -107,23 +107,18 @@ def judge_completeness(log: RunLog, trajectory: Trajectory) -> Property:
 
 
 def _at_least(worst: Extremum | None, limit: float, *, required: bool, what: str) -> Property:
-    return Property(
-        holds=None if worst is None else worst.value >= limit,
-        required=required,
-        worst=None if worst is None else worst.value,
-        at_s=None if worst is None else worst.at_s,
-        requirement=f"{what} ≥ {limit:g}",
-    )
+    holds = None if worst is None else worst.value >= limit
+    return _bound(worst, f"{what} ≥ {limit:g}", holds=holds, required=required)
 
 
 def _at_most(worst: Extremum | None, limit: float, *, required: bool, what: str) -> Property:
-    return Property(
-        holds=None if worst is None else worst.value <= limit,
-        required=required,
-        worst=None if worst is None else worst.value,
-        at_s=None if worst is None else worst.at_s,
-        requirement=f"{what} ≤ {limit:g}",
-    )
+    holds = None if worst is None else worst.value <= limit
+    return _bound(worst, f"{what} ≤ {limit:g}", holds=holds, required=required)
+
+
+def _bound(worst: Extremum | None, requirement: str, *, holds: bool | None, required: bool) -> Property:
+    value, at_s = (None, None) if worst is None else worst
+    return Property(holds=holds, required=required, worst=value, at_s=at_s, requirement=requirement)
 
 
 def _safe(margins: RecomputedMargins, scenario: Scenario, tolerances: Tolerances) -> Property:

@@ -50,7 +50,7 @@ class Verdict(BaseModel):
         scenario: Name of the scenario.
         mode: Mode of the filter: off, safe, passive or both.
         law: Law of the filter: sampled or continuous.
-        driver: DriverName of the nodes: live or lockstep.
+        driver: Driver of the nodes: live or lockstep.
         finished: Whether the log is complete.
         duration_s: Plant time from the first sample to the last, s.
         ticks: Filter ticks in the log.
