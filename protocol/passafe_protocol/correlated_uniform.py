@@ -2,12 +2,11 @@
 
 from collections.abc import Callable
 from math import erfc, pi, sin, sqrt
-from statistics import NormalDist
 from typing import Final
 
+from passafe_protocol.delay_distribution import normal
+
 _SQRT_2: Final = sqrt(2.0)
-_LEAST: Final = 2.0**-53
-_normal: Final = NormalDist().inv_cdf
 
 
 class CorrelatedUniform:
@@ -34,6 +33,6 @@ class CorrelatedUniform:
 
     def __call__(self) -> float:
         """Return the next number."""
-        fresh = _normal(max(self._draw(), _LEAST))
+        fresh = normal(self._draw())
         self._z = fresh if self._z is None else self._weight * self._z + self._fresh * fresh
         return 0.5 * erfc(-self._z / _SQRT_2)

@@ -163,7 +163,7 @@ def main() -> None:
     try:
         match options.kind:
             case "router":
-                reason = run_router(options.port, lifeline=options.lifeline)
+                reason = run_router(RouterEndpoint(port=options.port), lifeline=options.lifeline)
                 say(reason=None if reason is None else reason.name)
             case "operator" | "filter":
                 live(options)

@@ -25,8 +25,9 @@ MESSAGES = 3000
 
 ROUTER = """
 import sys
+from passafe_services.loop.router_endpoint import RouterEndpoint
 from passafe_services.router.process import run_router
-run_router(int(sys.argv[1]), lifeline=True)
+run_router(RouterEndpoint(port=int(sys.argv[1])), lifeline=True)
 """
 RECORDER = """
 import sys

@@ -16,10 +16,6 @@ class FilterNode:
 
     A stale or released command (dead-man) fades to u_h = 0 under the same rows. While the plant state is stale nothing
     is sent: the prediction has no basis, and the plant's own fail-safe takes over.
-
-    Attributes:
-        name: ``filter``.
-        subscribes: Commands of the operator, states of the plant.
     """
 
     name = "filter"
@@ -38,12 +34,7 @@ class FilterNode:
         self._sequencer = sequencer
 
     def step(self, now_ns: int, inbox: Sequence[Received]) -> Sequence[Outgoing]:
-        """Return the inputs for the plant and the record of each, see ``DecisionLoop``.
-
-        Args:
-            now_ns: Time at which this step was due, monotonic, ns.
-            inbox: Commands and states, in order of arrival.
-        """
+        """Return the inputs for the plant and the record of each, see ``DecisionLoop.step``."""
         return self._decisions.step(now_ns, inbox, self)
 
     @property
@@ -61,12 +52,7 @@ class FilterNode:
         self._predictor.confirm(state)
 
     def next_input(self, state: PlantState, target_ns: int) -> tuple[int, bool]:
-        """Return the plant time of the next input, and whether a new sequence begins with it.
-
-        Args:
-            state: The newest plant state.
-            target_ns: Plant time of the input that the schedule asks for.
-        """
+        """Return the plant time of the next input, and whether a new sequence begins with it; see ``InputPath``."""
         first_ns, begins = self._sequencer.next_input(state, target_ns)
         if begins:
             self._predictor.begin_sequence(first_ns)

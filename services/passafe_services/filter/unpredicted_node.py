@@ -12,12 +12,7 @@ from passafe_services.node import Outgoing
 
 
 class UnpredictedFilterNode:
-    """Decides one input per step and sends it unsequenced (``filter.prediction = false``), to show the effect of delay.
-
-    Attributes:
-        name: ``filter``.
-        subscribes: Commands of the operator, states of the plant.
-    """
+    """Decides and sends one unsequenced input per step (``filter.prediction = false``): shows the effect of delay."""
 
     name = "filter"
     subscribes: tuple[Topic, ...] = (COMMAND, STATE)
@@ -39,12 +34,7 @@ class UnpredictedFilterNode:
         self._next_ns: int | None = None
 
     def step(self, now_ns: int, inbox: Sequence[Received]) -> Sequence[Outgoing]:
-        """Return the inputs for the plant and the record of each, see ``DecisionLoop``.
-
-        Args:
-            now_ns: Time at which this step was due, monotonic, ns.
-            inbox: Commands and states, in order of arrival.
-        """
+        """Return the inputs for the plant and the record of each, see ``DecisionLoop.step``."""
         return self._decisions.step(now_ns, inbox, self)
 
     def restart(self) -> None:
@@ -57,12 +47,7 @@ class UnpredictedFilterNode:
         self._state.confirm(state)
 
     def next_input(self, state: PlantState, target_ns: int) -> tuple[int, bool]:
-        """Return the plant time of the next input, never one already decided; no sequence begins.
-
-        Args:
-            state: The newest plant state.
-            target_ns: Plant time of the input that the schedule asks for.
-        """
+        """Return the plant time of the next input, never one already decided; no sequence begins; see ``InputPath``."""
         del state
         if self._next_ns is None or target_ns >= self._next_ns:
             return target_ns, False

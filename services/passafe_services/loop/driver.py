@@ -78,7 +78,7 @@ class Driver:
         stop: Stop,
         end_ns: int | None,
         finished: Callable[[], bool],
-        collect: Callable[[], None],
+        collect: Callable[[], object],
     ) -> StopReason:
         """Step the node until there is a reason to stop, and return that reason.
 

@@ -94,7 +94,7 @@ def run_live(
         request_realtime()
         pace = Pace(monotonic_ns() + round(_NS_PER_S / rate_hz), rate_hz)
         end_ns = None if duration_s is None else pace.due_ns + round(_NS_PER_S * duration_s)
-        reason = driver.run(pace, stop, end_ns, finished or _never, collect)
+        reason = driver.run(pace, stop, end_ns, finished or (lambda: False), collect)
         return LiveReport(
             steps=pace.steps,
             overruns=pace.overruns,
@@ -102,7 +102,3 @@ def run_live(
             withheld=driver.withheld,
             reason=reason,
         )
-
-
-def _never() -> bool:
-    return False

@@ -1,6 +1,7 @@
 """Lockstep driver: runs all nodes of a closed loop in one process, in virtual time, without a network."""
 
 from collections.abc import Callable, Mapping, Sequence
+from operator import attrgetter
 from typing import Any, Final
 
 from passafe_protocol.link_change import LinkChange
@@ -22,6 +23,8 @@ START_NS: Final = 1_000_000_000
 """Virtual monotonic time of the first step; not zero, so that no time is mistaken for a missing one."""
 
 _END_OF_TIME_NS: Final = 2**62
+
+_arrival = attrgetter("received_ns")
 
 
 class Lockstep:
@@ -245,7 +248,3 @@ class _Route:
         self.readers = readers
         self.tap = tap
         self.sent = 0
-
-
-def _arrival(received: Received) -> int:
-    return received.received_ns

@@ -6,6 +6,7 @@ import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from typing import Final
 
 LOOP_PRIORITY: Final = 50
@@ -78,7 +79,7 @@ def yield_processor() -> None:
 
 
 @contextmanager
-def paused_garbage_collection() -> Iterator[Callable[[], None]]:
+def paused_garbage_collection() -> Iterator[Callable[[], object]]:
     """Disable Python's automatic cyclic garbage collection within the block.
 
     Objects that exist now are frozen. The yielded function collects objects created since; called once a second, it
@@ -88,14 +89,10 @@ def paused_garbage_collection() -> Iterator[Callable[[], None]]:
     gc.freeze()
     gc.disable()
     try:
-        yield _collect_young
+        yield partial(gc.collect, 1)
     finally:
         gc.enable()
         gc.unfreeze()
-
-
-def _collect_young() -> None:
-    gc.collect(1)
 
 
 def _sleep_precisely() -> None:

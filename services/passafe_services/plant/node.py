@@ -24,10 +24,6 @@ class PlantNode:
     filter without prediction has its own plant node (``passafe_services.plant.unpredicted_node``).
 
     After skipped steps there is one state for every period that passed: the robot does not wait.
-
-    Attributes:
-        name: ``plant``.
-        subscribes: Inputs of the filter.
     """
 
     name = "plant"
@@ -65,12 +61,7 @@ class PlantNode:
         return self._robot.plant_ns
 
     def step(self, now_ns: int, inbox: Sequence[Received]) -> Sequence[Outgoing]:
-        """Return the states of every period since the previous step, or the current one.
-
-        Args:
-            now_ns: Monotonic time of this step, ns.
-            inbox: Inputs, in order of arrival.
-        """
+        """Return the states of every period since the previous step, or the current one; see ``Node.step``."""
         for received in inbox:
             if type(received.body) is PlantInput:
                 self._receive(received.header, received.body, received.received_ns)

@@ -12,11 +12,7 @@ _TICK = attrgetter("tick")
 
 
 class PlayoutBuffer:
-    """Holds inputs by the period of the plant at whose beginning they take effect.
-
-    Attributes:
-        received_tick: Filter tick of the newest input; 0 before the first.
-    """
+    """Holds inputs by the period of the plant at whose beginning they take effect."""
 
     def __init__(self, period_ns: int) -> None:
         """Start empty.
@@ -28,7 +24,6 @@ class PlayoutBuffer:
         self._pending: dict[int, PlantInput] = {}
         self._late: list[PlantInput] = []
         self._popped_period: int | None = None
-        self.received_tick = 0
 
     def put(self, plant_input: PlantInput) -> bool:
         """Add an input unless the buffer is full; of two for the same period the one of the newer tick is kept.
@@ -38,7 +33,6 @@ class PlayoutBuffer:
         """
         if len(self._pending) >= MOST_PENDING:
             return False
-        self.received_tick = max(self.received_tick, plant_input.tick)
         due = -(-plant_input.effective_plant_ns // self._period_ns)
         if self._popped_period is not None and due <= self._popped_period:
             self._late.append(plant_input)

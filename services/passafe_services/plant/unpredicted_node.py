@@ -20,10 +20,6 @@ class UnpredictedPlantNode:
 
     ``filter.prediction = false`` shows the effect of delay: an input takes effect at its plant time, or on arrival if
     that is later, whatever the state of the plant. Sequenced inputs are refused.
-
-    Attributes:
-        name: ``plant``.
-        subscribes: Inputs of the filter.
     """
 
     name = "plant"
@@ -51,12 +47,7 @@ class UnpredictedPlantNode:
         return self._robot.plant_ns
 
     def step(self, now_ns: int, inbox: Sequence[Received]) -> Sequence[Outgoing]:
-        """Return the states of every period since the previous step, or the current one.
-
-        Args:
-            now_ns: Monotonic time of this step, ns.
-            inbox: Inputs, in order of arrival.
-        """
+        """Return the states of every period since the previous step, or the current one; see ``Node.step``."""
         for received in inbox:
             if type(received.body) is PlantInput:
                 self._receive(received.header, received.body, received.received_ns)

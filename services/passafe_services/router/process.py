@@ -7,30 +7,27 @@ from passafe_services.loop.errors import BusError, PortInUseError
 from passafe_services.loop.process_options import ProcessOptions
 from passafe_services.loop.readiness import announce_ready
 from passafe_services.loop.realtime import request_realtime
-from passafe_services.loop.router_endpoint import LOOPBACK, RouterEndpoint
+from passafe_services.loop.router_endpoint import RouterEndpoint
 from passafe_services.loop.stop import StopReason, stop_requests
 from passafe_services.router.port import is_taken
 
 NAME: Final = "router"
 
 
-def run_router(port: int, *, host: str = LOOPBACK, lifeline: bool = False) -> StopReason | None:
+def run_router(endpoint: RouterEndpoint, *, lifeline: bool = False) -> StopReason | None:
     """Route messages until stopped; main thread only.
 
     Args:
-        port: TCP port to listen on.
-        host: Address to listen on: loopback, unless other hosts are to connect.
+        endpoint: Address to listen on: loopback, unless other hosts are to connect.
         lifeline: Whether standard input is a lifeline (see ``passafe_services.loop.stop``).
 
     Returns:
         Reason for the end.
 
     Raises:
-        EndpointError: Host or port is not valid.
         PortInUseError: The port is in use.
         BusError: It cannot listen for another reason.
     """
-    endpoint = RouterEndpoint(host=host, port=port)
     request_realtime()  # a refusal is reported by the processes with a control loop
     with stop_requests(lifeline=lifeline) as stop:
         try:
@@ -39,11 +36,11 @@ def run_router(port: int, *, host: str = LOOPBACK, lifeline: bool = False) -> St
                 stop.wait()
         except BusError as error:
             if is_taken(endpoint):
-                raise PortInUseError(host, port) from error
+                raise PortInUseError(endpoint.host, endpoint.port) from error
             raise
     return stop.reason
 
 
 def start(options: ProcessOptions) -> None:
     """Route messages until stopped."""
-    run_router(options.endpoint.port, host=options.endpoint.host, lifeline=options.lifeline)
+    run_router(options.endpoint, lifeline=options.lifeline)

@@ -16,7 +16,6 @@ import select
 import termios
 import tty
 from collections.abc import Sequence
-from types import TracebackType
 from typing import Any, Final, Self
 
 from passafe_services.operator.errors import TerminalError
@@ -71,9 +70,7 @@ class Terminal:
         self._write(HELP + "\n")
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_raised: object) -> None:
         """Restore the terminal."""
         self._restore()
         self._write("\n")

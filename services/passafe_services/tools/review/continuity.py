@@ -2,9 +2,12 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from operator import attrgetter
 from typing import Generic, NamedTuple, TypeVar
 
 from passafe_protocol.messages import Header, Message
+
+_session_and_sequence = attrgetter("header.source", "header.epoch", "header.sequence")
 
 B = TypeVar("B", bound=Message)
 
@@ -64,7 +67,3 @@ def in_order(found: Iterable[LoggedMessage[Message]], count: TopicCount) -> list
         last = header
     count.received = len(ordered)
     return ordered
-
-
-def _session_and_sequence(message: LoggedMessage[Message]) -> tuple[str, int, int]:
-    return message.header.source, message.header.epoch, message.header.sequence

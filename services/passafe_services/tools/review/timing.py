@@ -5,19 +5,17 @@ from itertools import pairwise
 from typing import Final, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from passafe_protocol.messages import FilterTick, Header, OperatorCommand, PlantInput, PlantPhase, PlantState
 from passafe_protocol.topics import COMMAND
 from pydantic import BaseModel, ConfigDict
 
 from passafe_services.tools.review.continuity import LoggedMessage
+from passafe_services.tools.review.filter_claims import IntArray
 from passafe_services.tools.review.run_log import RunLog
+from passafe_services.tools.review.trajectory import NS_PER_S
 
 NS_PER_US: Final = 1e3
 NS_PER_MS: Final = 1e6
-NS_PER_S: Final = 1e9
-
-IntArray = NDArray[np.int64]
 
 
 class Percentiles(BaseModel):
