@@ -1,9 +1,9 @@
 """The result of one rollout."""
 
-from passafe_services.tools.runs.record import Record
+from passafe_services.tools.runs.record import SweepRecord
 
 
-class RolloutResult(Record):
+class RolloutResult(SweepRecord):
     """The result of one rollout.
 
     Attributes:

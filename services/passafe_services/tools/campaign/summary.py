@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import Final, Self
 
 from passafe_services.tools.campaign.rollout_result import RolloutResult
-from passafe_services.tools.runs.record import Record
+from passafe_services.tools.runs.record import SweepRecord
 from passafe_services.tools.runs.summary import Spread, badness
 
 ROUNDING = 1e-12
@@ -15,7 +15,7 @@ HIGH_IS_WORSE: Final[Mapping[str, bool]] = {"h_min": False, "tank_min_j": False,
 """The metrics of a rollout, and whether large values are bad."""
 
 
-class WorstRollout(Record):
+class WorstRollout(SweepRecord):
     """The worst value of a metric and the rollout that shows it."""
 
     value: float
@@ -23,7 +23,7 @@ class WorstRollout(Record):
     adversary: str
 
 
-class CampaignSummary(Record):
+class CampaignSummary(SweepRecord):
     """The summary of a campaign of one scenario.
 
     Attributes:

@@ -4,10 +4,10 @@ from collections.abc import Mapping
 from typing import Self
 
 from passafe_services.tools.experiment.axes import BisectAxis
-from passafe_services.tools.runs.record import Record
+from passafe_services.tools.runs.record import SweepRecord
 
 
-class Boundary(Record):
+class Boundary(SweepRecord):
     """Interval in which a criterion first fails along an axis, as far as the values that were tried show.
 
     Attributes:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from pydantic import JsonValue
 
 from passafe_services.tools.experiment.schema import Experiment
-from passafe_services.tools.runs.record import Record
+from passafe_services.tools.runs.record import SweepRecord
 
 
 class RunKey(NamedTuple):
@@ -24,7 +24,7 @@ class RunKey(NamedTuple):
     seed: int
 
 
-class Cell(Record):
+class Cell(SweepRecord):
     """A variant with one value of every listed axis.
 
     Attributes:
@@ -42,7 +42,7 @@ class Cell(Record):
         return ", ".join((self.variant, *(f"{name} = {displayed(value)}" for name, value in self.values.items())))
 
 
-class Run(Record):
+class Run(SweepRecord):
     """One run of an experiment.
 
     Attributes:

@@ -17,7 +17,7 @@ from passafe_services.tools.review.steering import Steering
 from passafe_services.tools.review.steering_of_log import steering_from
 from passafe_services.tools.review.trajectory import Trajectory
 from passafe_services.tools.review.verdict import POINTS_PER_PERIOD, Outcome, barrier_named, decide
-from passafe_services.tools.runs.record import Record
+from passafe_services.tools.runs.record import SweepRecord
 
 NS_PER_MS: Final = 1e6
 
@@ -25,7 +25,7 @@ LASTS: Final = 0.5
 """Share of a period by which plant time may end before the scenario's duration and still count as all of it."""
 
 
-class Metrics(Record):
+class Metrics(SweepRecord):
     """Metrics of one run; ``None`` where there is nothing to take one from. Those that a review has are the review's.
 
     Attributes:

@@ -6,11 +6,11 @@ from passafe_services.tools.experiment.cells import Run, RunKey
 from passafe_services.tools.experiment.load import Study
 from passafe_services.tools.experiment.metrics import Metrics
 from passafe_services.tools.experiment.schema import Seeds
-from passafe_services.tools.runs.record import Record
+from passafe_services.tools.runs.record import SweepRecord
 from passafe_services.tools.runs.results_file import ResultsFile, ResultsHeading
 
 
-class RunResult(Record):
+class RunResult(SweepRecord):
     """The result of one run.
 
     Attributes:

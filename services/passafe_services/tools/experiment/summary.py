@@ -11,14 +11,14 @@ from passafe_services.tools.experiment.plan import Plan
 from passafe_services.tools.experiment.run_result import RunResult
 from passafe_services.tools.experiment.schema import Criterion, Experiment
 from passafe_services.tools.feasibility.share import Share
-from passafe_services.tools.runs.record import Record
+from passafe_services.tools.runs.record import SweepRecord
 from passafe_services.tools.runs.summary import Spread, badness
 
 VERDICT = "verdict"
 """Beside the criteria: runs whose verdict is not that every required property holds."""
 
 
-class CellSummary(Record):
+class CellSummary(SweepRecord):
     """The summary of one cell's runs, at one value of the bisected axis where there is one.
 
     Attributes:
@@ -59,14 +59,14 @@ class CellSummary(Record):
         )
 
 
-class CellBoundaries(Record):
+class CellBoundaries(SweepRecord):
     """The boundaries of one cell: between which values each criterion first fails, by the criterion's name."""
 
     cell: Cell
     boundaries: dict[str, Boundary]
 
 
-class ExperimentSummary(Record):
+class ExperimentSummary(SweepRecord):
     """The summary of an experiment.
 
     Attributes:

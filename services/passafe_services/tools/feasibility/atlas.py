@@ -8,7 +8,7 @@ from typing import Final, TextIO
 from passafe_services.tools.feasibility.constraint_feasibility import Findings
 from passafe_services.tools.feasibility.grid import Grid
 from passafe_services.tools.feasibility.share import Share
-from passafe_services.tools.runs.record import Record
+from passafe_services.tools.runs.record import SweepRecord
 
 LIMITATION: Final = (
     "Each state is evaluated on its own, without rate limits: feasible rows at a state do not imply feasible rows at "
@@ -16,7 +16,7 @@ LIMITATION: Final = (
 )
 
 
-class Counts(Record):
+class Counts(SweepRecord):
     """Counts of a set of states; the last three count states inside the protected set only.
 
     Attributes:
@@ -46,7 +46,7 @@ class Counts(Record):
         )
 
 
-class SampleSummary(Record):
+class SampleSummary(SweepRecord):
     """Random states in a box, and the estimated shares.
 
     Attributes:
@@ -82,7 +82,7 @@ class SampleSummary(Record):
         )
 
 
-class AtlasSummary(Record):
+class AtlasSummary(SweepRecord):
     """Summary of an atlas.
 
     Attributes:

@@ -7,10 +7,10 @@ import numpy as np
 from scipy.stats import binomtest
 
 from passafe.workspace import Array
-from passafe_services.tools.runs.record import Record
+from passafe_services.tools.runs.record import SweepRecord
 
 
-class Share(Record):
+class Share(SweepRecord):
     """Share of random states.
 
     Attributes:

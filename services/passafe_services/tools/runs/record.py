@@ -3,7 +3,7 @@
 from pydantic import BaseModel, ConfigDict
 
 
-class Record(BaseModel):
+class SweepRecord(BaseModel):
     """A record that JSON keeps to the last bit: immutable, unknown keys refused, infinities and NaN by name."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", ser_json_inf_nan="constants")

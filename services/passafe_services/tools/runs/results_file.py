@@ -8,13 +8,13 @@ from pydantic import BaseModel, JsonValue, ValidationError
 
 from passafe_services.scenarios.info import versions
 from passafe_services.tools.runs.errors import ResultsFileError
-from passafe_services.tools.runs.record import Record
+from passafe_services.tools.runs.record import SweepRecord
 
 R = TypeVar("R", bound=BaseModel)
 K = TypeVar("K", bound=Hashable)
 
 
-class ResultsHeading(Record):
+class ResultsHeading(SweepRecord):
     """First line of a results file: what the results are of, and what computed them.
 
     Attributes:

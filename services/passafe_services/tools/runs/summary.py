@@ -6,10 +6,10 @@ from typing import Self
 
 import numpy as np
 
-from passafe_services.tools.runs.record import Record
+from passafe_services.tools.runs.record import SweepRecord
 
 
-class Spread(Record):
+class Spread(SweepRecord):
     """The spread of a metric over runs."""
 
     min: float
