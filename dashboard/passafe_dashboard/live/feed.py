@@ -145,10 +145,7 @@ class Feed:
     def push_partial(self, header: Header, body: FilterTick | PlantState, received_ns: int) -> None:
         """Update charts, counts and lowest values with a message that was decoded for these only."""
         if self._accept(header, body, received_ns):
-            if isinstance(body, FilterTick):
-                self._add_tick(header, body)
-            else:
-                self._add_state(header, body)
+            self._add(header, body)
 
     def _accept(self, header: Header, body: Message, received_ns: int) -> bool:
         """Count an arrival; return whether the message is valid. A reordered one is: it may hold the worst value."""
@@ -213,23 +210,20 @@ class Feed:
             elif known is not None:
                 self.run.tick = None  # its ticks are numbered from 0 again
 
-    def _push_tick(self, header: Header, tick: FilterTick, received_ns: int) -> None:
-        del received_ns
-        self._add_tick(header, tick)
+    def _add(self, header: Header, body: FilterTick | PlantState) -> None:
+        self._check_session(header)
+        if isinstance(body, FilterTick):
+            self.run.add_tick(body)
+        else:
+            self.run.add_state(body, self.measured_h(body))
+
+    def _push_tick(self, header: Header, tick: FilterTick, _received_ns: int) -> None:
+        self._add(header, tick)
         self.run.show_tick(tick)
 
-    def _add_tick(self, header: Header, tick: FilterTick) -> None:
-        self._check_session(header)
-        self.run.add_tick(tick)
-
-    def _push_state(self, header: Header, state: PlantState, received_ns: int) -> None:
-        del received_ns
-        self._add_state(header, state)
+    def _push_state(self, header: Header, state: PlantState, _received_ns: int) -> None:
+        self._add(header, state)
         self.run.show_state(state)
-
-    def _add_state(self, header: Header, state: PlantState) -> None:
-        self._check_session(header)
-        self.run.add_state(state, self.measured_h(state))
 
     def _push_health(self, header: Header, health: Health, received_ns: int) -> None:
         self.processes[header.source] = ProcessReport(health, received_ns)
@@ -237,8 +231,7 @@ class Feed:
     def _push_event(self, header: Header, event: Event, received_ns: int) -> None:
         self._add_event(header.source, event.severity, event.text, received_ns)
 
-    def _push_link_event(self, header: Header, event: LinkEvent, received_ns: int) -> None:
-        del header, received_ns
+    def _push_link_event(self, _header: Header, event: LinkEvent, _received_ns: int) -> None:
         self.run.add_link_event(event)
 
     def _push_scenario(self, header: Header, info: ScenarioInfo, received_ns: int) -> None:

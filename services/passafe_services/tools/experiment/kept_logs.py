@@ -108,8 +108,6 @@ def write_log(runner: StudyRunner, result: RunResult, folder: Path) -> KeptLog:
     metadata = run_metadata(scenario_json=scenario.model_dump_json(), versions=versions(), driver="lockstep")
     with LogWriter(path, metadata) as log:
         runner.trace(scenario, LockstepLog(log))
-    return KeptLog(result, path, _differing(result, Verdict.of(RunLog.read(path), CoreEvaluator(scenario))))
-
-
-def _differing(result: RunResult, verdict: Verdict) -> tuple[str, ...]:
-    return tuple(name for name in REVIEWED if getattr(result.metrics, name) != getattr(verdict, name))
+    verdict = Verdict.of(RunLog.read(path), CoreEvaluator(scenario))
+    differing = tuple(name for name in REVIEWED if getattr(result.metrics, name) != getattr(verdict, name))
+    return KeptLog(result, path, differing)

@@ -6,7 +6,6 @@ from time import perf_counter
 from typing import Final, Generic, TypeVar
 
 import numpy as np
-from pydantic import BaseModel
 
 from passafe.errors import DesignError, IntegrationError
 from passafe_services.loop.lockstep import Lockstep, Observer
@@ -155,12 +154,8 @@ def _seeded(scenario: Scenario, seed: int, given: frozenset[str]) -> Scenario:
     }
     operator, source = scenario.operator, scenario.operator.source
     if "seed" in type(source).model_fields and "operator.source.seed" not in given:
-        operator = operator.model_copy(update={"source": _with_seed(source, seed)})
+        operator = operator.model_copy(update={"source": source.model_copy(update={"seed": seed})})
     return scenario.model_copy(update={"links": links, "operator": operator})
-
-
-def _with_seed(source: BaseModel, seed: int) -> BaseModel:
-    return source.model_copy(update={"seed": seed})
 
 
 class _Newest(Generic[V]):

@@ -1,9 +1,10 @@
 """Feasibility atlas: the findings in every cell of a slice and at random states, as a table and as counts."""
 
-import csv
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, TextIO
+
+import numpy as np
 
 from passafe_services.tools.feasibility.constraint_feasibility import Findings
 from passafe_services.tools.feasibility.grid import Grid
@@ -137,21 +138,20 @@ class Atlas:
     def write_csv(self, file: TextIO) -> None:
         """Write one row per cell: its state, h, the smallest ψ, margins in units of u, and the flags."""
         found = self.found
-        columns = {
+        numbers = {
             **{f"x{i}": values for i, values in enumerate(found.states)},
             "h": found.h,
             "protecting": found.protecting,
             "hard_margin": found.hard_margin,
             "passive_margin": found.passive_margin,
         }
-        answers = {
+        flags = {
             "inside": found.inside,
             "hard_kept": found.hard_kept,
             "passive_kept": found.passive_kept,
             "unsettled": found.unsettled,
         }
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow([*columns, *answers])
-        numbers = [[f"{value:.9g}" for value in column] for column in columns.values()]
-        flags = [[int(flag) for flag in answer] for answer in answers.values()]
-        writer.writerows(zip(*numbers, *flags, strict=True))
+        columns = numbers | flags
+        formats = ["%.9g"] * len(numbers) + ["%d"] * len(flags)
+        table = np.column_stack(list(columns.values()))
+        np.savetxt(file, table, formats, delimiter=",", header=",".join(columns), comments="")
