@@ -11,6 +11,7 @@ from pydantic import BaseModel
 JsonSchema: TypeAlias = Mapping[str, Any]
 
 _NAMES: Final = {"number": "number", "integer": "integer", "string": "text", "boolean": "true or false"}
+_LIMITS: Final = {"minimum": "from", "exclusiveMinimum": "above", "maximum": "to", "exclusiveMaximum": "below"}
 
 
 class SchemaPage:
@@ -27,7 +28,8 @@ class SchemaPage:
         definitions: Mapping[str, JsonSchema] = self._root.get("$defs", {})
         self._definitions = {name: one for name, one in definitions.items() if "properties" in one}
         self._classes = {one.__name__: one for one in (model, *_descendants(base))}
-        self._headings = dict(self._named(self._root, ""))
+        self._headings: dict[str, str] = {}
+        self._add_headings(self._root)
 
     def render(self) -> str:
         """Return the sections."""
@@ -35,21 +37,17 @@ class SchemaPage:
         sections += [self._section(heading, name, self._definitions[name]) for name, heading in self._headings.items()]
         return "\n\n".join(sections) + "\n"
 
-    def _named(self, schema: JsonSchema, path: str, known: frozenset[str] = frozenset()) -> Iterator[tuple[str, str]]:
-        """Yield every definition that a schema leads to, with the path of its first use and its kind as heading."""
-        seen = set(known)
+    def _add_headings(self, schema: JsonSchema, path: str = "") -> None:
+        """Give every definition that a schema leads to a heading: the path of its first use, and its kind."""
         for key, field in schema.get("properties", {}).items():
             for name in _references(field):
-                if name in seen or name not in self._definitions:
+                if name in self._headings or name not in self._definitions:
                     continue
-                seen.add(name)
                 definition = self._definitions[name]
                 where = f"{path}.{key}".lstrip(".")
                 kinds = _kinds(definition)
-                yield name, f"{where}: {kinds}" if kinds else where
-                for below in self._named(definition, where, frozenset(seen)):
-                    seen.add(below[0])
-                    yield below
+                self._headings[name] = f"{where}: {kinds}" if kinds else where
+                self._add_headings(definition, where)
 
     def _section(self, heading: str, name: str, schema: JsonSchema) -> str:
         summary, _ = _docstring(schema.get("description", ""))
@@ -155,17 +153,10 @@ def _default(field: JsonSchema) -> str:
 
 
 def _range(field: JsonSchema) -> str:
-    least, above = field.get("minimum"), field.get("exclusiveMinimum")
-    most, below = field.get("maximum"), field.get("exclusiveMaximum")
-    low = "" if above is None else f"above {_number(above)}"
-    low = low if least is None else f"from {_number(least)}"
-    high = "" if below is None else f"below {_number(below)}"
-    high = high if most is None else f"to {_number(most)}"
+    limits = [f" {word} {_number(field[key])}" for key, word in _LIMITS.items() if key in field]
     pattern = f" like `{field['pattern']}`" if "pattern" in field else ""
     length = _span(field.get("minLength"), field.get("maxLength"))
-    return "".join(
-        (f" {low}" if low else "", f" {high}" if high else "", pattern, f" of {length} characters" if length else "")
-    )
+    return "".join(limits) + pattern + (f" of {length} characters" if length else "")
 
 
 def _number(value: float) -> str:
