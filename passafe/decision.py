@@ -1,4 +1,4 @@
-"""One decision of the filter, and the evidence for it."""
+"""One decision of the filter, the attempts that lead to it, and the evidence for it."""
 
 from enum import IntEnum
 
@@ -30,6 +30,22 @@ class Status(IntEnum):
     def is_fallback(self) -> bool:
         """True if a hard row is violated, or may be."""
         return self >= Status.UNCERTIFIED
+
+
+class Attempt(Struct, frozen=True, eq=False, gc=False):
+    """Outcome of one quadratic program.
+
+    Attributes:
+        status: Grade of its answer; ``UNCERTIFIED`` if none was accepted.
+        solver: Whose answer it is.
+        is_settled: Whether margins and tangents suit the answer.
+        assessment: Of the answer that was evaluated last.
+    """
+
+    status: Status
+    solver: str
+    is_settled: bool
+    assessment: Assessment[float]
 
 
 class Decision(Struct, frozen=True, eq=False):

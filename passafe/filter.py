@@ -15,10 +15,9 @@ from typing import Final
 
 import numpy as np
 
-from passafe.attempt import Attempt
 from passafe.barrier_chain import derive_chain
 from passafe.certificate import accepts
-from passafe.decision import Decision, Status
+from passafe.decision import Attempt, Decision, Status
 from passafe.decision_block import DecisionBlock
 from passafe.decision_functions import DecisionFunctions
 from passafe.derivation import Derivation
