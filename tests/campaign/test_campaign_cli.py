@@ -4,8 +4,10 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 
+import psutil
 import pytest
 
 NAME = "notomista-cai-2020"
@@ -13,6 +15,15 @@ NAME = "notomista-cai-2020"
 
 def command(out: Path, *options: str) -> list[str]:
     return [sys.executable, "-P", "-m", "passafe_services.cli", "campaign", NAME, "--out", str(out), *options]
+
+
+def children_cpu_s(pid: int) -> float:
+    """Return the CPU time that the child processes of a process have used, s."""
+    used_s = 0.0
+    for child in psutil.Process(pid).children():
+        with suppress(psutil.NoSuchProcess):
+            used_s += child.cpu_times().user
+    return used_s
 
 
 @pytest.mark.live
@@ -25,11 +36,10 @@ def test_ctrl_c_ends_a_campaign_within_its_batch(workers: str, tmp_path: Path) -
         command(out, *options), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
     ) as running:
         deadline_s = time.monotonic() + 60
-        while not (out / f"{NAME}.jsonl").exists():
+        while not ((out / f"{NAME}.jsonl").exists() and children_cpu_s(running.pid) > 2.0):
             assert running.poll() is None
             assert time.monotonic() < deadline_s
-            time.sleep(0.02)
-        time.sleep(2.0)
+            time.sleep(0.02)  # another process's progress is no event that this one could wait for
         running.send_signal(signal.SIGINT)
         stdout, stderr = running.communicate(timeout=30)
 

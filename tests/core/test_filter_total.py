@@ -186,7 +186,7 @@ def test_wrong_lengths_are_refused(changed: dict[int, int]) -> None:
 
 def test_an_argument_that_is_no_number_is_an_error_of_its_own() -> None:
     with pytest.raises(struct.error):
-        FILTERS["sampled"].decide(("far", 1.0, 1.0, 1.0), (1.0, 1.0), (1.0, 1.0), (1.0, 1.0))  # type: ignore[arg-type]
+        FILTERS["sampled"].decide(("far", 1.0, 1.0, 1.0), (1.0, 1.0), (1.0, 1.0), (1.0, 1.0))  # type: ignore[arg-type]  # a wrong type is the point
 
 
 def test_any_sequence_of_numbers_will_do() -> None:

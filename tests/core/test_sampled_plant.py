@@ -221,7 +221,7 @@ def test_wrong_lengths_are_refused(robot: Robot, sizes: tuple[int, int]) -> None
 
 def test_an_input_that_is_no_number_is_an_error_of_its_own() -> None:
     with pytest.raises(struct.error):
-        plant_of(damped_point(), 1e-3).advance([0.0] * 4, ["hard", 0.0])  # type: ignore[list-item]
+        plant_of(damped_point(), 1e-3).advance([0.0] * 4, ["hard", 0.0])  # type: ignore[list-item]  # a wrong type is the point
 
 
 @pytest.mark.parametrize("size", [0, 1, 3, 5])
