@@ -1,6 +1,7 @@
 """One decision of the filter, the attempts that lead to it, and the evidence for it."""
 
 from enum import IntEnum
+from typing import Final
 
 from msgspec import Struct
 
@@ -9,7 +10,7 @@ from passafe.workspace import Array, BlockLayout
 
 
 class Status(IntEnum):
-    """Outcome of one decision, from best to worst."""
+    """Outcome of one decision. Its numbers are those on the wire, where 6 is taken, and in no order."""
 
     PASSED = 1
     """u⁺ = u_ref: no row stood in the way; v = 0 unless the input bound did."""
@@ -26,10 +27,33 @@ class Status(IntEnum):
     INFEASIBLE = 5
     """Proven: no input within the limits keeps the hard rows. u violates them least, in the sense of least squares."""
 
+    AT_SAMPLES = 7
+    """The hard rows can be kept at the sample, but no admissible input is known to keep them with their margin for the
+    whole period: a fallback."""
+
+    BACKUP = 8
+    """The rows could be kept, but from where the answer leads the backup law would not keep every barrier: u is the
+    backup law's. No fallback: every barrier is proven to be kept."""
+
     @property
     def is_fallback(self) -> bool:
         """True if a hard row is violated, or may be."""
-        return self >= Status.UNCERTIFIED
+        return self in FALLBACKS
+
+    @property
+    def is_certified(self) -> bool:
+        """True if u is the answer of a program, with hard rows relaxed or not, that passed the certificate."""
+        return self in CERTIFIED
+
+
+ANSWERS: Final = (Status.PASSED, Status.MODIFIED, Status.RELAXED)
+"""Outcomes in which u is the certified answer that keeps every hard row with its margin."""
+
+FALLBACKS: Final = (Status.AT_SAMPLES, Status.UNCERTIFIED, Status.INFEASIBLE)
+"""Outcomes in which a hard row is violated, or may be."""
+
+CERTIFIED: Final = (*ANSWERS, Status.INFEASIBLE)
+"""Outcomes in which u is the answer of a program, with hard rows relaxed or not, that passed the certificate."""
 
 
 class Attempt(Struct, frozen=True, eq=False, gc=False):

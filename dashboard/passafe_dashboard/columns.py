@@ -104,7 +104,7 @@ class ColumnLayout:
 
     @property
     def tick_columns(self) -> dict[str, Keep]:
-        """Value kept of each column of a FilterTick; ``status`` grows with severity."""
+        """Value kept of each column of a FilterTick; ``status`` is its severity."""
         return {
             STATUS: Keep.HIGHEST,
             POWER_MARGIN: Keep.LOWEST,
@@ -133,7 +133,7 @@ class ColumnLayout:
         if len(tick.barriers) != len(self.levels):
             return None
         values = [
-            tick.status.value,
+            tick.status.severity,
             tick.power_margin,
             tick.tank_j,
             tick.slack,

@@ -35,7 +35,7 @@ class PlantPhase(IntEnum):
 
 
 class FilterStatus(IntEnum):
-    """Outcome of one filter tick: see ``passafe.proto``."""
+    """Outcome of one filter tick: see ``passafe.proto``. Its numbers are in no order: see ``severity``."""
 
     PASSED = 1
     MODIFIED = 2
@@ -43,6 +43,38 @@ class FilterStatus(IntEnum):
     UNCERTIFIED = 4
     INFEASIBLE = 5
     STALE = 6
+    AT_SAMPLES = 7
+    BACKUP = 8
+
+    @property
+    def severity(self) -> int:
+        """Rank among all statuses, from 1, the best, on."""
+        return BY_SEVERITY.index(self) + 1
+
+    @property
+    def is_fallback(self) -> bool:
+        """True if a hard row is violated or may be, or if command or state are too old."""
+        return self in _FALLBACKS
+
+
+BY_SEVERITY: Final = (
+    FilterStatus.PASSED,
+    FilterStatus.MODIFIED,
+    FilterStatus.RELAXED,
+    FilterStatus.BACKUP,
+    FilterStatus.STALE,
+    FilterStatus.AT_SAMPLES,
+    FilterStatus.UNCERTIFIED,
+    FilterStatus.INFEASIBLE,
+)
+"""All statuses, from best to worst."""
+
+_FALLBACKS: Final = (
+    FilterStatus.STALE,
+    FilterStatus.AT_SAMPLES,
+    FilterStatus.UNCERTIFIED,
+    FilterStatus.INFEASIBLE,
+)
 
 
 class Header(Record, frozen=True):

@@ -24,6 +24,8 @@ class FilterStatus(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     UNCERTIFIED: _ClassVar[FilterStatus]
     INFEASIBLE: _ClassVar[FilterStatus]
     STALE: _ClassVar[FilterStatus]
+    AT_SAMPLES: _ClassVar[FilterStatus]
+    BACKUP: _ClassVar[FilterStatus]
 PLANT_PHASE_UNSPECIFIED: PlantPhase
 WAITING: PlantPhase
 RUNNING: PlantPhase
@@ -36,6 +38,8 @@ RELAXED: FilterStatus
 UNCERTIFIED: FilterStatus
 INFEASIBLE: FilterStatus
 STALE: FilterStatus
+AT_SAMPLES: FilterStatus
+BACKUP: FilterStatus
 
 class Header(_message.Message):
     __slots__ = ("schema_version", "source", "epoch", "sequence", "scheduled_ns", "started_ns", "sent_ns", "wall_ns")

@@ -11,7 +11,7 @@ from passafe_services.tools.campaign.rollout_result import RolloutResult
 from passafe_services.tools.campaign.safe_starts import SafeStarts
 from passafe_services.tools.review.core_evaluator import CoreEvaluator
 
-from passafe.decision import Decision
+from passafe.decision import ANSWERS, Decision
 from passafe.filter import SafetyPassivityFilter
 from passafe.workspace import Array
 
@@ -84,7 +84,7 @@ def rollout(scenario: Scenario, seed: int, duration_s: float) -> RolloutResult:
         u, stored_j = decision.u, sample.stored_j
         statuses[decision.status.name] += 1
         late = decision.part("shortfall")[0] > 0 or decision.part("outside_trust_region")[0] > 0
-        unproven += late and not decision.status.is_fallback
+        unproven += late and decision.status in ANSWERS
         beyond += overreaches(core, np.array(u), None if k == 0 else np.array(before))
         xs.append(sample.x)
         us.append(u)

@@ -13,8 +13,16 @@ START = (PAPER_START, (0.0, 0.0), (-3.0, 0.0), (0.0, 0.0))
 
 
 @pytest.mark.parametrize("status", Status)
-def test_only_the_two_without_an_answer_are_fallbacks(status: Status) -> None:
-    assert status.is_fallback == (status in {Status.UNCERTIFIED, Status.INFEASIBLE})
+def test_fallbacks_are_those_that_may_miss_a_hard_row(status: Status) -> None:
+    assert status.is_fallback == (status in {Status.UNCERTIFIED, Status.INFEASIBLE, Status.AT_SAMPLES})
+
+
+def test_laws_that_replace_the_answer_have_no_certificate() -> None:
+    assert {status for status in Status if not status.is_certified} == {
+        Status.UNCERTIFIED,
+        Status.AT_SAMPLES,
+        Status.BACKUP,
+    }
 
 
 def test_properties_are_the_parts_of_the_block() -> None:

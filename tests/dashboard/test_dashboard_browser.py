@@ -138,7 +138,7 @@ def test_dip_of_one_tick_is_shown_on_the_page(watched: Watched, served: ServedPa
     watched.wait_for("document.getElementById('power-margin-worst').textContent === '−3.5000 W'")
     watched.wait_for("document.getElementById('power-margin-worst').classList.contains('negative')")
     watched.wait_for(f"Math.min(...{rows_of('ticks', 'psi_0_0')}) === -0.25")
-    watched.wait_for(f"Math.max(...{rows_of('ticks', 'status')}) === {FilterStatus.INFEASIBLE.value}")
+    watched.wait_for(f"Math.max(...{rows_of('ticks', 'status')}) === {FilterStatus.INFEASIBLE.severity}")
     watched.wait_for("document.querySelector('[data-count=INFEASIBLE]').textContent === '1'")
     assert watched.complaints == []
 

@@ -106,7 +106,7 @@ def test_a_barrier_of_relative_degree_zero_has_no_chain() -> None:
 
 def test_status_chart_has_rows_in_order_of_severity() -> None:
     chart = chart_named("status")
-    assert chart.yaxis[0].major_label_overrides == {status.value: status.name for status in FilterStatus}
+    assert chart.yaxis[0].major_label_overrides == {status.severity: status.name for status in FilterStatus}
     assert isinstance(chart.renderers[0].glyph, HBar)
 
 

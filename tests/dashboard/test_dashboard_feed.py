@@ -67,10 +67,15 @@ def test_no_dip_of_a_barrier_or_the_power_margin_is_hidden(barrier: list[float],
 def test_the_worst_status_of_a_bin_is_kept() -> None:
     feed = Feed(paper_scenario())
     for k in range(100):
-        status = FilterStatus.INFEASIBLE if k == 40 else FilterStatus.PASSED
+        status = {40: FilterStatus.INFEASIBLE, 41: FilterStatus.STALE, 42: FilterStatus.BACKUP}.get(
+            k, FilterStatus.PASSED
+        )
         feed.push(header("filter", k), tick(k, status=status), k * MS)
     index = feed.run.ticks.columns.index("status")
-    assert [row.values[index] for row in feed.run.ticks.since(0).rows] == [1, 5]
+    assert [row.values[index] for row in feed.run.ticks.since(0).rows] == [
+        FilterStatus.PASSED.severity,
+        FilterStatus.INFEASIBLE.severity,
+    ]
 
 
 def test_reordered_tick_counts_but_is_not_the_newest() -> None:

@@ -12,7 +12,7 @@ from passafe_dashboard.palette import (
     ZERO_COLOUR,
     line_style,
 )
-from passafe_protocol.messages import FilterStatus, PlantPhase
+from passafe_protocol.messages import BY_SEVERITY, FilterStatus, PlantPhase
 
 
 def channels(colour: str) -> list[float]:
@@ -50,7 +50,7 @@ def test_status_text_has_contrast_on_its_colour(status: FilterStatus) -> None:
 
 
 def test_every_status_and_phase_has_a_meaning() -> None:
-    assert set(STATUS_STYLES) == set(FilterStatus)
+    assert list(STATUS_STYLES) == list(BY_SEVERITY)
     assert set(PHASE_MEANINGS) == set(PlantPhase)
 
 

@@ -75,7 +75,7 @@ REFUSED: list[tuple[type, dict[str, Any], str]] = [
     (PlantState, {"phase": 5}, "phase"),
     (PlantState, {"integration_error": -1e-300}, "integration_error"),
     (FilterTick, {"status": 0}, "status"),
-    (FilterTick, {"status": 7}, "status"),
+    (FilterTick, {"status": 9}, "status"),
     (FilterTick, {"mode": "on"}, "mode"),
     (FilterTick, {"law": ""}, "law"),
     (FilterTick, {"x_hat": LONG}, "x_hat"),

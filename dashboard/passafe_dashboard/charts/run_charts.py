@@ -64,6 +64,6 @@ def _statuses(series: RunSeries) -> ColumnDataSource:
         {
             START: [span.start_s for span in series.statuses],
             TIME: [span.end_s for span in series.statuses],
-            STATUS: [span.status.value for span in series.statuses],
+            STATUS: [span.status.severity for span in series.statuses],
         }
     )

@@ -49,7 +49,7 @@ CHART_TEXTS: Final = (
     ChartText(
         "status",
         "Filter status over time",
-        "A row for each of the six statuses; the worst status of each thirtieth of a second is marked.",
+        "A row for each status, the worst on top; the worst status of each thirtieth of a second is marked.",
     ),
     ChartText("ages", "Ages of state and command", "Highest age of plant state and operator command."),
 )

@@ -9,6 +9,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
+from passafe.decision import FALLBACKS, Status
 from passafe_services.cli.options import WorkersOption, writable_folder
 from passafe_services.cli.sweep import exit_if_interrupted, workers_for
 from passafe_services.loop.realtime import available_processors
@@ -104,7 +105,7 @@ def show(summaries: list[CampaignSummary]) -> None:
         "lowest tank, J": lambda of: f"{of.worst['tank_min_j'].value:.3g} (seed {of.worst['tank_min_j'].seed})",
         "beyond limits": lambda of: f"{max(of.worst['overreach'].value, 0.0):.3g}",
         "ticks": lambda of: f"{of.ticks}",
-        **{name: _count_of(name) for name in ("RELAXED", "INFEASIBLE", "UNCERTIFIED")},
+        **{status.name: _count_of(status.name) for status in (Status.RELAXED, Status.BACKUP, *FALLBACKS)},
         "without margin": lambda of: f"{of.between_samples_unproven}",
         "decided by the scalar filter": lambda of: f"{of.decided_scalar / of.ticks:.2%}",
         "holds": lambda of: "yes" if of.holds else "[bold red]NO[/]",

@@ -33,6 +33,14 @@ _EVENTS: Final = {
         "error",
         "the hard rows are infeasible within the input limits: relaxed as little as possible",
     ),
+    FilterStatus.AT_SAMPLES: (
+        "error",
+        "the hard rows can be kept at the sample, but no input is known to keep them for the whole period",
+    ),
+    FilterStatus.BACKUP: (
+        "warning",
+        "the answer leads where the backup law would not keep every barrier: the backup law's input is sent",
+    ),
 }
 _NORMAL: Final = ("info", "the filter's decisions are certified and its inputs fresh again")
 
@@ -89,7 +97,7 @@ class OverrideEventEmitter:
     def event(self, now_ns: int, decision: Decision) -> Event | None:
         """Return an event if an override has become notable or has other causes, within the rate limit."""
         status = decision.status
-        if now_ns < self.check_due_ns or status is Status.UNCERTIFIED:  # under the fail-safe law rows are no causes
+        if now_ns < self.check_due_ns or not status.is_certified:  # under another law rows are no causes
             return None
         override = self._explainer.override(decision)
         relaxed = status in {Status.RELAXED, Status.INFEASIBLE}

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from passafe.batch.batch_filter import BatchFilter
 from passafe.batch.batch_plant import BatchPlant
-from passafe.decision import Status
+from passafe.decision import ANSWERS, Status
 from passafe.filter import SafetyPassivityFilter
 from passafe.sampled_plant import SampledPlant
 from passafe.workspace import Array
@@ -100,7 +100,7 @@ class BatchLoop:
         status = decided.status[: self._count]
         self._statuses[status, elements] += 1
         missing = (decided.assessment.shortfall[0] > 0) | (decided.assessment.outside_trust_region[0] > 0)
-        self._unproven += missing[: self._count] & (status < Status.UNCERTIFIED)
+        self._unproven += missing[: self._count] & np.isin(status, ANSWERS)
         self._scalar += decided.scalar[: self._count]
 
     def _beyond_limits(self, after: Array, *, first: bool) -> Array:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from passafe_protocol.messages import PlantInput, PlantPhase, PlantState
 from passafe_protocol.topics import INPUT, STATE, TICK, Topic
 
-from passafe.decision import Decision, Status
+from passafe.decision import CERTIFIED, Decision
 from passafe.filter import SafetyPassivityFilter
 from passafe_services.filter.telemetry import TickRecord
 from passafe_services.loop.lockstep import Tap
@@ -124,7 +124,7 @@ class RunTrace:
     def answers(self) -> Decisions:
         """Return the ticks of the filter."""
         rows = self._up_to_the_end(self._answered)
-        accepted = rows["decided"] != Status.UNCERTIFIED
+        accepted = np.isin(rows["decided"], CERTIFIED)
         return Decisions(
             status=np.array(rows["status"]),
             residual=np.where(accepted, rows["residuals"].max(axis=1), np.inf),
