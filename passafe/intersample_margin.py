@@ -15,8 +15,11 @@ import casadi as ca
 
 from passafe.barrier_chain import BarrierChain
 from passafe.class_k import Linear
-from passafe.enclosure import UNKNOWN, enclose
+from passafe.enclosure import enclose
 from passafe.system import System
+
+UNKNOWN: Final = 1e30
+"""Bound where nothing is known: large but finite, because infinity times zero is NaN."""
 
 GROWTH: Final = 2.0
 """Factor by which the guessed tube around a period is wider than what was last found to be reached."""
@@ -39,18 +42,19 @@ def curvature_bound(system: System, p: ca.SX, held_s: float, input_radius: ca.SX
         DesignError: p or the dynamics have an operation without an enclosure.
     """
 
-    def speed(reach: ca.SX) -> ca.SX:
-        """Return a bound of |f| while x moves by no more than ``reach``, shape (n, 1)."""
+    def speed(reach: ca.SX) -> tuple[ca.SX, ca.SX]:
+        """Return a bound of |f| while x moves by no more than ``reach``, shape (n, 1), and whether it is known."""
         ball = enclose(system.f, ca.vertcat(system.x, system.u), ca.vertcat(reach, input_radius))
-        return ca.fabs(ball.centre) + ball.radius
+        return ca.fabs(ball.centre) + ball.radius, ball.known
 
     radius = ca.SX.zeros(system.n)
     for _ in range(steps):
-        radius = held_s * GROWTH * speed(radius)
-    inside = ca.mmax(held_s * speed(radius) - radius) <= 0
+        radius = held_s * GROWTH * speed(radius)[0]
+    fastest, known = speed(radius)
+    inside = ca.logic_and(known, ca.mmax(held_s * fastest - radius) <= 0)
     bend = system.rate(system.rate(p))
     ball = enclose(-bend, ca.vertcat(system.x, system.u, system.t), ca.vertcat(radius, input_radius, held_s))
-    return ca.if_else(inside, ball.centre + ball.radius, UNKNOWN)
+    return ca.if_else(ca.logic_and(inside, ball.known), ball.centre + ball.radius, UNKNOWN)
 
 
 def held_function(system: System, chain: BarrierChain, held_s: float) -> ca.SX:

@@ -15,10 +15,9 @@ from passafe.barrier_chain import Barrier, derive_chain
 from passafe.class_k import Cubic, Piecewise
 from passafe.decision import Decision, Status
 from passafe.design import Mode
-from passafe.enclosure import UNKNOWN
 from passafe.errors import DesignError
 from passafe.filter import SafetyPassivityFilter
-from passafe.intersample_margin import curvature_bound, held_function
+from passafe.intersample_margin import UNKNOWN, curvature_bound, held_function
 from passafe.system import System
 
 PARTS = 8
