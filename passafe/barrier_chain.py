@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from passafe.class_k import ClassK
+from passafe.class_k import ClassK, class_k_functions
 from passafe.errors import DesignError, RelativeDegreeError
+from passafe.expressions import as_column
 from passafe.system import System
 
 ROUNDING = 1e-12
@@ -22,12 +23,19 @@ class Barrier:
     Attributes:
         name: Its name in rows, reports and events.
         h: Scalar expression of the system's x, and of its t where the set moves.
-        class_k: γ₁ … γ_{r+1} for relative degree r; γ_{r+1} acts in the continuous law only.
+        class_k: γ₁ … γ_{r+1} for relative degree r; γ_{r+1} acts in the continuous law only. A number stands for a
+            linear one with that gain.
     """
 
     name: str
     h: ca.SX
     class_k: tuple[ClassK, ...]
+
+    def __post_init__(self) -> None:
+        """Take numbers for what they stand for, and refuse what stands for nothing."""
+        part = f"barrier {self.name!r}"
+        object.__setattr__(self, "h", as_column(f"{part} h", self.h))
+        object.__setattr__(self, "class_k", class_k_functions(f"{part} class_k", self.class_k))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)

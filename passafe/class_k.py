@@ -1,10 +1,13 @@
 """Extended class-K functions γ: continuous, strictly increasing, γ(0) = 0 (Ames et al. 2019, Definition 2)."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import casadi as ca
 
+from passafe.arguments import described, is_one_number, one_number
+from passafe.errors import DesignError
 from passafe.ranges import require_positive
 
 
@@ -63,3 +66,27 @@ class Piecewise(ClassK):
     def __call__(self, s: ca.SX) -> ca.SX:
         """Return gain·s where s > 0, gain_below·s elsewhere."""
         return ca.if_else(s > 0, self.gain * s, self.gain_below * s)
+
+
+def class_k_function(part: str, given: object) -> ClassK:
+    """Return a class-K function, given as such or as the gain of a linear one.
+
+    Raises:
+        DesignError: It is neither.
+    """
+    if isinstance(given, ClassK):
+        return given
+    if is_one_number(given):
+        return Linear(gain=one_number(part, given))
+    raise DesignError(part, described(given), "class-K functions, or gains of linear ones")
+
+
+def class_k_functions(part: str, given: object) -> tuple[ClassK, ...]:
+    """Return a sequence of class-K functions, each given as such or as the gain of a linear one.
+
+    Raises:
+        DesignError: It is no sequence, or holds something else.
+    """
+    if isinstance(given, str | bytes) or not isinstance(given, Iterable):
+        raise DesignError(part, described(given), "a sequence of class-K functions, or of gains of linear ones")
+    return tuple(class_k_function(part, each) for each in given)

@@ -20,7 +20,7 @@ class DecisionBlock:
         space: The block.
         layout: Places of the parts in it.
         numbers: All its numbers, shape (layout.size,).
-        write_request: What writes each part of the request.
+        write_request: What writes all numbers of the request.
         request: The request's parts.
         linearization: The linearization's.
         program: The quadratic program's parts.
@@ -37,7 +37,7 @@ class DecisionBlock:
         self.space = space = Workspace(layout)
         self.layout = layout
         self.numbers: Array = space.block
-        self.write_request: Request[Writer] = Request.of(space.writer)
+        self.write_request: Writer = space.span_writer(Request.names())
         self.request: Request[Array] = Request.of(space.view)
         self.linearization: Linearization[Array] = Linearization.of(space.view)
         self.program: Program[Array] = Program.of(space.view)

@@ -1,18 +1,24 @@
 """The design of a filter: plant, feedback, barriers, passivity, law and mode."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from enum import Enum
 from math import inf
+from typing import TypeVar
 
 import casadi as ca
 
+from passafe.arguments import described, one_number
 from passafe.barrier_chain import Barrier
 from passafe.certificate import Tolerance
 from passafe.errors import DesignError
+from passafe.expressions import as_column
 from passafe.limits import Limits
 from passafe.passivity import Passivity
 from passafe.ranges import require_positive
 from passafe.system import System
+
+Member = TypeVar("Member", bound=Enum)
 
 
 class Law(Enum):
@@ -51,17 +57,19 @@ class FilterDesign:
 
     Attributes:
         system: The plant.
-        u_fb: State feedback, expression of x, shape (m, 1).
-        fail_safe: The plant's own law, used where no answer is accepted, expression of x, shape (m, 1).
-        barriers: Any number, with unique names.
+        u_fb: State feedback, expression of x, shape (m, 1): SX, numbers, or a sequence of them. None if not given: the
+            operator alone drives.
+        fail_safe: The plant's own law, used where no answer is accepted, expression of x, shape (m, 1), given likewise.
+            If it is not given, no input: that brakes a plant which dissipates, and no other.
+        barriers: Any number, with unique names; any sequence.
         passivity: Storage function and passivity row; the power margin is reported in every mode.
         k_i: α/2 of the tracking term, 1/s.
         dt_s: Period, s: how long an input is in force when the next one follows in time.
         input_bound: Largest magnitude of u: one number for every axis, or one for each.
         input_norm_bound: Largest ‖u‖, if that is limited too.
         input_rate_bound_per_s: Largest rate of change of u: one number for every axis, or one for each.
-        law: Kind of rows.
-        mode: Properties that are enforced.
+        law: Kind of rows; the member or its value.
+        mode: Properties that are enforced; the member or its value.
         between_samples: Whether the sampled law's rows have the margin that keeps barriers between samples too.
         hold_s: How long an input may stay in force where no other follows, s; one period if not given. The margin
             between samples covers all of it.
@@ -69,8 +77,8 @@ class FilterDesign:
     """
 
     system: System
-    u_fb: ca.SX
-    fail_safe: ca.SX
+    u_fb: ca.SX = field(default_factory=lambda: ca.SX(0, 0))
+    fail_safe: ca.SX = field(default_factory=lambda: ca.SX(0, 0))
     barriers: tuple[Barrier, ...]
     passivity: Passivity
     k_i: float
@@ -85,19 +93,41 @@ class FilterDesign:
     tolerance: Tolerance = field(default_factory=Tolerance)
 
     def __post_init__(self) -> None:
-        """Refuse parts that do not fit together."""
-        require_positive("k_i", self.k_i)
-        require_positive("dt_s", self.dt_s)
-        if self.k_i * self.dt_s >= 1.0:
-            raise DesignError("k_i", self.k_i, f"less than 1/dt_s = {1 / self.dt_s:g}, or the tracking oscillates")
-        if self.hold_s is not None and not 0.0 <= self.hold_s < inf:
-            raise DesignError("hold_s", self.hold_s, "a finite number, zero or more")
+        """Take parts in every form that is allowed, and refuse what does not fit together."""
+        self._take_parts()
+        self._take_numbers()
         _ = self.limits  # refuses bounds that cannot be used
-        self.system.require_state_function("u_fb", self.u_fb, self.system.m)
-        self.system.require_state_function("fail_safe", self.fail_safe, self.system.m)
         names = [barrier.name for barrier in self.barriers]
         if len(set(names)) != len(names):
             raise DesignError("barriers", f"the names {names}", "each name once")
+
+    def _take_parts(self) -> None:
+        for name, kind in (("system", System), ("passivity", Passivity), ("tolerance", Tolerance)):
+            if not isinstance(getattr(self, name), kind):
+                raise DesignError(name, described(getattr(self, name)), f"a {kind.__name__}")
+        if not isinstance(self.barriers, Iterable) or isinstance(self.barriers, str | bytes):
+            raise DesignError("barriers", described(self.barriers), "a sequence of Barrier")
+        object.__setattr__(self, "barriers", tuple(self.barriers))
+        for barrier in self.barriers:
+            if not isinstance(barrier, Barrier):
+                raise DesignError("barriers", described(barrier), "a sequence of Barrier")
+        object.__setattr__(self, "law", _member(Law, "law", self.law))
+        object.__setattr__(self, "mode", _member(Mode, "mode", self.mode))
+        for name in ("u_fb", "fail_safe"):
+            given = as_column(name, getattr(self, name))
+            law = ca.SX.zeros(self.system.m) if given.shape == (0, 0) else given
+            self.system.require_state_function(name, law, self.system.m)
+            object.__setattr__(self, name, law)
+
+    def _take_numbers(self) -> None:
+        require_positive("k_i", self.k_i)
+        require_positive("dt_s", self.dt_s)
+        for name in ("k_i", "dt_s"):
+            object.__setattr__(self, name, one_number(name, getattr(self, name)))
+        if self.k_i * self.dt_s >= 1.0:
+            raise DesignError("k_i", self.k_i, f"less than 1/dt_s = {1 / self.dt_s:g}, or the tracking oscillates")
+        if self.hold_s is not None and not 0.0 <= one_number("hold_s", self.hold_s) < inf:
+            raise DesignError("hold_s", self.hold_s, "a finite number, zero or more")
 
     @property
     def limits(self) -> Limits:
@@ -108,3 +138,11 @@ class FilterDesign:
     def held_s(self) -> float:
         """Longest time for which an input is in force, s: the longer of ``dt_s`` and ``hold_s``."""
         return max(self.dt_s, self.hold_s or 0.0)
+
+
+def _member(kind: type[Member], name: str, given: object) -> Member:
+    """Return a member of an enumeration, given as such or by its value."""
+    for member in kind:
+        if given is member or given == member.value:
+            return member
+    raise DesignError(name, described(given), f"{kind.__name__} or one of {[member.value for member in kind]}")

@@ -11,10 +11,12 @@ a finite input within the limits; safety; passivity; what the operator asks for.
 
 import struct
 from collections.abc import Callable, Sequence
+from itertools import chain
 from typing import Final
 
 import numpy as np
 
+from passafe.arguments import one_number, vectors
 from passafe.barrier_chain import derive_chain
 from passafe.certificate import accepts
 from passafe.decision import Attempt, Decision, Status
@@ -22,7 +24,6 @@ from passafe.decision_block import DecisionBlock
 from passafe.decision_functions import DecisionFunctions
 from passafe.derivation import Derivation
 from passafe.design import FilterDesign
-from passafe.errors import ShapeError
 from passafe.quadratic_program import BY_INSPECTION, QuadraticProgram
 from passafe.solvers.solver import SOLVED
 from passafe.symbolic.trust_region import LEAST_TRUST
@@ -42,6 +43,8 @@ NARROWER: Final = 0.1
 
 RELAXED_NORM: Final = 1e4
 """Factor on the norm's tolerance where hard rows are relaxed: there shortening costs little more."""
+
+_PLAIN: Final = (tuple, list)
 
 # Reaching a member through its enumeration takes 0.7 µs on Python 3.11, a tenth of a decision.
 _PASSED: Final = Status.PASSED
@@ -76,6 +79,7 @@ class SafetyPassivityFilter:
         self._program = QuadraticProgram(block, derivation.rows, norm_asked(design.limits))
         self._tolerance = design.tolerance
         self._relaxed_above = design.passivity.relaxed_above
+        self._sizes = (design.system.n, *(design.system.m,) * 3)
         self._norm_tolerance = NORM_TOLERANCE * (design.limits.norm or 0.0)
 
     @property
@@ -107,7 +111,9 @@ class SafetyPassivityFilter:
         """Return the input to hold over the next period.
 
         Args:
-            x: State at which the input takes effect, n numbers.
+            x: State at which the input takes effect, n numbers: any sequence, a NumPy array or a ``casadi.DM``; with
+                two axes, one of them of length one. Tuples and lists of floats are the fastest. The three below
+                likewise, and for m = 1 a number.
             u: Input in force until then, m numbers.
             u_h: Operator's part of the input, m numbers.
             u_h_rate: Its time derivative, m numbers per second.
@@ -121,21 +127,24 @@ class SafetyPassivityFilter:
             limits, and its status shows whether it is certified.
 
         Raises:
-            ShapeError: An argument of the wrong length.
+            ShapeError: An argument of the wrong length, or that holds something that is no real number.
         """
         block, functions = self._block, self._functions
-        write = block.write_request
-        try:
-            write.x(*x)
-            write.u(*u)
-            write.u_h(*u_h)
-            write.u_h_rate(*u_h_rate)
-        except struct.error:
-            self._require_lengths(x, u, u_h, u_h_rate)
-            raise
-        write.tank(tank_j)
-        write.t(t_s)
-        write.start(start)
+        if (
+            type(x) in _PLAIN
+            and type(u) in _PLAIN
+            and type(u_h) in _PLAIN
+            and type(u_h_rate) in _PLAIN
+            and type(tank_j) is type(t_s) is float
+            and type(start) is bool
+            and (len(x), len(u), len(u_h), len(u_h_rate)) == self._sizes
+        ):
+            try:
+                block.write_request(*x, *u, *u_h, *u_h_rate, tank_j, t_s, start)
+            except struct.error:  # not all of them are plain numbers
+                self._convert_request(x, u, u_h, u_h_rate, tank_j, t_s, start)
+        else:
+            self._convert_request(x, u, u_h, u_h_rate, tank_j, t_s, start)
         if start:
             functions.linearize()
         attempt = self._attempt(functions.prepare if start else functions.prepare_usual)
@@ -154,11 +163,14 @@ class SafetyPassivityFilter:
             block.read_input(),
         )
 
-    def _require_lengths(self, *arguments: Sequence[float]) -> None:
-        n, m = self.design.system.n, self.design.system.m
-        if [len(argument) for argument in arguments] != [n, m, m, m]:
-            got = ", ".join(str(len(argument)) for argument in arguments)
-            raise ShapeError("x, u, u_h, u_h_rate", f"lengths {got}", f"lengths {n}, {m}, {m}, {m}")
+    def _convert_request(
+        self, x: object, u: object, u_h: object, u_h_rate: object, tank_j: object, t_s: object, start: object
+    ) -> None:
+        """Write a request that is not made of lists and tuples of floats; that takes longer than all the rest."""
+        given = {"x": x, "u": u, "u_h": u_h, "u_h_rate": u_h_rate}
+        scalars = {"tank_j": tank_j, "t_s": t_s, "start": start}
+        numbers = chain.from_iterable(vectors(given, self._sizes))
+        self._block.write_request(*numbers, *(one_number(field, value) for field, value in scalars.items()))
 
     def _attempt(self, prepare: Callable[[], None]) -> Attempt:
         """Derive the rows, solve over the constraints and certify; if that is refused, solve the whole program."""

@@ -7,6 +7,7 @@ from typing import Final
 import casadi as ca
 import numpy as np
 
+from passafe.arguments import is_one_number, numbers
 from passafe.errors import ShapeError
 from passafe.ranges import require_positive
 from passafe.workspace import Array
@@ -101,9 +102,10 @@ class Limits:
 
 
 def _each_axis(field: str, value: float | tuple[float, ...], m: int) -> tuple[float, ...]:
-    each = (value,) * m if isinstance(value, (int, float)) else tuple(value)
+    given = numbers(field, value)
+    each = given * m if is_one_number(value) else given
     if len(each) != m:
         raise ShapeError(field, f"{len(each)} numbers", f"one number, or {m}: one for each axis")
     for one in each:
         require_positive(field, one)
-    return tuple(map(float, each))
+    return each

@@ -4,7 +4,10 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from passafe.class_k import ClassK, Linear
+from passafe.arguments import described
+from passafe.class_k import ClassK, Linear, class_k_function
+from passafe.errors import DesignError
+from passafe.expressions import as_column
 from passafe.ranges import require_positive
 from passafe.system import System
 from passafe.tank import Tank
@@ -18,8 +21,8 @@ class Passivity:
     ½·slack_weight·δ² beside ½‖u⁺ − u_ref‖². The continuous law of the paper has it hard.
 
     Attributes:
-        V: Storage function, scalar expression of x, J.
-        class_k: γ_u of the continuous law.
+        V: Storage function, scalar expression of x, J; a number stands for a constant.
+        class_k: γ_u of the continuous law; a number stands for a linear one with that gain.
         slack_weight: ρ_u, price of the slack, (units of u)²/W².
         tank: Tank that may be drawn on; without one every instant must be passive.
         relaxed_above: Slack from which a decision counts as relaxed, W.
@@ -33,6 +36,10 @@ class Passivity:
 
     def __post_init__(self) -> None:
         """Refuse weights that make the quadratic program meaningless."""
+        object.__setattr__(self, "V", as_column("storage V", self.V))
+        object.__setattr__(self, "class_k", class_k_function("passivity class_k", self.class_k))
+        if not isinstance(self.tank, Tank | None):
+            raise DesignError("passivity tank", described(self.tank), "a Tank, or None")
         require_positive("passivity slack_weight", self.slack_weight)
         require_positive("passivity relaxed_above", self.relaxed_above)
 

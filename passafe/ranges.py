@@ -2,6 +2,7 @@
 
 from math import inf, isfinite
 
+from passafe.arguments import described, is_one_number
 from passafe.errors import DesignError
 
 
@@ -11,8 +12,10 @@ def require_positive(part: str, value: float, unit: str = "") -> None:
     Raises:
         DesignError: It is not.
     """
+    allowed = f"a positive finite number{unit and ', '}{unit}"
+    _require_number(part, value, allowed)
     if not 0 < value < inf:
-        raise DesignError(part, value, f"a positive finite number{unit and ', '}{unit}")
+        raise DesignError(part, value, allowed)
 
 
 def require_not_negative(part: str, value: float, unit: str) -> None:
@@ -21,8 +24,10 @@ def require_not_negative(part: str, value: float, unit: str) -> None:
     Raises:
         DesignError: It is not.
     """
+    allowed = f"zero or a positive finite number, {unit}"
+    _require_number(part, value, allowed)
     if not 0 <= value < inf:
-        raise DesignError(part, value, f"zero or a positive finite number, {unit}")
+        raise DesignError(part, value, allowed)
 
 
 def require_finite(part: str, value: float, unit: str) -> None:
@@ -31,5 +36,12 @@ def require_finite(part: str, value: float, unit: str) -> None:
     Raises:
         DesignError: It is not.
     """
+    allowed = f"a finite number, {unit}"
+    _require_number(part, value, allowed)
     if not isfinite(value):
-        raise DesignError(part, value, f"a finite number, {unit}")
+        raise DesignError(part, value, allowed)
+
+
+def _require_number(part: str, value: object, allowed: str) -> None:
+    if not is_one_number(value):
+        raise DesignError(part, described(value), allowed)

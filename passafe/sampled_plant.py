@@ -9,7 +9,9 @@ import numpy as np
 from msgspec import Struct
 from scipy.linalg import expm
 
-from passafe.errors import IntegrationError, ShapeError
+from passafe.arguments import one_number, vectors
+from passafe.errors import IntegrationError
+from passafe.expressions import as_column
 from passafe.stage import Stage, T
 from passafe.system import System
 from passafe.workspace import BlockLayout, Workspace, dense_function, expressions_by_name, named_function
@@ -98,9 +100,10 @@ class SampledPlant:
             V: Storage function, scalar expression of x, J.
             dt_s: Period, s.
         """
+        V = as_column("storage V", V)
         system.require_state_function("storage V", V, 1)
         self.system = system
-        self.dt_s = dt_s
+        self.dt_s = dt_s = one_number("dt_s", dt_s)
         self.exact = is_linear(system)
         held = HeldStep(x=system.x, u=system.u, h=ca.SX.sym("h"))
         x_next, energy, error = held_flow(system, dt_s if self.exact else held.h)
@@ -120,23 +123,27 @@ class SampledPlant:
 
         Args:
             x: State, n numbers.
+
+        Raises:
+            ShapeError: Another number of numbers, or something that is no real number.
         """
-        if len(x) != self.system.n:
-            raise ShapeError("x", f"length {len(x)}", f"length {self.system.n}")
-        y, stored = self._observe(ca.DM(list(x)))
-        return Sample(tuple(map(float, x)), tuple(y.full().ravel().tolist()), float(stored), 0.0, 0.0)
+        (state,) = vectors({"x": x}, (self.system.n,))
+        y, stored = self._observe(ca.DM(state))
+        return Sample(state, tuple(y.full().ravel().tolist()), float(stored), 0.0, 0.0)
 
     def advance(self, x: Sequence[float], u: Sequence[float]) -> Sample:
         """Return the plant one period later.
 
         Args:
-            x: State at the beginning, n numbers.
+            x: State at the beginning, n numbers: any sequence, as for ``SafetyPassivityFilter.decide``.
             u: Input held over the period, m numbers.
 
         Raises:
-            ShapeError: An argument of the wrong length.
+            ShapeError: An argument of the wrong length, or that holds something that is no real number.
             IntegrationError: A nonlinear plant's step missed its accuracy even with ``MAX_SUBSTEPS``.
         """
+        if not type(x) is type(u) is tuple:
+            x, u = self._converted(x, u)
         sample = self._step(x, u, self.dt_s)
         if not sample.integration_error <= LOCAL_TOLERANCE:
             return self._in_substeps(x, u)
@@ -147,18 +154,17 @@ class SampledPlant:
         try:
             write.x(*x)
             write.u(*u)
-        except struct.error:
-            self._require_lengths(x, u)
-            raise
+        except struct.error:  # of the wrong length, or not all of them are plain numbers
+            x, u = self._converted(x, u)
+            write.x(*x)
+            write.u(*u)
         write.h(h)
         self._advance()
         energy = self._read_energy()
         return Sample(read.x_next(), read.y(), energy.stored, energy.energy, energy.error)
 
-    def _require_lengths(self, x: Sequence[float], u: Sequence[float]) -> None:
-        n, m = self.system.n, self.system.m
-        if (len(x), len(u)) != (n, m):
-            raise ShapeError("x, u", f"lengths {len(x)}, {len(u)}", f"lengths {n}, {m}")
+    def _converted(self, x: object, u: object) -> list[tuple[float, ...]]:
+        return vectors({"x": x, "u": u}, (self.system.n, self.system.m))
 
     def _in_substeps(self, x: Sequence[float], u: Sequence[float]) -> Sample:
         substeps, error = 2, float("inf")

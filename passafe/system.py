@@ -5,11 +5,14 @@ from dataclasses import dataclass, field
 import casadi as ca
 
 from passafe.errors import DesignError, ShapeError
+from passafe.expressions import as_column
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class System:
     """A plant ẋ = f(x, u), y = g(x) with as many outputs as inputs (paper, equation 1).
+
+    Each part may also be given as a sequence of scalars, which makes a column.
 
     Attributes:
         x: State symbol, shape (n, 1).
@@ -31,6 +34,8 @@ class System:
 
     def __post_init__(self) -> None:
         """Refuse shapes that do not fit and expressions with other symbols."""
+        for part in ("x", "u", "f", "y", "t"):
+            object.__setattr__(self, part, as_column(f"system {part}", getattr(self, part)))
         for part in ("x", "u"):
             symbol = getattr(self, part)
             if not symbol.is_valid_input() or not symbol.is_column() or symbol.numel() == 0:
@@ -58,6 +63,7 @@ class System:
         return self.lie_derivative(expression) + ca.jacobian(expression, self.t)
 
     def _require(self, part: str, expression: ca.SX, rows: int, *, symbols: ca.SX) -> None:
+        expression = as_column(f"system {part}", expression)
         if expression.shape != (rows, 1):
             raise ShapeError(f"system {part}", f"shape {expression.shape}", f"shape {(rows, 1)}")
         # By identity: another system's symbols may well have the same names.

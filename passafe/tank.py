@@ -5,6 +5,7 @@ from math import inf
 
 import numpy as np
 
+from passafe.arguments import one_number
 from passafe.errors import DesignError
 from passafe.ranges import require_positive
 from passafe.workspace import Array
@@ -30,6 +31,8 @@ class Tank:
 
     def __post_init__(self) -> None:
         """Refuse ledgers that cannot work."""
+        for name in ("initial_j", "reserve_j", "max_j"):
+            one_number(f"tank {name}", getattr(self, name))
         if not 0.0 <= self.reserve_j <= self.initial_j <= self.max_j < inf:
             got = f"reserve {self.reserve_j}, initial {self.initial_j}, max {self.max_j}"
             raise DesignError("tank energies", got, "0 ≤ reserve ≤ initial ≤ max, finite, J")

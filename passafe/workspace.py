@@ -104,7 +104,15 @@ class Workspace:
 
     def writer(self, name: str) -> Writer:
         """Return what writes one part from its numbers, faster than numpy does."""
-        part = self.part(name)
+        return self.span_writer((name,))
+
+    def span_writer(self, names: Sequence[str]) -> Writer:
+        """Return what writes parts that lie one after the other from all their numbers.
+
+        Raises:
+            ValueError: They do not.
+        """
+        part = self.block[self.layout.span(names)]
         return partial(Struct(f"{part.size}d").pack_into, part.data, 0)
 
     def reader(self, name: str) -> Callable[[], tuple[float, ...]]:

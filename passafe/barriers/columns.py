@@ -5,7 +5,9 @@ from math import isfinite
 
 import casadi as ca
 
+from passafe.arguments import described, numbers
 from passafe.errors import DesignError, ShapeError
+from passafe.expressions import EXPRESSION, ONLY_SX
 
 
 def column_like(part: str, vector: Sequence[float], coordinates: ca.SX) -> ca.DM:
@@ -21,9 +23,10 @@ def column_like(part: str, vector: Sequence[float], coordinates: ca.SX) -> ca.DM
         DesignError: One that is not finite.
     """
     require_column(f"coordinates of {part}", coordinates)
-    if len(vector) != coordinates.numel():
-        raise ShapeError(part, f"{len(vector)} numbers", f"{coordinates.numel()}, one for each coordinate")
-    return finite_column(part, vector)
+    given = numbers(part, vector)
+    if len(given) != coordinates.numel():
+        raise ShapeError(part, f"{len(given)} numbers", f"{coordinates.numel()}, one for each coordinate")
+    return finite_column(part, given)
 
 
 def finite_column(part: str, vector: Sequence[float]) -> ca.DM:
@@ -33,18 +36,22 @@ def finite_column(part: str, vector: Sequence[float]) -> ca.DM:
         ShapeError: It is empty.
         DesignError: A number that is not finite.
     """
-    if not vector:
+    given = numbers(part, vector)
+    if not given:
         raise ShapeError(part, "no numbers", "at least one")
-    if not all(map(isfinite, vector)):
-        raise DesignError(part, list(vector), "finite numbers")
-    return ca.DM(list(vector))
+    if not all(map(isfinite, given)):
+        raise DesignError(part, list(given), "finite numbers")
+    return ca.DM(given)
 
 
 def require_column(part: str, expression: ca.SX) -> None:
     """Refuse an expression that is not a column.
 
     Raises:
+        DesignError: It is no SX expression.
         ShapeError: It is not a column.
     """
+    if not isinstance(expression, ca.SX):
+        raise DesignError(part, described(expression), ONLY_SX if isinstance(expression, ca.MX) else EXPRESSION)
     if not expression.is_column():
         raise ShapeError(part, f"shape {expression.shape}", "a column")

@@ -1,0 +1,213 @@
+"""Parts of a design in every form in which people write them, and the typed errors for all others."""
+
+import casadi as ca
+import numpy as np
+import pytest
+from core_designs import gains, paper_design
+
+from passafe.barrier_chain import Barrier
+from passafe.barriers import box, disk_keep_out, separation, speed_limit
+from passafe.class_k import Cubic, Linear
+from passafe.design import FilterDesign, Law, Mode
+from passafe.errors import DesignError, ShapeError
+from passafe.filter import SafetyPassivityFilter
+from passafe.models.damped_point import damped_point
+from passafe.passivity import Passivity
+from passafe.sampled_plant import SampledPlant
+from passafe.system import System
+from passafe.tank import Tank
+
+X, U = ca.SX.sym("x", 2), ca.SX.sym("u")
+CART = System(x=X, u=U, f=ca.vertcat(X[1], U), y=X[1])
+
+
+def cart(**changes: object) -> FilterDesign:
+    parts: dict[str, object] = {
+        "system": CART,
+        "barriers": [Barrier(name="wall", h=1 - X[0], class_k=(2.0, 2.0, 2.0))],  # type: ignore[arg-type]  # gains
+        "passivity": Passivity(V=X[1] ** 2 / 2),
+        "k_i": 50.0,
+        "dt_s": 1e-3,
+        "input_bound": 20.0,
+    }
+    return FilterDesign(**(parts | changes))  # type: ignore[arg-type]  # parts of many types
+
+
+def decided(design: FilterDesign) -> bytes:
+    return SafetyPassivityFilter(design).decide((0.7, 0.5), (0.0,), (30.0,), (0.0,), start=True).block.tobytes()
+
+
+@pytest.mark.parametrize("law", [0.5, [0.5], ca.DM(0.5), np.array([0.5]), np.float32(0.5), [ca.SX(0.5)], (ca.DM(0.5),)])
+@pytest.mark.parametrize("part", ["u_fb", "fail_safe"])
+def test_laws_may_be_numbers_and_sequences(part: str, law: object) -> None:
+    assert decided(cart(**{part: law})) == decided(cart(**{part: ca.SX(0.5)}))
+
+
+def test_a_law_may_mix_numbers_and_expressions() -> None:
+    robot = damped_point()
+    mixed = FilterDesign(
+        system=robot.system,
+        u_fb=[-robot.position[0], 2.0],  # type: ignore[arg-type]  # a sequence
+        barriers=(),
+        passivity=Passivity(V=ca.sumsqr(robot.velocity)),
+        k_i=9.0,
+        dt_s=0.1,
+        input_bound=1.0,
+    )
+
+    assert str(mixed.u_fb) == "[(-x_0), 2]"
+    assert str(cart(u_fb=np.array([-X[1]], dtype=object)).u_fb) == "(-x_1)"
+
+
+def test_without_laws_there_is_no_feedback_and_no_input() -> None:
+    assert decided(cart()) == decided(cart(u_fb=0.0, fail_safe=[0.0]))
+    two = paper_design()
+    bare = FilterDesign(system=two.system, barriers=(), passivity=Passivity(V=0.0), k_i=9.0, dt_s=0.1, input_bound=1.0)  # type: ignore[arg-type]  # V as a number
+    assert bare.u_fb.shape == bare.fail_safe.shape == (2, 1)
+    assert bare.u_fb.is_zero()
+    assert bare.fail_safe.is_zero()
+
+
+@pytest.mark.parametrize("part", ["u_fb", "fail_safe"])
+@pytest.mark.parametrize("law", [None, "brake", lambda x: -x, b"", [None], ["a"], object(), 1j, np.array([1j])])
+def test_a_law_that_is_no_expression_is_refused(part: str, law: object) -> None:
+    with pytest.raises(DesignError, match=f"^{part}: got .*, allowed a casadi.SX expression, numbers"):
+        cart(**{part: law})
+
+
+def test_a_law_needs_one_row_for_every_input() -> None:
+    with pytest.raises(ShapeError, match=r"u_fb: got shape \(1, 1\), allowed shape \(2, 1\)"):
+        paper_design(u_fb=0.0)
+    with pytest.raises(ShapeError, match=r"fail_safe: got shape \(3, 1\)"):
+        paper_design(fail_safe=[0.0, 0.0, 0.0])
+
+
+def test_matrix_expressions_are_named_as_such() -> None:
+    p, q = ca.MX.sym("p", 2), ca.MX.sym("q")
+    makers = {
+        "system x": lambda: System(x=p, u=U, f=X, y=X[1]),
+        "system u": lambda: System(x=X, u=q, f=X, y=X[1]),
+        "system f": lambda: System(x=X, u=U, f=ca.vertcat(p[1], q), y=X[1]),
+        "system y": lambda: System(x=X, u=U, f=X, y=[q]),
+        "barrier 'wall' h": lambda: Barrier(name="wall", h=q, class_k=gains(1.0)),
+        "storage V": lambda: Passivity(V=q),
+        "u_fb": lambda: cart(u_fb=q),
+        "fail_safe": lambda: cart(fail_safe=[q]),
+        "coordinates of disk centre": lambda: disk_keep_out(p, centre=(0.0, 0.0), radius=1.0),
+        "speed limit velocity": lambda: speed_limit(p, limit=1.0),
+    }
+    for part, make in makers.items():
+        with pytest.raises(DesignError) as refused:
+            make()
+        assert refused.value.field == part
+        assert "build it from casadi.SX.sym" in refused.value.allowed
+
+
+def test_dynamics_may_be_sequences() -> None:
+    listed = System(x=[*ca.vertsplit(X)], u=[U], f=[X[1], U], y=(X[1],))  # type: ignore[arg-type]  # sequences
+
+    assert (str(listed.f), listed.n, listed.m) == (str(CART.f), 2, 1)
+    for part in ("x", "u", "f", "y"):
+        with pytest.raises(DesignError, match=f"^system {part}: got 'fast'"):
+            System(**({"x": X, "u": U, "f": X, "y": X[1]} | {part: "fast"}))
+    with pytest.raises(ShapeError, match=r"system f: got shape \(1, 1\)"):
+        System(x=X, u=U, f=[X[1]], y=X[1])  # type: ignore[arg-type]  # a sequence
+
+
+def test_gains_stand_for_linear_functions() -> None:
+    mixed = Barrier(name="wall", h=1 - X[0], class_k=[2, np.float32(3.0), Cubic(gain=1.0)])  # type: ignore[arg-type]  # a list
+
+    assert mixed.class_k == (Linear(gain=2.0), Linear(gain=3.0), Cubic(gain=1.0))
+    assert Passivity(V=X[0] ** 2, class_k=7).class_k == Linear(gain=7.0)  # type: ignore[arg-type]  # a number
+
+
+@pytest.mark.parametrize("class_k", [2.0, "222", None, (2.0, None), ("2", "2"), [lambda s: s], (2.0, -1.0), (0.0,)])
+def test_other_class_k_functions_are_refused(class_k: object) -> None:
+    with pytest.raises(DesignError, match="class"):
+        Barrier(name="wall", h=1 - X[0], class_k=class_k)  # type: ignore[arg-type]  # the point
+
+
+def test_a_constant_barrier_has_no_relative_degree() -> None:
+    with pytest.raises(DesignError, match="do not contain the input"):
+        SafetyPassivityFilter(cart(barriers=[Barrier(name="one", h=1.0, class_k=(1.0, 1.0, 1.0))]))  # type: ignore[arg-type]  # numbers
+
+
+def test_a_constant_storage_is_a_number() -> None:
+    made = SafetyPassivityFilter(cart(passivity=Passivity(V=0.0)))  # type: ignore[arg-type]  # a number
+
+    assert made.decide((0.0, 0.5), (2.0,), (0.0,), (0.0,)).power_margin != 0.0
+    assert SampledPlant(CART, 3, 1e-3).at((0.0, 0.0)).stored_j == 3.0  # type: ignore[arg-type]  # a number
+
+
+@pytest.mark.parametrize("bound", [np.float32(20), np.array(20.0), np.int64(20), 20, [20.0], ca.DM([20.0])])
+def test_bounds_may_be_numbers_of_any_kind(bound: object) -> None:
+    assert decided(cart(input_bound=bound)) == decided(cart())
+
+
+def test_gains_and_periods_may_be_numbers_of_any_kind() -> None:
+    assert decided(cart(k_i=np.float32(50), dt_s=np.array(1e-3))) == decided(cart())
+    assert isinstance(cart(k_i=50).k_i, float)
+
+
+@pytest.mark.parametrize("name", ["k_i", "dt_s", "hold_s", "input_bound", "input_norm_bound", "input_rate_bound_per_s"])
+@pytest.mark.parametrize("value", ["20", b"20", 1j, (None,), {1: 2}, object()])
+def test_bounds_that_are_no_numbers_are_refused(name: str, value: object) -> None:
+    with pytest.raises(DesignError, match=f"^{name}: got .*, allowed "):
+        cart(**{name: value})
+
+
+@pytest.mark.parametrize("name", ["k_i", "dt_s", "input_bound"])
+def test_nothing_is_no_number(name: str) -> None:
+    with pytest.raises(DesignError, match=f"^{name}: got None, allowed "):
+        cart(**{name: None})
+
+
+def test_modes_and_laws_may_be_their_values() -> None:
+    design = cart(mode="safe", law="sampled")
+
+    assert (design.mode, design.law) == (Mode.SAFE, Law.SAMPLED)
+    with pytest.raises(DesignError, match=r"mode: got 'sure' \(str\), allowed Mode or one of \['off', 'safe'"):
+        cart(mode="sure")
+    with pytest.raises(DesignError, match="law: got None"):
+        cart(law=None)
+
+
+@pytest.mark.parametrize(
+    ("part", "value", "allowed"),
+    [
+        ("system", damped_point(), "a System"),
+        ("passivity", X[1] ** 2, "a Passivity"),
+        ("tolerance", 1e-6, "a Tolerance"),
+        ("barriers", "wall", "a sequence of Barrier"),
+        ("barriers", None, "a sequence of Barrier"),
+        ("barriers", [1 - X[0]], "a sequence of Barrier"),
+    ],
+)
+def test_parts_of_another_kind_are_refused(part: str, value: object, allowed: str) -> None:
+    with pytest.raises(DesignError) as refused:
+        cart(**{part: value})
+
+    assert (refused.value.field, refused.value.allowed) == (part, allowed)
+
+
+def test_tanks_are_tanks_with_numbers() -> None:
+    with pytest.raises(DesignError, match=r"passivity tank: got 1\.0"):
+        Passivity(V=X[0] ** 2, tank=1.0)  # type: ignore[arg-type]  # the point
+    with pytest.raises(DesignError, match="tank initial_j: got 'full'"):
+        Tank(initial_j="full")  # type: ignore[arg-type]  # the point
+
+
+def test_shapes_take_any_vector() -> None:
+    position = damped_point().position
+    for centre in ([0.0, 1.0], np.array([0.0, 1.0]), np.array([[0.0], [1.0]], dtype=np.float32), ca.DM([0.0, 1.0])):
+        assert str(disk_keep_out(position, centre=centre, radius=1)) == str(  # type: ignore[arg-type]  # of many types
+            disk_keep_out(position, centre=(0.0, 1.0), radius=1.0)
+        )
+    with pytest.raises(ShapeError, match="disk centre: got '01'"):
+        disk_keep_out(position, centre="01", radius=1.0)  # type: ignore[arg-type]  # the point
+    with pytest.raises(DesignError, match="disk radius: got 'wide'"):
+        disk_keep_out(position, centre=(0.0, 0.0), radius="wide")  # type: ignore[arg-type]  # the point
+    with pytest.raises(DesignError, match="coordinates of box low: got None"):
+        box(None, low=(0.0,), high=(1.0,))  # type: ignore[arg-type]  # the point
+    with pytest.raises(ShapeError, match="separation positions"):
+        separation(position, position[0], distance=1.0)
