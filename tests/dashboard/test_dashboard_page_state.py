@@ -44,6 +44,22 @@ def test_everything_the_page_shows_is_there() -> None:
     assert json.loads(json_text(shown))["filter"]["tick"] == 1999
 
 
+def test_the_verdict_so_far_is_that_of_a_review() -> None:
+    feed = feed_after(2_000 * MS)
+    assert page_state(feed, 0)["verdict"] == {"outcome": "holds", "words": "holds"}
+    feed.push(header("filter", 2000), tick(2000, status=FilterStatus.AT_SAMPLES), 2_000 * MS)
+    shown = page_state(feed, 0)["verdict"]
+    assert shown["outcome"] == "fails"
+    assert shown["words"] == (
+        "fails: in a fallback in 1 of 2001 ticks (0.05%: AT_SAMPLES 1), first at 2.000 s, longest stretch 0.001 s"
+    )
+
+
+def test_before_a_scenario_and_a_state_nothing_holds() -> None:
+    assert page_state(Feed(), 0)["verdict"] is None
+    assert page_state(Feed(paper_scenario()), 0)["verdict"]["outcome"] == "unproven"
+
+
 def test_a_state_of_another_scenario_shows_no_h() -> None:
     feed = Feed(paper_scenario())
     feed.push(header("plant", 0), state(0, x=(1.0,)), 0)

@@ -91,7 +91,9 @@ def test_text_of_a_log_is_escaped(page: str) -> None:
 
 def test_unknown_metrics_are_called_unknown() -> None:
     unknown = verdict(h_min=None, timing=None, status_counts=None, gaps=None, final_x=None, verdict="unproven")
+    unknown["words"] = "unproven: safe is unknown"
     page = report_page(unknown, run_series(100), configuration={}, versions={})
+    assert "<p>unproven: safe is unknown</p>" in page
     assert cells(page, "lowest h") == ["unknown"]
     assert cells(page, "final x") == ["unknown"]
     assert cells(page, "messages missing in the log") == ["unknown"]

@@ -189,7 +189,8 @@ class Feed:
         return {} if self._barrier_values is None else self._barrier_values.displacements_m(state.plant_ns / NS_PER_S)
 
     def _new_run(self, number: int) -> RunState:
-        return RunState(number, self.layout, bin_ns=self._bin_ns, capacity=self.capacity)
+        period_ns = 0 if self.scenario is None else round(self.scenario.dt_s * NS_PER_S)
+        return RunState(number, self.layout, period_ns=period_ns, bin_ns=self._bin_ns, capacity=self.capacity)
 
     def _begin_run(self) -> None:
         self.run = self._new_run(self.run.number + 1)

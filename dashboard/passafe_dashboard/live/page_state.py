@@ -11,6 +11,9 @@ from passafe_protocol.link_effect import LinkCounts
 from passafe_protocol.messages import FilterTick, PlantState
 from passafe_protocol.shapes import as_dict
 from passafe_protocol.topics import HEALTH, LINKS, PROCESSES, STATE, TICK, TOPIC_OF_NAME
+from passafe_services.tools.review.between_samples import Extremum
+from passafe_services.tools.review.verdict_so_far import properties_so_far
+from passafe_services.tools.review.verdict_words import decide, in_words
 
 from passafe_dashboard.columns import COMMAND_AGE, POWER_MARGIN, STATE_AGE, TANK, measured_h, psi
 from passafe_dashboard.decimation import NS_PER_S, WorstSample
@@ -38,6 +41,7 @@ def page_state(feed: Feed, now_ns: int) -> Json:
         "filter": None if feed.run.tick is None else _filter_json(feed, feed.run.tick),
         "plant": None if feed.run.state is None else _plant_json(feed, feed.run.state),
         "worst": _worst_json(feed),
+        "verdict": _verdict_json(feed),
         "status_counts": {status.name: count for status, count in feed.run.status_counts.items()},
         "mismatched_messages": feed.run.mismatched,
         "refused_messages": feed.refused,
@@ -167,6 +171,23 @@ def _worst_json(feed: Feed) -> Json:
         POWER_MARGIN: _worst(worst, POWER_MARGIN),
         TANK: _worst(worst, TANK),
     }
+
+
+def _verdict_json(feed: Feed) -> Json | None:
+    """Return the verdict on the run so far, by the rules and in the words of a review; ``None`` without a scenario."""
+    if feed.scenario is None:
+        return None
+    worst = feed.run.worst
+    h_min = [worst[column] for i in range(len(feed.layout.barriers)) if (column := measured_h(i)) in worst]
+    properties = properties_so_far(
+        feed.scenario,
+        feed.run.fallbacks,
+        feed.run.drive,
+        h_min=min((Extremum(*lowest) for lowest in h_min), default=None),
+        power_margin_min=Extremum(*worst[POWER_MARGIN]) if POWER_MARGIN in worst else None,
+        tank_min_j=Extremum(*worst[TANK]) if TANK in worst else None,
+    )
+    return {"outcome": decide(properties), "words": in_words(properties)}
 
 
 def _worst(worst: Mapping[str, WorstSample], column: str) -> Json | None:

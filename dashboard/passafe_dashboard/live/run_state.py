@@ -3,7 +3,9 @@
 from collections.abc import Sequence
 from math import isfinite
 
-from passafe_protocol.messages import FilterStatus, FilterTick, LinkEvent, PlantState
+from passafe_protocol.messages import FilterStatus, FilterTick, LinkEvent, PlantPhase, PlantState
+from passafe_services.tools.review.drive_record import DriveRecord
+from passafe_services.tools.review.fallback_record import FallbackRecord
 
 from passafe_dashboard.columns import ColumnLayout
 from passafe_dashboard.decimation import DecimatedSeries, WorstSample
@@ -19,23 +21,28 @@ class RunState:
         ticks: Decimated columns of the filter.
         states: Decimated columns of the plant.
         status_counts: Ticks by status.
+        fallbacks: Ticks in a fallback.
+        drive: What moved the robot.
         link_effects: Messages that a link affected, by link and effect.
         mismatched: Messages whose numbers do not fit the scenario.
 
     Args:
         number: Number of the run.
         layout: Columns of its scenario.
+        period_ns: Period of a tick, ns.
         bin_ns: Width of a bin of the decimated columns, ns.
         capacity: Rows kept of them.
     """
 
-    def __init__(self, number: int, layout: ColumnLayout, *, bin_ns: int, capacity: int) -> None:
+    def __init__(self, number: int, layout: ColumnLayout, *, period_ns: int, bin_ns: int, capacity: int) -> None:
         self.number = number
         self.tick: FilterTick | None = None
         self.state: PlantState | None = None
         self.ticks = DecimatedSeries(layout.tick_columns, bin_ns=bin_ns, capacity=capacity)
         self.states = DecimatedSeries(layout.state_columns, bin_ns=bin_ns, capacity=capacity)
         self.status_counts = dict.fromkeys(FilterStatus, 0)
+        self.fallbacks = FallbackRecord(period_ns)
+        self.drive = DriveRecord()
         self.link_effects: dict[tuple[str, str], int] = {}
         self.mismatched = 0
         self._layout = layout
@@ -48,10 +55,14 @@ class RunState:
     def add_tick(self, tick: FilterTick) -> None:
         """Add a tick to columns and counts."""
         self.status_counts[tick.status] += 1
+        self.fallbacks.add(tick.status, tick.effective_plant_ns)
+        self.drive.add_tick(tick.status, tick.effective_plant_ns)
         self._add_row(self.ticks, tick.effective_plant_ns, self._layout.tick_values(tick))
 
     def add_state(self, state: PlantState, h: Sequence[float] | None) -> None:
         """Add a state, with h of every barrier at it, to the columns; without h it does not fit the scenario."""
+        if state.phase is not PlantPhase.WAITING:
+            self.drive.add_state(state.plant_ns, runs=state.phase is PlantPhase.RUNNING)
         self._add_row(self.states, state.plant_ns, None if h is None else self._layout.state_values(state, h))
 
     def show_tick(self, tick: FilterTick) -> None:

@@ -66,6 +66,7 @@ export function showState(now) {
   if (!byId("main")) return;
   if (now.filter) showFilter(now.filter);
   if (now.plant) showPlant(now.plant);
+  showVerdict(now.verdict);
   showBarriers(now);
   showEnergy(now);
   showTraffic(now);
@@ -100,6 +101,11 @@ function showOverride(override) {
   const distance = byId("infeasibility");
   setText(distance, number(override?.distance_to_infeasibility));
   distance.classList.toggle("negative", override?.distance_to_infeasibility < 0);
+}
+
+function showVerdict(verdict) {
+  set("verdict", verdict?.words ?? "–");
+  byId("verdict").dataset.outcome = verdict?.outcome ?? "";
 }
 
 function showPlant(plant) {

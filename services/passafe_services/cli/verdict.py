@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from passafe_services.tools.review.steering import Steering
@@ -30,19 +31,22 @@ def print_verdict(verdict: Verdict, log: Path) -> None:
     _print_counts(console, verdict)
     for account in verdict.links:
         console.print(f"link      {account.text}", soft_wrap=True)
-    console.print(f"verdict   [bold]{verdict.verdict}[/]")
+    console.print(
+        f"verdict   [bold]{verdict.verdict}[/]{escape(verdict.words.removeprefix(verdict.verdict))}", soft_wrap=True
+    )
     console.print(f"log       {log}", soft_wrap=True)
 
 
 def _properties_table(verdict: Verdict) -> Table:
     title = f"{verdict.scenario}, mode {verdict.mode}, law {verdict.law}, {verdict.driver}"
-    table = Table("property", "required", "holds", "worst", "at", title=title, title_justify="left")
+    table = Table("property", "required", "holds", "worst", "allowed", "at", title=title, title_justify="left")
     for name, entry in verdict.properties.items():
         table.add_row(
             name,
             "yes" if entry.required else "no",
             {True: "yes", False: "[bold red]NO[/]", None: "unknown"}[entry.holds],
             _number(entry.worst),
+            entry.allowed,
             "" if entry.at_s is None else f"{entry.at_s:.3f} s",
         )
     return table

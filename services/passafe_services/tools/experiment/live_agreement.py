@@ -17,7 +17,8 @@ from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.experiment.metrics import Metrics
 from passafe_services.tools.review.run_log import RunLog
 from passafe_services.tools.review.trajectory import NS_PER_S
-from passafe_services.tools.review.verdict import EVIDENCE, Verdict
+from passafe_services.tools.review.verdict import Verdict
+from passafe_services.tools.review.verdict_words import EVIDENCE
 
 US_PER_MS: Final = 1e3
 

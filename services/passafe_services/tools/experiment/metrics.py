@@ -12,11 +12,13 @@ from passafe_services.tools.experiment.tracking import Motion, Tracking
 from passafe_services.tools.review.between_samples import Extremum, RecomputedMargins
 from passafe_services.tools.review.filter_claims import IntArray
 from passafe_services.tools.review.plant_evaluator import PlantEvaluator
-from passafe_services.tools.review.properties import Property, Tolerances, judge_properties
+from passafe_services.tools.review.properties import Tolerances, judge_driving, judge_properties
+from passafe_services.tools.review.property import Property
 from passafe_services.tools.review.steering import Steering
 from passafe_services.tools.review.steering_of_log import steering_from
 from passafe_services.tools.review.trajectory import Trajectory
-from passafe_services.tools.review.verdict import POINTS_PER_PERIOD, Outcome, barrier_named, decide
+from passafe_services.tools.review.verdict import POINTS_PER_PERIOD, barrier_named
+from passafe_services.tools.review.verdict_words import Outcome, decide
 from passafe_services.tools.runs.record import SweepRecord
 
 NS_PER_MS: Final = 1e6
@@ -136,9 +138,10 @@ def metrics_of(
     trajectory = trace.trajectory()
     margins = RecomputedMargins.of(trajectory, evaluator, scenario.filter.passivity, POINTS_PER_PERIOD)
     answers = trace.answers()
-    properties = judge_properties(scenario, trace.inputs(), answers, trajectory, margins, Tolerances())
-    properties["complete"] = _completeness(scenario, trajectory)
     phases = trace.phases()
+    properties = judge_driving(answers, trace.running_states(), scenario.dt_s)
+    properties |= judge_properties(scenario, trace.inputs(), answers, trajectory, margins, Tolerances())
+    properties["complete"] = _completeness(scenario, trajectory)
     held_s, fail_safe_s = (_spent_s(phases, phase, trajectory) for phase in (PlantPhase.HOLDING, PlantPhase.FAIL_SAFE))
     moved = trajectory.samples > 0
     duration_s = float(trajectory.t_s[-1] - trajectory.t_s[0]) if moved else 0.0
@@ -187,6 +190,7 @@ def _completeness(scenario: Scenario, trajectory: Trajectory) -> Property:
         worst=max(missing_s, 0.0),
         at_s=None,
         requirement="plant time missing until the scenario's duration, s, = 0",
+        allowed="= 0",
     )
 
 

@@ -1,6 +1,6 @@
 """The trace of a run in virtual time: of every message the numbers that its metrics need."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from math import prod
 from struct import Struct
 from typing import Any, Final
@@ -111,6 +111,11 @@ class RunTrace:
     def phases(self) -> IntArray:
         """Return the phase of the plant at every sample of the trajectory, shape (N,)."""
         return np.array(self._states.all()["phase"])
+
+    def running_states(self) -> Iterator[tuple[bool, int]]:
+        """Return whether an input of the filter was in force, and plant time, ns, of every sample of the trajectory."""
+        rows = self._states.all()
+        return zip((rows["phase"] == PlantPhase.RUNNING).tolist(), rows["plant_ns"].tolist(), strict=True)
 
     def input_lead_ns(self) -> IntArray:
         """Return how long before its effect the newest input came, at every sample, ns, shape (N,)."""

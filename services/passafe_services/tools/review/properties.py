@@ -1,16 +1,19 @@
 """Properties that a run must have: safe, passive, bounded, certified, consistent and complete."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Final
 
-from passafe_protocol.messages import PlantPhase, PlantState
+from passafe_protocol.messages import FilterStatus, PlantPhase, PlantState
 from passafe_protocol.topics import COMMAND, INPUT, STATE, TICK
 from pydantic import BaseModel, ConfigDict
 
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.review.between_samples import Extremum, RecomputedMargins
+from passafe_services.tools.review.drive_record import DriveRecord
+from passafe_services.tools.review.fallback_record import FallbackRecord
 from passafe_services.tools.review.filter_claims import Decisions, SentInputs
 from passafe_services.tools.review.link_accounts import LinkAccount
+from passafe_services.tools.review.property import Property, at_least, at_most
 from passafe_services.tools.review.run_log import RunLog
 from passafe_services.tools.review.trajectory import NS_PER_S, Trajectory
 
@@ -42,24 +45,24 @@ class Tolerances(BaseModel):
     certificate: float = 1e-6
 
 
-class Property(BaseModel):
-    """Property of a run and whether it holds.
+def judge_driving(decisions: Decisions, states: Iterable[tuple[bool, int]], period_s: float) -> dict[str, Property]:
+    """Return the properties that come first in a verdict: no tick in a fallback, and a robot that could be driven.
 
-    Attributes:
-        holds: Whether it holds; ``None`` if the log has no data for it.
-        required: Whether the scenario's mode requires it; if not, it is reported but does not affect the verdict.
-        worst: Worst value of the quantity in ``requirement``.
-        at_s: Plant time of the worst value, s; for counts, of the first occurrence.
-        requirement: The requirement in words.
+    Args:
+        decisions: Decisions of the filter.
+        states: Whether an input of the filter was in force, and plant time, ns, of each state of the moving plant.
+        period_s: Period of a tick, s.
     """
+    of_value = {status.value: status for status in FilterStatus}
+    ticks = [(of_value[status], at_ns) for status, at_ns in zip(*_lists(decisions), strict=True)]
+    return {
+        "no-fallback": FallbackRecord.of(ticks, round(period_s * NS_PER_S)).property(),
+        "driven": DriveRecord.of(ticks, states).property(),
+    }
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
-    holds: bool | None
-    required: bool
-    worst: float | None
-    at_s: float | None
-    requirement: str
+def _lists(decisions: Decisions) -> tuple[list[int], list[int]]:
+    return decisions.status.tolist(), decisions.at_ns.tolist()
 
 
 def judge_properties(
@@ -80,18 +83,21 @@ def judge_properties(
         margins: Extrema of the run.
         tolerances: Tolerances of the recomputed values.
     """
-    return {
-        "safe": _safe(margins, scenario, tolerances),
-        "passive": _passive(margins, scenario, tolerances),
+    return judge_margins(margins, scenario, tolerances) | {
         "bounded": _bounded(inputs, trajectory, scenario.filter.input_bound, tolerances),
         "certified": _certified(decisions, tolerances.certificate, required=scenario.filter.mode != "off"),
-        "consistent": _at_most(
+        "consistent": at_most(
             margins.mismatch_max,
             tolerances.mismatch_relative,
             required=True,
             what="distance of each state from the model's prediction from the previous state, relative",
         ),
     }
+
+
+def judge_margins(margins: RecomputedMargins, scenario: Scenario, tolerances: Tolerances) -> dict[str, Property]:
+    """Return the properties that the filter is there for, by name."""
+    return {"safe": _safe(margins, scenario, tolerances), "passive": _passive(margins, scenario, tolerances)}
 
 
 def judge_completeness(log: RunLog, trajectory: Trajectory) -> Property:
@@ -103,26 +109,12 @@ def judge_completeness(log: RunLog, trajectory: Trajectory) -> Property:
         worst=float(missing),
         at_s=_first_gap_s(log),
         requirement="messages of command, input, state and tick missing = 0, from the first state to the end",
+        allowed="= 0",
     )
 
 
-def _at_least(worst: Extremum | None, limit: float, *, required: bool, what: str) -> Property:
-    holds = None if worst is None else worst.value >= limit
-    return _bound(worst, f"{what} ≥ {limit:g}", holds=holds, required=required)
-
-
-def _at_most(worst: Extremum | None, limit: float, *, required: bool, what: str) -> Property:
-    holds = None if worst is None else worst.value <= limit
-    return _bound(worst, f"{what} ≤ {limit:g}", holds=holds, required=required)
-
-
-def _bound(worst: Extremum | None, requirement: str, *, holds: bool | None, required: bool) -> Property:
-    value, at_s = (None, None) if worst is None else worst
-    return Property(holds=holds, required=required, worst=value, at_s=at_s, requirement=requirement)
-
-
 def _safe(margins: RecomputedMargins, scenario: Scenario, tolerances: Tolerances) -> Property:
-    return _at_least(
+    return at_least(
         margins.h_min,
         -tolerances.h,
         required=scenario.filter.mode in ("safe", "both") and bool(scenario.filter.barriers),
@@ -133,8 +125,8 @@ def _safe(margins: RecomputedMargins, scenario: Scenario, tolerances: Tolerances
 def _passive(margins: RecomputedMargins, scenario: Scenario, tolerances: Tolerances) -> Property:
     required = scenario.filter.mode in ("passive", "both")
     if scenario.filter.passivity.kind == "tank":
-        return _at_least(margins.tank_min_j, -tolerances.tank_j, required=required, what="energy of the tank, J,")
-    return _at_least(
+        return at_least(margins.tank_min_j, -tolerances.tank_j, required=required, what="energy of the tank, J,")
+    return at_least(
         margins.power_margin_min,
         -tolerances.power_margin_w,
         required=required,
@@ -150,7 +142,7 @@ def _bounded(inputs: SentInputs, trajectory: Trajectory, bound: float, tolerance
         found.append(Extremum.highest(inputs.largest, inputs.at_ns / NS_PER_S))
     worst = max(found, key=lambda extremum: extremum.value, default=None)
     limit = bound * (1 + tolerances.input_relative)
-    return _at_most(worst, limit, required=True, what="largest |u_i| sent or applied")
+    return at_most(worst, limit, required=True, what="largest |u_i| sent or applied")
 
 
 def _certified(decisions: Decisions, limit: float, *, required: bool) -> Property:
@@ -162,6 +154,7 @@ def _certified(decisions: Decisions, limit: float, *, required: bool) -> Propert
         worst=float(count) if judged else None,
         at_s=float(decisions.at_ns[uncertified.argmax()] / NS_PER_S) if count else None,
         requirement=f"ticks that claim a solution without a certificate accepted within {limit:g} = 0",
+        allowed="= 0",
     )
 
 
@@ -178,6 +171,7 @@ def judge_links(accounts: Sequence[LinkAccount]) -> Property:
         worst=None if worst is None else float(worst),
         at_s=None,
         requirement="differences between the states, the events and the logged messages of a link = 0",
+        allowed="= 0",
     )
 
 

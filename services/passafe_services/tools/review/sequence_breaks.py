@@ -1,6 +1,6 @@
 """Sequence breaks of a run: intervals in which the plant had no input of the filter."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import groupby
 from typing import NamedTuple
 
@@ -33,6 +33,21 @@ class SequenceBreak(NamedTuple):
     def length_s(self, end_s: float) -> float:
         """Return its length, s; without an end in the log, until the end of the log at ``end_s``."""
         return (end_s if self.resumed_s is None else self.resumed_s) - self.at_s
+
+
+def running_states(states: Sequence[LoggedMessage[PlantState]]) -> Iterator[tuple[bool, int]]:
+    """Yield whether an input of the filter was in force, and the plant time, ns, of every state of a moving plant.
+
+    Sessions come in the order in which they ended: of two plants at once, the last one shows how the run ended.
+
+    Args:
+        states: All plant states of a log, by session and in order of sequence.
+    """
+    sessions = [list(session) for _, session in groupby(states, key=lambda state: state.header.epoch)]
+    for session in sorted(sessions, key=lambda session: session[-1].header.wall_ns):
+        for state in session:
+            if state.body.phase is not WAITING:
+                yield state.body.phase is RUNNING, state.body.plant_ns
 
 
 def sequence_breaks(states: Sequence[LoggedMessage[PlantState]]) -> list[SequenceBreak]:

@@ -1,7 +1,6 @@
 """Verdict on one run, as printed by ``passafe review --json``."""
 
-from collections.abc import Mapping
-from typing import Final, Literal, Self
+from typing import Final, Self
 
 from passafe_protocol.messages import FilterTick, PlantInput, PlantState
 from passafe_protocol.topics import COMMAND, STATE, TICK
@@ -14,30 +13,27 @@ from passafe_services.tools.review.filter_claims import Decisions, SentInputs
 from passafe_services.tools.review.link_accounts import LinkAccount, link_accounts
 from passafe_services.tools.review.plant_evaluator import PlantEvaluator
 from passafe_services.tools.review.properties import (
-    Property,
     Tolerances,
     judge_completeness,
+    judge_driving,
     judge_links,
     judge_properties,
 )
+from passafe_services.tools.review.property import Property
 from passafe_services.tools.review.run_identity import DriverName
 from passafe_services.tools.review.run_log import RunLog
-from passafe_services.tools.review.sequence_breaks import sequence_breaks
+from passafe_services.tools.review.sequence_breaks import running_states, sequence_breaks
 from passafe_services.tools.review.steering import Steering
 from passafe_services.tools.review.steering_of_log import steering_of
 from passafe_services.tools.review.timing import Percentiles, Timing, steps_skipped
 from passafe_services.tools.review.trajectory import NS_PER_S, Trajectory
+from passafe_services.tools.review.verdict_words import Outcome, decide, in_words
 
 POINTS_PER_PERIOD: Final = 10
 """Instants evaluated in every period, besides the samples."""
 
 CONTROL_LOOP: Final = {"operator": COMMAND, "filter": TICK, "plant": STATE}
 """Topic that each process of the loop publishes in every step."""
-
-EVIDENCE: Final = ("complete", "links-reconciled")
-"""Properties of the log rather than of the robot: without them a run neither holds nor fails."""
-
-Outcome = Literal["holds", "fails", "unproven"]
 
 
 class Verdict(BaseModel):
@@ -85,6 +81,7 @@ class Verdict(BaseModel):
         properties: Properties of the run, by name.
         verdict: ``holds`` if every required property holds; ``fails`` if the log shows that one does not;
             ``unproven`` if it shows none that fails, but not the whole run either.
+        words: The same in a sentence, with what stands against it: fallbacks first.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -125,6 +122,7 @@ class Verdict(BaseModel):
     tolerances: Tolerances
     properties: dict[str, Property]
     verdict: Outcome
+    words: str
 
     @classmethod
     def of(
@@ -153,7 +151,8 @@ class Verdict(BaseModel):
         ticks = log.of(FilterTick)
         inputs = SentInputs.of(sent.body for sent in log.of(PlantInput))
         decisions = Decisions.of([tick.body for tick in ticks])
-        properties = judge_properties(scenario, inputs, decisions, trajectory, margins, tolerances)
+        properties = judge_driving(decisions, running_states(log.of(PlantState)), scenario.dt_s)
+        properties |= judge_properties(scenario, inputs, decisions, trajectory, margins, tolerances)
         properties["complete"] = judge_completeness(log, trajectory)
         accounts = link_accounts(log)
         properties["links-reconciled"] = judge_links(accounts)
@@ -199,6 +198,7 @@ class Verdict(BaseModel):
             tolerances=tolerances,
             properties=properties,
             verdict=decide(properties),
+            words=in_words(properties),
         )
 
 
@@ -221,14 +221,6 @@ def trajectory_of(log: RunLog) -> Trajectory:
 def barrier_named(scenario: Scenario, number: int | None) -> str | None:
     """Return the name of a barrier of a scenario by its index in the file."""
     return None if number is None else scenario.barriers[number].name
-
-
-def decide(properties: Mapping[str, Property]) -> Outcome:
-    """Return the outcome of a run from its properties; see ``Verdict.verdict``."""
-    required = {name: entry for name, entry in properties.items() if entry.required}
-    if any(entry.holds is False for name, entry in required.items() if name not in EVIDENCE):
-        return "fails"
-    return "holds" if all(entry.holds for entry in required.values()) else "unproven"
 
 
 def _value(extremum: Extremum | None) -> float | None:

@@ -1,0 +1,98 @@
+"""Whether the robot could be driven: by inputs of the filter, certified, from commands that were fresh."""
+
+from collections.abc import Iterable
+from typing import Final, Self
+
+from passafe_protocol.messages import FilterStatus
+
+from passafe_services.tools.review.property import Property
+from passafe_services.tools.review.trajectory import NS_PER_S
+
+LONGEST_END_S: Final = 1.0
+"""Plant time for which a run may end without an input of the filter or a fresh command: the end is never sharp."""
+
+
+class _LastSeen:
+    """When something was last so, and the newest time at which it was looked at, plant time, ns."""
+
+    def __init__(self) -> None:
+        self.at_all = False
+        self._seen_ns = self._newest_ns = 0
+
+    def add(self, at_ns: int, *, so: bool) -> None:
+        """Add a sample; one before the newest begins anew, as a restarted plant does."""
+        if at_ns < self._newest_ns:
+            self._seen_ns = at_ns
+        self._newest_ns = at_ns
+        if so:
+            self._seen_ns, self.at_all = at_ns, True
+
+    @property
+    def since_s(self) -> float:
+        """Plant time from when it was last so to the newest sample, s."""
+        return (self._newest_ns - self._seen_ns) / NS_PER_S
+
+
+class DriveRecord:
+    """Record of what moved the robot, from ticks and states as they come."""
+
+    def __init__(self) -> None:
+        self._ticks = self._states = 0
+        self._is_answered = False
+        self._commanded, self._driven = _LastSeen(), _LastSeen()
+
+    @classmethod
+    def of(cls, ticks: Iterable[tuple[FilterStatus, int]], states: Iterable[tuple[bool, int]]) -> Self:
+        """Return the record of a run.
+
+        Args:
+            ticks: Status and plant time, ns, of each, in order.
+            states: Whether an input of the filter was in force, and plant time, ns, of each, in order.
+        """
+        record = cls()
+        for status, at_ns in ticks:
+            record.add_tick(status, at_ns)
+        for runs, at_ns in states:
+            record.add_state(at_ns, runs=runs)
+        return record
+
+    def add_tick(self, status: FilterStatus, at_ns: int) -> None:
+        """Add a tick that takes effect at a plant time, ns."""
+        self._ticks += 1
+        self._is_answered = self._is_answered or not status.is_fallback
+        self._commanded.add(at_ns, so=status is not FilterStatus.STALE)
+
+    def add_state(self, at_ns: int, *, runs: bool) -> None:
+        """Add a state of the plant with its first input behind it, and whether an input of the filter is in force."""
+        self._states += 1
+        self._driven.add(at_ns, so=runs)
+
+    def property(self) -> Property:
+        """Return the property that the robot could be driven, to the end of the run."""
+        worst_s = max(self._driven.since_s, self._commanded.since_s)
+        is_known = bool(self._states and self._ticks)
+        note = self._note()
+        return Property(
+            holds=not note if is_known else None,
+            required=True,
+            worst=worst_s if is_known and self._is_answered else None,
+            at_s=None,
+            requirement=(
+                "at some time an answer outside of every fallback, and at the end no stretch without an input of the "
+                f"filter or a fresh command, s, > {LONGEST_END_S:g}"
+            ),
+            allowed=f"≤ {LONGEST_END_S:g}",
+            note=note,
+        )
+
+    def _note(self) -> str:
+        if not self._states:
+            return "the robot never had an input of the filter"
+        found = []
+        if self._ticks and not self._is_answered:
+            found.append("the filter never left a fallback")
+        if self._driven.since_s > LONGEST_END_S:
+            found.append(f"the robot stood without an input of the filter for the last {self._driven.since_s:.3g} s")
+        if self._commanded.since_s > LONGEST_END_S:
+            found.append(f"no fresh command came in the last {self._commanded.since_s:.3g} s")
+        return ", ".join(found)
