@@ -13,6 +13,7 @@ from passafe.barrier_chain import Barrier
 from passafe.certificate import Tolerance
 from passafe.errors import DesignError
 from passafe.expressions import as_column
+from passafe.jumps import require_no_jumps
 from passafe.limits import Limits
 from passafe.passivity import Passivity
 from passafe.ranges import require_positive
@@ -100,6 +101,7 @@ class FilterDesign:
         names = [barrier.name for barrier in self.barriers]
         if len(set(names)) != len(names):
             raise DesignError("barriers", f"the names {names}", "each name once")
+        self._refuse_jumps()
 
     def _take_parts(self) -> None:
         for name, kind in (("system", System), ("passivity", Passivity), ("tolerance", Tolerance)):
@@ -118,6 +120,15 @@ class FilterDesign:
             law = ca.SX.zeros(self.system.m) if given.shape == (0, 0) else given
             self.system.require_state_function(name, law, self.system.m)
             object.__setattr__(self, name, law)
+
+    def _refuse_jumps(self) -> None:
+        """Refuse what has no derivative wherever one is taken; the fail-safe law is only evaluated."""
+        require_no_jumps("dynamics f", self.system.f)
+        require_no_jumps("output y", self.system.y)
+        require_no_jumps("feedback u_fb", self.u_fb)
+        require_no_jumps("storage V", self.passivity.V)
+        for barrier in self.barriers:
+            require_no_jumps(f"barrier {barrier.name!r} h", barrier.h)
 
     def _take_numbers(self) -> None:
         require_positive("k_i", self.k_i)

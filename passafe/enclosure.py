@@ -15,6 +15,7 @@ from passafe.enclosure_rules import RULES
 from passafe.enclosure_rules.ball import LARGEST, Ball
 from passafe.enclosure_rules.kinks import share
 from passafe.errors import DesignError
+from passafe.expression_graph import Operation, graph_of, name_of
 
 
 class Enclosure(NamedTuple):
@@ -32,13 +33,6 @@ class Enclosure(NamedTuple):
     known: ca.SX
 
 
-class _Instruction(NamedTuple):
-    """One operation of a graph and the instructions that its arguments come from."""
-
-    operation: int
-    arguments: tuple[int, ...]
-
-
 def enclose(expression: ca.SX, symbols: ca.SX, radius: ca.SX) -> Enclosure:
     """Return what the expression can be near its present value: centre, radius, and whether they are known.
 
@@ -50,52 +44,26 @@ def enclose(expression: ca.SX, symbols: ca.SX, radius: ca.SX) -> Enclosure:
     Raises:
         DesignError: The expression has an operation without a derivative.
     """
-    fixed = [s for s in ca.symvar(expression) if not any(ca.is_equal(s, moving) for moving in ca.vertsplit(symbols))]
-    function = ca.Function("enclosed", [symbols, ca.vertcat(ca.SX(0, 1), *fixed)], [ca.densify(expression)])
-    zero = ca.SX(0)
-    given = [
-        [Ball(symbols[i], radius[i]) for i in range(symbols.numel())],
-        [Ball(symbol, zero) for symbol in fixed],
-    ]
-    return _guarded(_outputs(function, given, expression.numel()))
-
-
-def _outputs(function: ca.Function, given: Sequence[Sequence[Ball]], count: int) -> list[Ball]:
-    """Return the balls of a function's outputs, for those of its inputs."""
+    moving = {symbol.element_hash(): radius[i] for i, symbol in enumerate(ca.vertsplit(symbols))}
+    graph = graph_of(expression)
     balls: list[Ball] = []
-    graph: list[_Instruction] = []
-    made_by: dict[int, int] = {}
-    outputs = [Ball(ca.SX(0), ca.SX(0))] * count
-    for k in range(function.n_instructions()):
-        operation = function.instruction_id(k)
-        reads, writes = function.instruction_input(k), function.instruction_output(k)
-        if operation == ca.OP_OUTPUT:
-            outputs[writes[1]] = balls[made_by[reads[0]]]
-            continue
-        if operation == ca.OP_INPUT:
-            graph.append(_Instruction(operation, ()))
-            balls.append(given[reads[0]][reads[1]])
-        elif operation == ca.OP_CONST:
-            graph.append(_Instruction(operation, ()))
-            balls.append(Ball(ca.SX(function.instruction_constant(k)), ca.SX(0)))
+    for place, operation in enumerate(graph.operations):
+        if operation.number in {ca.OP_INPUT, ca.OP_CONST}:
+            balls.append(Ball(operation.expression, moving.get(operation.expression.element_hash(), ca.SX(0))))
         else:
-            graph.append(_Instruction(operation, tuple(made_by[place] for place in reads)))
-            balls.append(_applied(graph, balls))
-        made_by[writes[0]] = len(graph) - 1
-    return outputs
+            balls.append(_applied(graph.operations, place, balls))
+    return _guarded([balls[place] for place in graph.outputs])
 
 
-def _applied(graph: Sequence[_Instruction], balls: Sequence[Ball]) -> Ball:
-    """Return the ball of the last instruction, with all conditions that it rests on."""
-    operation, arguments = graph[-1]
-    other = _other_of_a_tie(graph)
+def _applied(operations: Sequence[Operation], place: int, balls: Sequence[Ball]) -> Ball:
+    """Return the ball of one operation, with all conditions that it rests on."""
+    arguments, rule = operations[place].arguments, _rule_of(operations[place].number)
+    other = _other_of_a_tie(operations, operations[place])
     if other is not None:
-        arguments = (arguments[0], other)
-        ball = share(*(balls[i] for i in arguments))
-    else:
-        ball = _rule_of(operation)(*(balls[i] for i in arguments))
+        arguments, rule = (arguments[0], other), share
+    ball = rule(*(balls[i] for i in arguments))
     inherited = balls[arguments[0]].conditions
-    if operation != ca.OP_IF_ELSE_ZERO:
+    if operations[place].number != ca.OP_IF_ELSE_ZERO:
         inherited = tuple(condition for i in arguments for condition in balls[i].conditions)
     unique = {condition.element_hash(): condition for condition in (*inherited, *ball.conditions)}
     return ball._replace(conditions=tuple(unique.values()))
@@ -104,22 +72,20 @@ def _applied(graph: Sequence[_Instruction], balls: Sequence[Ball]) -> Ball:
 def _rule_of(operation: int) -> Callable[..., Ball]:
     rule = RULES.get(operation)
     if rule is None:
-        name = next(name for name, number in vars(ca).items() if name.startswith("OP_") and number == operation)
-        raise DesignError("enclosure", f"the operation {name[3:].lower()}", "operations that have a derivative")
+        raise DesignError("enclosure", f"the operation {name_of(operation)}", "operations that have a derivative")
     return rule
 
 
-def _other_of_a_tie(graph: Sequence[_Instruction]) -> int | None:
-    """Return b ≤ a, if the last instruction is (a ≤ b)/((a ≤ b) + (b ≤ a)), CasADi's derivative of an extreme."""
-    operation, arguments = graph[-1]
-    if operation != ca.OP_DIV:
+def _other_of_a_tie(operations: Sequence[Operation], operation: Operation) -> int | None:
+    """Return where b ≤ a is, if an operation is (a ≤ b)/((a ≤ b) + (b ≤ a)), CasADi's derivative of an extreme."""
+    if operation.number != ca.OP_DIV:
         return None
-    chosen, total = arguments
-    if graph[total].operation != ca.OP_ADD or chosen not in graph[total].arguments:
+    chosen, total = operation.arguments
+    if operations[total].number != ca.OP_ADD or chosen not in operations[total].arguments:
         return None
-    other = next((i for i in graph[total].arguments if i != chosen), chosen)
-    swapped = _Instruction(ca.OP_LE, graph[other].arguments[::-1])
-    return other if graph[other].operation == ca.OP_LE and graph[chosen] == swapped else None
+    other = sum(operations[total].arguments) - chosen
+    both_compare = operations[chosen].number == operations[other].number == ca.OP_LE
+    return other if both_compare and operations[chosen].arguments == operations[other].arguments[::-1] else None
 
 
 def _guarded(balls: Sequence[Ball]) -> Enclosure:

@@ -10,7 +10,10 @@ from passafe.arguments import described, is_one_number, numbers
 from passafe.errors import DesignError
 
 EXPRESSION: Final = "a casadi.SX expression, numbers, or a sequence of them"
-ONLY_SX: Final = "a casadi.SX expression: build it from casadi.SX.sym, MX cannot be taken apart into scalars"
+ONLY_SX: Final = (
+    "a casadi.SX expression: build it from casadi.SX.sym, MX cannot be taken apart into scalars;"
+    " write a look-up table as a formula through its points"
+)
 
 
 def as_column(part: str, value: object) -> ca.SX:
