@@ -4,7 +4,7 @@ Nodes exchange these records, never protobuf, so that a closed loop in one proce
 and meanings are those of ``passafe.proto``; the header is kept beside the body.
 """
 
-from enum import IntEnum
+from enum import IntEnum, StrEnum
 from typing import Final, TypeAlias
 
 from msgspec import Struct
@@ -14,6 +14,12 @@ SCHEMA_VERSION: Final = 2
 
 UNSEQUENCED: Final = -1
 """Plant time of an unsequenced input's sequence start, and of the last break of a plant that had none."""
+
+UNKNOWN_CLOCK: Final = 0
+"""``clock_id`` of a sender that does not tell which clock it reads."""
+
+VIRTUAL_CLOCK: Final = 1
+"""``clock_id`` of every process of a lockstep run: they share the virtual clock."""
 
 Vector: TypeAlias = tuple[float, ...]
 
@@ -87,6 +93,29 @@ class Header(Record, frozen=True):
     started_ns: int
     sent_ns: int
     wall_ns: int
+    clock_id: int = UNKNOWN_CLOCK
+
+
+class CommandState(StrEnum):
+    """Reason for which the operator's command counts at the filter, or does not."""
+
+    NONE = "none"
+    """No command has come yet."""
+
+    COUNTS = "counts"
+    """The newest command is in force."""
+
+    RESUMES = "resumes"
+    """Commands count again after a stale stretch and ramp in."""
+
+    RELEASED = "released"
+    """The dead-man switch is released."""
+
+    SILENT = "silent"
+    """No newer command came before the last one became stale."""
+
+    DELAYED = "delayed"
+    """Commands come, but are stale when they arrive."""
 
 
 class OperatorCommand(Record, frozen=True):
@@ -210,6 +239,8 @@ class FilterTick(Record, frozen=True):
     command_age_ns: int
     override: OverrideReport = OverrideReport()
     horizon_ns: int = 0
+    command_state: str = ""
+    command_share: float = 0.0
 
 
 class LinkOutage(Record, frozen=True):

@@ -42,7 +42,7 @@ AT_SAMPLES: FilterStatus
 BACKUP: FilterStatus
 
 class Header(_message.Message):
-    __slots__ = ("schema_version", "source", "epoch", "sequence", "scheduled_ns", "started_ns", "sent_ns", "wall_ns")
+    __slots__ = ("schema_version", "source", "epoch", "sequence", "scheduled_ns", "started_ns", "sent_ns", "wall_ns", "clock_id")
     SCHEMA_VERSION_FIELD_NUMBER: _ClassVar[int]
     SOURCE_FIELD_NUMBER: _ClassVar[int]
     EPOCH_FIELD_NUMBER: _ClassVar[int]
@@ -51,6 +51,7 @@ class Header(_message.Message):
     STARTED_NS_FIELD_NUMBER: _ClassVar[int]
     SENT_NS_FIELD_NUMBER: _ClassVar[int]
     WALL_NS_FIELD_NUMBER: _ClassVar[int]
+    CLOCK_ID_FIELD_NUMBER: _ClassVar[int]
     schema_version: int
     source: str
     epoch: int
@@ -59,7 +60,8 @@ class Header(_message.Message):
     started_ns: int
     sent_ns: int
     wall_ns: int
-    def __init__(self, schema_version: _Optional[int] = ..., source: _Optional[str] = ..., epoch: _Optional[int] = ..., sequence: _Optional[int] = ..., scheduled_ns: _Optional[int] = ..., started_ns: _Optional[int] = ..., sent_ns: _Optional[int] = ..., wall_ns: _Optional[int] = ...) -> None: ...
+    clock_id: int
+    def __init__(self, schema_version: _Optional[int] = ..., source: _Optional[str] = ..., epoch: _Optional[int] = ..., sequence: _Optional[int] = ..., scheduled_ns: _Optional[int] = ..., started_ns: _Optional[int] = ..., sent_ns: _Optional[int] = ..., wall_ns: _Optional[int] = ..., clock_id: _Optional[int] = ...) -> None: ...
 
 class OperatorCommand(_message.Message):
     __slots__ = ("header", "u_h", "u_h_rate", "enabled", "device", "checksum")
@@ -206,7 +208,7 @@ class Consumed(_message.Message):
     def __init__(self, topic: _Optional[str] = ..., sequence: _Optional[int] = ..., received_ns: _Optional[int] = ..., epoch: _Optional[int] = ...) -> None: ...
 
 class FilterTick(_message.Message):
-    __slots__ = ("header", "tick", "status", "mode", "law", "effective_plant_ns", "x_hat", "u_h", "u_h_rate", "u_nominal", "phi", "v", "u", "barriers", "power_margin", "tank_j", "slack", "rows", "certificate", "consumed", "state_age_ns", "command_age_ns", "override", "horizon_ns", "checksum")
+    __slots__ = ("header", "tick", "status", "mode", "law", "effective_plant_ns", "x_hat", "u_h", "u_h_rate", "u_nominal", "phi", "v", "u", "barriers", "power_margin", "tank_j", "slack", "rows", "certificate", "consumed", "state_age_ns", "command_age_ns", "override", "horizon_ns", "command_state", "command_share", "checksum")
     HEADER_FIELD_NUMBER: _ClassVar[int]
     TICK_FIELD_NUMBER: _ClassVar[int]
     STATUS_FIELD_NUMBER: _ClassVar[int]
@@ -231,6 +233,8 @@ class FilterTick(_message.Message):
     COMMAND_AGE_NS_FIELD_NUMBER: _ClassVar[int]
     OVERRIDE_FIELD_NUMBER: _ClassVar[int]
     HORIZON_NS_FIELD_NUMBER: _ClassVar[int]
+    COMMAND_STATE_FIELD_NUMBER: _ClassVar[int]
+    COMMAND_SHARE_FIELD_NUMBER: _ClassVar[int]
     CHECKSUM_FIELD_NUMBER: _ClassVar[int]
     header: Header
     tick: int
@@ -256,8 +260,10 @@ class FilterTick(_message.Message):
     command_age_ns: int
     override: OverrideReport
     horizon_ns: int
+    command_state: str
+    command_share: float
     checksum: int
-    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., tick: _Optional[int] = ..., status: _Optional[_Union[FilterStatus, str]] = ..., mode: _Optional[str] = ..., law: _Optional[str] = ..., effective_plant_ns: _Optional[int] = ..., x_hat: _Optional[_Iterable[float]] = ..., u_h: _Optional[_Iterable[float]] = ..., u_h_rate: _Optional[_Iterable[float]] = ..., u_nominal: _Optional[_Iterable[float]] = ..., phi: _Optional[_Iterable[float]] = ..., v: _Optional[_Iterable[float]] = ..., u: _Optional[_Iterable[float]] = ..., barriers: _Optional[_Iterable[_Union[BarrierReport, _Mapping]]] = ..., power_margin: _Optional[float] = ..., tank_j: _Optional[float] = ..., slack: _Optional[float] = ..., rows: _Optional[_Iterable[_Union[RowReport, _Mapping]]] = ..., certificate: _Optional[_Union[Certificate, _Mapping]] = ..., consumed: _Optional[_Iterable[_Union[Consumed, _Mapping]]] = ..., state_age_ns: _Optional[int] = ..., command_age_ns: _Optional[int] = ..., override: _Optional[_Union[OverrideReport, _Mapping]] = ..., horizon_ns: _Optional[int] = ..., checksum: _Optional[int] = ...) -> None: ...
+    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., tick: _Optional[int] = ..., status: _Optional[_Union[FilterStatus, str]] = ..., mode: _Optional[str] = ..., law: _Optional[str] = ..., effective_plant_ns: _Optional[int] = ..., x_hat: _Optional[_Iterable[float]] = ..., u_h: _Optional[_Iterable[float]] = ..., u_h_rate: _Optional[_Iterable[float]] = ..., u_nominal: _Optional[_Iterable[float]] = ..., phi: _Optional[_Iterable[float]] = ..., v: _Optional[_Iterable[float]] = ..., u: _Optional[_Iterable[float]] = ..., barriers: _Optional[_Iterable[_Union[BarrierReport, _Mapping]]] = ..., power_margin: _Optional[float] = ..., tank_j: _Optional[float] = ..., slack: _Optional[float] = ..., rows: _Optional[_Iterable[_Union[RowReport, _Mapping]]] = ..., certificate: _Optional[_Union[Certificate, _Mapping]] = ..., consumed: _Optional[_Iterable[_Union[Consumed, _Mapping]]] = ..., state_age_ns: _Optional[int] = ..., command_age_ns: _Optional[int] = ..., override: _Optional[_Union[OverrideReport, _Mapping]] = ..., horizon_ns: _Optional[int] = ..., command_state: _Optional[str] = ..., command_share: _Optional[float] = ..., checksum: _Optional[int] = ...) -> None: ...
 
 class LinkParameters(_message.Message):
     __slots__ = ("delay_s", "jitter_s", "distribution", "quantiles_s", "correlation", "reorder", "loss", "burst_enter", "burst_leave", "burst_loss_good", "burst_loss_bad", "duplicate", "corrupt", "rate_hz", "queue", "outages", "seed")

@@ -16,6 +16,7 @@ from passafe_protocol.messages import (
     UNSEQUENCED,
     BarrierReport,
     Certificate,
+    CommandState,
     Consumed,
     Event,
     FilterTick,
@@ -119,6 +120,8 @@ RULES: Final[dict[RecordType, tuple[Rule, ...]]] = {
         *(_empty_or_as_long_as(field, "u") for field in ("u_h", "u_h_rate", "u_nominal", "phi", "v")),
         _age("state_age_ns"),
         _age("command_age_ns"),
+        Rule("command_state", f"{', '.join(CommandState)}, or empty", lambda m: m.command_state in {"", *CommandState}),
+        _between("command_share", 0, 1.0),
         Rule(
             "override",
             "a held_back of no numbers, or as many as u",

@@ -9,6 +9,7 @@ from passafe_protocol.messages import Event, Header, OperatorCommand
 from passafe_protocol.topics import COMMAND, EVENT, INPUT, Topic
 from passafe_services.loop.bus import PublishBytes
 from passafe_services.loop.errors import PublisherError
+from passafe_services.loop.monotonic_clock import monotonic_clock_id
 from passafe_services.loop.outlet import Outlet
 
 
@@ -44,7 +45,7 @@ def test_headers_have_sender_times_and_number(wire: Wire, outlet: Outlet) -> Non
     after = (monotonic_ns(), time_ns())
     header, body = decode(COMMAND, wire.put["command"][0])
     assert body == command(1.0)
-    assert header == Header("operator", 42, 0, 3, 5, header.sent_ns, header.wall_ns)
+    assert header == Header("operator", 42, 0, 3, 5, header.sent_ns, header.wall_ns, monotonic_clock_id())
     assert before[0] <= header.sent_ns <= after[0]
     assert before[1] <= header.wall_ns <= after[1]
 

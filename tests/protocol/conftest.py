@@ -93,6 +93,8 @@ BODIES: tuple[Message, ...] = (
         command_age_ns=2_000_000,
         override=OverrideReport((0.75, -0.5), allowed_fraction=0.25, unavoidable=False, distance_to_infeasibility=-3.5),
         horizon_ns=410_000_000,
+        command_state="resumes",
+        command_share=0.75,
     ),
     LinkConfig(link="filter-to-plant", parameters=PARAMETERS),
     LinkEvent(link="plant-to-filter", effect="dropped", topic="state", sequence=12, cause="queue"),

@@ -13,6 +13,7 @@ from passafe_protocol.link_settings import DISTRIBUTIONS, RANGES
 from passafe_protocol.messages import (
     BarrierReport,
     Certificate,
+    CommandState,
     Consumed,
     Event,
     FilterTick,
@@ -98,6 +99,9 @@ REFUSED: list[tuple[type, dict[str, Any], str]] = [
     (FilterTick, {"consumed": (Consumed("", 0, 0, 0),)}, "consumed[0].topic"),
     (FilterTick, {"state_age_ns": -2}, "state_age_ns"),
     (FilterTick, {"command_age_ns": -2}, "command_age_ns"),
+    (FilterTick, {"command_state": "asleep"}, "command_state"),
+    (FilterTick, {"command_share": 1.0000001}, "command_share"),
+    (FilterTick, {"command_share": -1e-9}, "command_share"),
     (LinkConfig, {"link": "plant-to-recorder"}, "link"),
     *((LinkConfig, {"parameters": replace(PARAMETERS, **bad)}, f"parameters.{field}") for bad, field in BAD_PARAMETERS),
     (LinkState, {"link": ""}, "link"),
@@ -131,6 +135,7 @@ ALLOWED: list[tuple[type, dict[str, Any]]] = [
     (PlantState, {"x": (-0.0, 5e-324)}),
     (FilterTick, {"x_hat": (), "u_h": (), "u_h_rate": (), "u_nominal": (), "phi": (), "v": ()}),
     (FilterTick, {"barriers": (), "rows": (), "consumed": (), "state_age_ns": -1, "command_age_ns": -1}),
+    *((FilterTick, {"command_state": state}) for state in ("", *CommandState)),
     (FilterTick, {"certificate": replace(CERTIFICATE, solver="", primal_residual=-1e-9)}),
     (FilterTick, {"rows": tuple(RowReport("r", 0.0, -1e-12, active=False) for _ in range(250))}),
     (FilterTick, {"override": OverrideReport()}),
@@ -232,7 +237,7 @@ def test_non_finite_numbers_are_refused_in_every_field(body: Message, number: fl
 
 def test_the_walk_finds_every_float(body_of: dict[type, Message]) -> None:
     assert len(floats_of(body_of[PlantState])) == 4 + 2 + 2 + 3
-    assert len(floats_of(body_of[FilterTick])) == 4 + 6 * 2 + (3 + 1 + 2) + 3 + 2 * 4 + 3 + (2 + 2)
+    assert len(floats_of(body_of[FilterTick])) == 5 + 6 * 2 + (3 + 1 + 2) + 3 + 2 * 4 + 3 + (2 + 2)
 
 
 def test_opposite_infinities_do_not_cancel(body_of: dict[type, Message]) -> None:

@@ -7,7 +7,7 @@ from typing import Any, Final
 from passafe_protocol.link_change import LinkChange
 from passafe_protocol.link_settings import LinkSettings
 from passafe_protocol.message_link import MessageLink
-from passafe_protocol.messages import Header, LinkSource, LinkState, Message, Received, Record
+from passafe_protocol.messages import VIRTUAL_CLOCK, Header, LinkSource, LinkState, Message, Received, Record
 from passafe_protocol.topics import LINK_EVENT, LINK_STATE, Topic
 
 from passafe_services.loop.inlet import require_links
@@ -192,7 +192,7 @@ class Lockstep:
     def _send(self, sender: "_Slot", route: "_Route", body: Message) -> None:
         now_ns = self.now_ns
         wall_ns = now_ns + self._wall_offset_ns
-        header = Header(sender.name, sender.epoch, route.sent, now_ns, now_ns, now_ns, wall_ns)
+        header = Header(sender.name, sender.epoch, route.sent, now_ns, now_ns, now_ns, wall_ns, VIRTUAL_CLOCK)
         route.sent += 1
         if self._observer is not None:
             self._observer(route.topic, header, body)

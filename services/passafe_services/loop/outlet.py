@@ -11,6 +11,7 @@ from passafe_protocol.topics import TOPICS, Topic
 
 from passafe_services.loop.bus import Bus, PublishBytes
 from passafe_services.loop.errors import PublisherError
+from passafe_services.loop.monotonic_clock import monotonic_clock_id
 
 
 @dataclass(slots=True)
@@ -39,6 +40,7 @@ class Outlet:
         self.source = source
         self.epoch = epoch
         self.withheld = 0
+        self._clock_id = monotonic_clock_id()
         self._channels = {
             topic.name: _Channel(bus.publisher(topic, source)) for topic in TOPICS if source in topic.publishers
         }
@@ -68,7 +70,8 @@ class Outlet:
         if channel is None:
             raise PublisherError(self.source, topic.name, topic.publishers)
         message = body if isinstance(body, Record) else body()
-        header = Header(self.source, self.epoch, channel.sequence, scheduled_ns, started_ns, monotonic_ns(), time_ns())
+        times = (scheduled_ns, started_ns, monotonic_ns(), time_ns())
+        header = Header(self.source, self.epoch, channel.sequence, *times, self._clock_id)
         try:
             data = encode(header, message)
         except ProtocolError as error:
