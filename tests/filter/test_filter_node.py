@@ -146,12 +146,15 @@ def test_an_old_command_fades_and_is_stale_until_a_new_one_comes() -> None:
     old = ticks_of(node, 251, plant_state(251))[-1]
     older = ticks_of(node, 301, plant_state(301))[-1]
     fresh = ticks_of(node, 302, plant_state(302), command(302))[-1]
+    fifth = ticks_of(node, 402, plant_state(402), command(402))[-1]
 
     assert (old.status, old.u_h, old.command_age_ns) == (FilterStatus.STALE, (-1.5, 0.25), 250 * MS)
     assert old.u_h_rate == pytest.approx((30.0, -5.0))
     assert (older.status, older.u_h) == (FilterStatus.STALE, (0.0, 0.0))
     assert fresh.status is not FilterStatus.STALE
-    assert fresh.u_h == (-3.0, 0.5)
+    assert (fresh.u_h, fresh.command_state, fresh.command_share) == ((0.0, 0.0), "resumes", 0.0)
+    assert fifth.u_h == pytest.approx((-0.6, 0.1))
+    assert (fifth.command_state, fifth.command_share) == ("resumes", pytest.approx(0.2))
 
 
 def test_rows_hold_without_commands_and_status_is_stale() -> None:
@@ -165,7 +168,7 @@ def test_an_old_state_stops_the_inputs() -> None:
     node = make_node()
     tick_of(node, 1, plant_state(1), command(1))
 
-    outgoing = list(node.step(300 * MS, [command(300)]))
+    outgoing = list(node.step(300 * MS, [command(150)]))
 
     assert sent(outgoing, PlantInput) == []
     [tick] = sent(outgoing, FilterTick)

@@ -3,8 +3,9 @@ from itertools import pairwise
 
 import pytest
 from passafe_protocol.codec import decode, encode
-from passafe_protocol.messages import Event, FilterStatus, FilterTick, Header
+from passafe_protocol.messages import CommandState, Event, FilterStatus, FilterTick, Header
 from passafe_protocol.topics import TICK
+from passafe_services.filter.operator_request import OperatorRequest
 from passafe_services.filter.telemetry import Telemetry, TickRecord
 from passafe_services.scenarios.design import design_of, robot_of
 from passafe_services.scenarios.load import load_scenario
@@ -23,11 +24,14 @@ HEADER = Header("filter", 1, 1, 0, 0, 0, 0)
 
 def tick_at(x: tuple[float, ...], u_h: tuple[float, float], core: SafetyPassivityFilter = CORE) -> FilterTick:
     decision = core.decide(x, (0.0, 0.0), u_h, (0.0, 0.0), 1.0, start=True)
-    tick = TickRecord(
-        Telemetry(core, Explainer(core)), 1, FilterStatus[decision.status.name], decision, 0, 1.0, (), 0, 0, 7
-    )()
+    status, request = (
+        FilterStatus[decision.status.name],
+        OperatorRequest(u_h, (0.0, 0.0), 30, CommandState.RESUMES, 0.25),
+    )
+    tick = TickRecord(Telemetry(core, Explainer(core)), 1, status, decision, 0, 1.0, (), 20, request, 7)()
     assert decode(TICK, encode(HEADER, tick))[1] == tick
-    assert tick.horizon_ns == 7
+    assert (tick.state_age_ns, tick.command_age_ns, tick.horizon_ns) == (20, 30, 7)
+    assert (tick.command_state, tick.command_share) == ("resumes", 0.25)
     return tick
 
 

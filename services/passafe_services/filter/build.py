@@ -3,19 +3,25 @@
 from dataclasses import dataclass
 from typing import Self
 
+from passafe_protocol.messages import VIRTUAL_CLOCK
 from passafe_protocol.validation import MAX_VECTOR
 
 from passafe.filter import SafetyPassivityFilter
 from passafe.human_input import HandModel, HumanInputEstimator
 from passafe.models.robot import Robot
 from passafe.override import Explainer
+from passafe_services.filter.command_events import CommandEventEmitter
+from passafe_services.filter.dead_man import DeadManFade
 from passafe_services.filter.decision_loop import DecisionLoop
 from passafe_services.filter.input_sequencer import InputSequencer
+from passafe_services.filter.newest_command import NewestCommand
 from passafe_services.filter.node import FilterNode
 from passafe_services.filter.operator_request import EstimatedRequest, PassThroughRequest
 from passafe_services.filter.override_text import OverrideText
 from passafe_services.filter.playout_schedule import PlayoutSchedule
 from passafe_services.filter.predictor import Predictor
+from passafe_services.filter.resume_ramp import ResumeRamp
+from passafe_services.filter.send_time import SendTime
 from passafe_services.filter.unpredicted_node import UnpredictedFilterNode
 from passafe_services.filter.unpredicted_state import UnpredictedState
 from passafe_services.plant_contract.plant_model import PlantModel
@@ -59,6 +65,8 @@ def filter_node(
     epoch: int,
     model: PlantModel | None = None,
     compiled: CompiledFilter | None = None,
+    *,
+    clock_id: int = VIRTUAL_CLOCK,
 ) -> FilterNode | UnpredictedFilterNode:
     """Return the filter node of a scenario, with or without prediction.
 
@@ -68,6 +76,7 @@ def filter_node(
         epoch: Session of the filter, the epoch of its messages.
         model: Compiled model of its plant, if there is one already.
         compiled: Compiled filter, if there is one already.
+        clock_id: Which monotonic clock the filter's loop reads.
     """
     model = PlantModel.of(scenario) if model is None else model
     compiled = CompiledFilter.of(scenario, model.robot) if compiled is None else compiled
@@ -75,7 +84,11 @@ def filter_node(
         compiled.core,
         period_ns=model.period_ns,
         schedule=PlayoutSchedule(period_ns=model.period_ns, playout_ns=model.playout_ns, epoch=epoch),
-        request=request_of(scenario, model.robot.system.m),
+        request=request_of(scenario, model.robot.system.m, clock_id),
+        command_events=CommandEventEmitter(
+            round(scenario.operator.stale_s * 1e9), round(scenario.operator.resume_s * 1e9)
+        ),
+        clock_id=clock_id,
         state_stale_ns=round(scenario.filter.stale_s * 1e9),
         starts_nearest=scenario.filter.start == "nearest",
         explainer=compiled.explainer,
@@ -93,15 +106,24 @@ def filter_node(
     )
 
 
-def request_of(scenario: Scenario, inputs: int) -> PassThroughRequest:
+def request_of(scenario: Scenario, inputs: int, clock_id: int) -> PassThroughRequest:
     """Return the request model of a scenario: pass-through or estimated.
+
+    Args:
+        scenario: The scenario.
+        inputs: m.
+        clock_id: Which monotonic clock the filter's loop reads.
 
     Raises:
         DesignError: The agility is out of proportion to the resolution.
     """
-    stale_ns, fade_ns = round(scenario.operator.stale_s * 1e9), round(scenario.operator.fade_s * 1e9)
-    config = scenario.operator.estimator
+    operator = scenario.operator
+    fade_ns = round(operator.fade_s * 1e9)
+    newest = NewestCommand(SendTime(clock_id), round(operator.stale_s * 1e9))
+    fade = DeadManFade(inputs, fade_ns)
+    ramp = ResumeRamp(DeadManFade(inputs, fade_ns), round(operator.resume_s * 1e9))
+    config = operator.estimator
     if not isinstance(config, WhiteAccelerationEstimator):
-        return PassThroughRequest(inputs, stale_ns, fade_ns)
+        return PassThroughRequest(inputs, newest, fade, ramp)
     model = HandModel(**config.model_dump(exclude={"kind"}))
-    return EstimatedRequest(inputs, stale_ns, fade_ns, HumanInputEstimator(model, inputs))
+    return EstimatedRequest(inputs, newest, fade, ramp, HumanInputEstimator(model, inputs))

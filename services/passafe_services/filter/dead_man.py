@@ -27,10 +27,15 @@ class DeadManFade:
         self.released_ns = 0
         self.last_u_h = self._zero
 
+    def left(self, elapsed_ns: int) -> float:
+        """Return 1 − t/T, the share of the last request that is left at a time after the release, ns."""
+        left_ns = self._fade_ns - max(elapsed_ns, 0)
+        return left_ns / self._fade_ns if left_ns > 0 else 0.0
+
     def at(self, elapsed_ns: int) -> tuple[Vector, Vector]:
         """Return u_h and its rate, units of u and per second, at a time after the release, ns."""
-        left_ns = self._fade_ns - max(elapsed_ns, 0)
-        if left_ns <= 0:
+        share = self.left(elapsed_ns)
+        if share == 0.0:
             return self._zero, self._zero
-        share, rate = left_ns / self._fade_ns, -1e9 / self._fade_ns
+        rate = -1e9 / self._fade_ns
         return tuple([share * value for value in self.last_u_h]), tuple([rate * value for value in self.last_u_h])

@@ -1,12 +1,11 @@
 """Step of a filter node, with or without prediction: receive, decide for every due period, report."""
 
 from collections.abc import Sequence
-from typing import Final, Protocol
+from typing import Final
 
 from passafe_protocol.messages import (
     FilterStatus,
     OperatorCommand,
-    PlantInput,
     PlantPhase,
     PlantState,
     Received,
@@ -16,12 +15,14 @@ from passafe_protocol.topics import EVENT, INPUT, SCENARIO, TICK
 
 from passafe.filter import SafetyPassivityFilter
 from passafe.override import Explainer
+from passafe_services.filter.command_events import CommandEventEmitter
 from passafe_services.filter.event_emitter import OverrideEventEmitter, StatusEventEmitter
+from passafe_services.filter.input_path import InputPath
 from passafe_services.filter.newest_state import NewestState
-from passafe_services.filter.operator_request import PassThroughRequest, Request
+from passafe_services.filter.operator_request import OperatorRequest, PassThroughRequest
 from passafe_services.filter.override_text import OverrideText
 from passafe_services.filter.playout_schedule import PlayoutSchedule
-from passafe_services.filter.predictor import Predicted
+from passafe_services.filter.send_time import SendTime
 from passafe_services.filter.telemetry import STATUS, Telemetry, TickRecord
 from passafe_services.node import Outgoing
 
@@ -35,41 +36,6 @@ MOST_UNREPORTED: Final = 256
 """Largest number of messages listed in the first tick: 3000 take 8 ms, which delays the input."""
 
 
-class InputPath(Protocol):
-    """Part of a filter node from a plant state to the message of an input, with or without prediction."""
-
-    @property
-    def horizon_ns(self) -> int:
-        """Plant time of the last prediction minus that of the newest plant state, ns."""
-        ...
-
-    def restart(self) -> None:
-        """Discard all state: the plant was restarted."""
-        ...
-
-    def confirm(self, state: PlantState) -> None:
-        """Receive the newest plant state."""
-        ...
-
-    def next_input(self, state: PlantState, target_ns: int) -> tuple[int, bool]:
-        """Return the plant time of the next input, and whether a new sequence begins with it.
-
-        Args:
-            state: The newest plant state.
-            target_ns: Plant time of the input that the schedule asks for. If the next input lies beyond it, none is
-                due in this step.
-        """
-        ...
-
-    def predict(self, effective_ns: int) -> Predicted:
-        """Return the plant at the effective time of an input."""
-        ...
-
-    def message(self, tick: int, u: tuple[float, ...], effective_ns: int) -> PlantInput:
-        """Return the message of the input decided for the last prediction."""
-        ...
-
-
 class DecisionLoop:
     """Executes the steps of a filter node: reads its inbox, decides and certifies, and reports."""
 
@@ -80,6 +46,8 @@ class DecisionLoop:
         period_ns: int,
         schedule: PlayoutSchedule,
         request: PassThroughRequest,
+        command_events: CommandEventEmitter,
+        clock_id: int,
         state_stale_ns: int,
         starts_nearest: bool,
         explainer: Explainer,
@@ -92,8 +60,10 @@ class DecisionLoop:
             core: The filter.
             period_ns: Period of a step, ns.
             schedule: Assigns a plant time to every step.
-            request: Request of the operator, from its commands.
-            state_stale_ns: Age of the newest state above which nothing is sent, ns.
+            request: OperatorRequest of the operator, from its commands.
+            command_events: Says when commands are too old to count.
+            clock_id: Which monotonic clock the loop reads.
+            state_stale_ns: Time without a newer state after which nothing is sent, ns.
             starts_nearest: Whether the very first input is the nearest to û, rather than one step from u = 0.
             explainer: Computes overrides and their causes.
             override_text: Describes an override in a sentence.
@@ -106,12 +76,13 @@ class DecisionLoop:
         self._status_events = StatusEventEmitter()
         self._override_events = OverrideEventEmitter(explainer, override_text, max(core.design.limits.magnitude))
         self._request = request
+        self._command_events = command_events
         self._period_ns = period_ns
         self._state_stale_ns = state_stale_ns
         self._starts_nearest = self._starts = starts_nearest
         self._info: ScenarioInfo | None = info
         self._tick = 0
-        self._newest = NewestState(system.n, system.m)
+        self._newest = NewestState(system.n, system.m, SendTime(clock_id))
         self._last: TickRecord | None = None
         self._unreported: list[Received] = []
 
@@ -129,7 +100,7 @@ class DecisionLoop:
         self._read(inbox, path)
         outgoing = self._scenario_info()
         state, state_age_ns = self._newest.state, self._newest.age_ns(now_ns)
-        is_blind = state is None or state_age_ns > self._state_stale_ns
+        is_blind = state is None or self._newest.silence_ns(now_ns) > self._state_stale_ns
         effective = () if state is None or is_blind else self._due(now_ns, state, path)
         if self._last is None:
             self._unreported += inbox
@@ -138,6 +109,9 @@ class DecisionLoop:
                 return outgoing if state is None else [*outgoing, *self._status_event(now_ns, _STALE)]
             inbox, self._unreported = self._unreported, []
         request = self._request.at(now_ns)
+        event = self._command_events.event(now_ns, request)
+        if event is not None:
+            outgoing.append((EVENT, event))
         for effective_ns in effective:
             self._last = self._decide(effective_ns, request, inbox, state_age_ns, path, outgoing)
             inbox = ()
@@ -150,7 +124,7 @@ class DecisionLoop:
         status = _STALE if is_blind else last.status
         outgoing += self._status_event(now_ns, status)
         if not effective:  # the last decision remains in force
-            self._last = last = last.for_step(status, inbox, state_age_ns, request[2])
+            self._last = last = last.for_step(status, inbox, state_age_ns, request)
             outgoing.append((TICK, last))
         return outgoing
 
@@ -199,23 +173,22 @@ class DecisionLoop:
     def _decide(
         self,
         effective_ns: int,
-        request: Request,
+        request: OperatorRequest,
         inbox: Sequence[Received],
         state_age_ns: int,
         path: InputPath,
         outgoing: list[Outgoing],
     ) -> TickRecord:
-        u_h, u_h_rate, command_age_ns, operator_is_stale = request
         predicted = path.predict(effective_ns)
         tank_j = predicted.tank_j
         starts = self._starts and predicted.phase is _WAITING  # a moving plant has an input in force
         decision = self._core.decide(
-            predicted.sample.x, predicted.u, u_h, u_h_rate, tank_j, effective_ns * 1e-9, start=starts
+            predicted.sample.x, predicted.u, request.u_h, request.u_h_rate, tank_j, effective_ns * 1e-9, start=starts
         )
         self._starts = False
         self._tick += 1
         outgoing.append((INPUT, path.message(self._tick, decision.u, effective_ns)))
-        stale = operator_is_stale and not decision.status.is_fallback
+        stale = request.is_stale and not decision.status.is_fallback
         return TickRecord(
             self._telemetry,
             self._tick,
@@ -225,7 +198,7 @@ class DecisionLoop:
             tank_j,
             inbox,
             state_age_ns,
-            command_age_ns,
+            request,
             path.horizon_ns,
         )
 

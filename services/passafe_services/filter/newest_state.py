@@ -2,6 +2,8 @@
 
 from passafe_protocol.messages import PlantState, Received
 
+from passafe_services.filter.send_time import SendTime
+
 
 class NewestState:
     """Keeps the newest state of the newest plant session; older and duplicate ones are ignored.
@@ -11,14 +13,16 @@ class NewestState:
         epoch: Session of the plant; 0 before the first state.
     """
 
-    def __init__(self, n: int, m: int) -> None:
+    def __init__(self, n: int, m: int, send_time: SendTime) -> None:
         """Start before the first state.
 
         Args:
             n: Length of x.
             m: Length of u and y.
+            send_time: Estimates when states were sent.
         """
         self._n, self._m = n, m
+        self._send_time = send_time
         self.restart(0)
 
     def restart(self, epoch: int) -> None:
@@ -29,7 +33,8 @@ class NewestState:
         """
         self.state: PlantState | None = None
         self.epoch = epoch
-        self._received_ns = 0
+        self._send_time.restart()
+        self._sent_ns = self._received_ns = 0
         self._sequence = -1
 
     def receive(self, received: Received, state: PlantState) -> bool:
@@ -52,13 +57,22 @@ class NewestState:
             or (newest is not None and state.plant_ns < newest.plant_ns)
         ):
             return False
-        self.state, self._received_ns, self._sequence = state, received.received_ns, header.sequence
+        self.state, self._sequence = state, header.sequence
+        self._sent_ns, self._received_ns = self._send_time.of(received), received.received_ns
         return True
 
     def age_ns(self, now_ns: int) -> int:
-        """Return the age of the newest state since its arrival, ns.
+        """Return the age of the newest state since it was sent, ns.
 
         Args:
             now_ns: Monotonic time, ns.
         """
-        return now_ns - self._received_ns if now_ns > self._received_ns else 0
+        return max(now_ns - self._sent_ns, 0)
+
+    def silence_ns(self, now_ns: int) -> int:
+        """Return the time since the newest state arrived, ns: the prediction covers its time on the way, but not this.
+
+        Args:
+            now_ns: Monotonic time, ns.
+        """
+        return max(now_ns - self._received_ns, 0)

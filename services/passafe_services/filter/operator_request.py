@@ -1,45 +1,71 @@
-"""Operator's request at a tick, from the newest command or an estimate between commands, with the dead-man fade."""
+"""Operator's request at a tick, from the newest command or an estimate between commands, with fade and ramp."""
 
 from math import isfinite
+from typing import Final, NamedTuple
 
-from passafe_protocol.messages import OperatorCommand, Received, Vector
+from passafe_protocol.messages import CommandState, OperatorCommand, Received, Vector
 
 from passafe.human_input import HumanInputEstimator
 from passafe_services.filter.dead_man import DeadManFade
+from passafe_services.filter.newest_command import NewestCommand, Reception
+from passafe_services.filter.resume_ramp import ResumeRamp
 from passafe_services.filter.sender_clock import SenderClock
 
-Request = tuple[Vector, Vector, int, bool]
-"""u_h, its rate, the age of the newest command in ns (−1 without one) and whether it is stale."""
+_STALE: Final = frozenset({CommandState.NONE, CommandState.SILENT, CommandState.DELAYED})
+
+
+class OperatorRequest(NamedTuple):
+    """The operator's request at a tick.
+
+    Attributes:
+        u_h: m numbers, units of u.
+        u_h_rate: Its rate, m numbers, units of u per second.
+        age_ns: Age of the newest command since it was sent, ns; −1 before the first.
+        state: Whether the command counts, and otherwise why not.
+        share: Share of the command in ``u_h``: 1 in full, 0 if it does not count, between while it ramps in.
+    """
+
+    u_h: Vector
+    u_h_rate: Vector
+    age_ns: int
+    state: CommandState
+    share: float
+
+    @property
+    def is_stale(self) -> bool:
+        """True if there is no command that is new enough."""
+        return self.state in _STALE
 
 
 class PassThroughRequest:
     """Passes u_h and rate of the newest command through; a missing rate is zero.
 
     Once the newest command is stale or the dead-man switch is released, the last request fades to zero
-    (``DeadManFade``). A command with the wrong shape or a number that is not finite is ignored.
+    (``DeadManFade``). After a stale stretch commands ramp in (``ResumeRamp``). A command with the wrong shape or a
+    number that is not finite is ignored.
     """
 
-    def __init__(self, inputs: int, stale_ns: int, fade_ns: int) -> None:
+    def __init__(self, inputs: int, newest: NewestCommand, fade: DeadManFade, ramp: ResumeRamp) -> None:
         """Start with nothing received.
 
         Args:
             inputs: m.
-            stale_ns: Age above which a command is stale, ns.
-            fade_ns: Time in which the request fades to zero, ns.
+            newest: Decides which commands count.
+            fade: Fade of the request when none does.
+            ramp: Ramp of the request when they do again.
         """
         self._m = inputs
-        self._rate_lengths = (0, inputs)
-        self._stale_ns = stale_ns
-        self._dead_man = DeadManFade(inputs, fade_ns)
         self._zero: Vector = (0.0,) * inputs
+        self._newest = newest
+        self._dead_man = fade
+        self._ramp = ramp
         self.restart()
 
     def restart(self) -> None:
         """Discard all commands."""
+        self._newest.restart()
         self._dead_man.restart()
-        self._command: OperatorCommand | None = None
-        self._order = (-1, -1)
-        self._received_ns = 0
+        self._ramp.restart()
 
     def receive(self, received: Received, command: OperatorCommand) -> None:
         """Receive a command; one older than the newest is ignored.
@@ -49,62 +75,77 @@ class PassThroughRequest:
             command: Its body.
         """
         header = received.header
-        order = (header.epoch, header.sequence)
-        if order > self._order and self._is_valid(command):
-            self._replace(received, command, order)
+        if (header.epoch, header.sequence) > self._newest.order and self._is_valid(command):
+            self._replace(received, command)
 
-    def at(self, now_ns: int) -> Request:
+    def at(self, now_ns: int) -> OperatorRequest:
         """Return the request at a tick.
 
         Args:
             now_ns: Time at which the tick is due, monotonic, ns.
         """
-        command = self._command
+        newest = self._newest
+        age_ns, state, command = newest.age_ns(now_ns), newest.state(now_ns), newest.body
         if command is None:
-            return self._zero, self._zero, -1, True
-        age_ns = now_ns - self._received_ns if now_ns > self._received_ns else 0
-        if age_ns > self._stale_ns or not command.enabled:
-            released_ns = self._received_ns + self._stale_ns if command.enabled else self._dead_man.released_ns
-            return *self._dead_man.at(now_ns - released_ns), age_ns, age_ns > self._stale_ns
-        self._dead_man.last_u_h = command.u_h
-        return command.u_h, command.u_h_rate or self._zero, age_ns, False
+            return OperatorRequest(self._zero, self._zero, age_ns, state, 0.0)
+        if state is not CommandState.COUNTS:
+            released_ns = newest.expires_ns if command.enabled else self._dead_man.released_ns
+            return OperatorRequest(*self._dead_man.at(now_ns - released_ns), age_ns, state, 0.0)
+        u_h, u_h_rate = self._requested(now_ns, command)
+        share = self._ramp.share(now_ns)
+        if share < 1.0:
+            u_h, u_h_rate = self._ramp.blend(share, now_ns, u_h, u_h_rate)
+            state = CommandState.RESUMES
+        self._dead_man.last_u_h = u_h
+        return OperatorRequest(u_h, u_h_rate, age_ns, state, share)
 
-    def _replace(self, received: Received, command: OperatorCommand, order: tuple[int, int]) -> None:
-        """Replace the newest command."""
-        before = self._command
-        if not command.enabled and (before is None or before.enabled):
-            released_ns = received.received_ns
-            if before is not None:  # the previous command may have become stale before the release
-                released_ns = min(released_ns, self._received_ns + self._stale_ns)
+    def _requested(self, now_ns: int, command: OperatorCommand) -> tuple[Vector, Vector]:
+        """Return what the operator requests while the command counts: u_h and its rate."""
+        del now_ns
+        return command.u_h, command.u_h_rate or self._zero
+
+    def _replace(self, received: Received, command: OperatorCommand) -> Reception:
+        """Replace the newest command; return whether it counts."""
+        before, released_ns = self._newest.body, received.received_ns
+        if before is not None:  # it may have become stale before
+            released_ns = min(released_ns, self._newest.expires_ns)
+        reception = self._newest.receive(received, command)
+        resumes = reception is Reception.RESUMES
+        if (resumes or not command.enabled) and (before is None or before.enabled):  # else the fade is under way
             self._dead_man.released_ns = released_ns
-        self._command, self._order, self._received_ns = command, order, received.received_ns
+        if resumes:
+            self._ramp.begin(received.received_ns, self._dead_man, anew=before is None)
+        return reception
 
     def _is_valid(self, command: OperatorCommand) -> bool:
         """Check that a command has the filter's shape and only finite numbers."""
         u_h, rate = command.u_h, command.u_h_rate
-        return len(u_h) == self._m and len(rate) in self._rate_lengths and isfinite(sum(u_h + rate))
+        return len(u_h) == self._m and len(rate) in {0, self._m} and isfinite(sum(u_h + rate))
 
 
 class EstimatedRequest(PassThroughRequest):
     """Estimates u_h and its rate at the tick from the u_h of the commands; rates of the device are not used.
 
-    A reordered command still counts as a sample. The estimator restarts after a release of the dead-man switch, after
-    silence of ``stale_ns``, with a new session, and when the sender's clock does not advance. All of this depends on
-    the messages alone, not on the ticks in between, so replay is exact.
+    A reordered command still counts as a sample unless it is stale. The estimator restarts after a release of the
+    dead-man switch, after a stale stretch, with a new session, and when the sender's clock does not advance. All of
+    this depends on the messages alone, not on the ticks in between, so replay is exact.
     """
 
-    def __init__(self, inputs: int, stale_ns: int, fade_ns: int, estimator: HumanInputEstimator) -> None:
+    def __init__(
+        self, inputs: int, newest: NewestCommand, fade: DeadManFade, ramp: ResumeRamp, estimator: HumanInputEstimator
+    ) -> None:
         """Start with nothing received.
 
         Args:
             inputs: m.
-            stale_ns: Age above which a command is stale, ns.
-            fade_ns: Time in which the request fades to zero, ns.
+            newest: Decides which commands count.
+            fade: Fade of the request when none does.
+            ramp: Ramp of the request when they do again.
             estimator: Estimator of m axes.
         """
         self._estimator = estimator
         self._clock = SenderClock()
-        super().__init__(inputs, stale_ns, fade_ns)
+        super().__init__(inputs, newest, fade, ramp)
 
     def restart(self) -> None:
         """See ``PassThroughRequest``."""
@@ -120,39 +161,27 @@ class EstimatedRequest(PassThroughRequest):
         """
         if not self._is_valid(command):
             return
-        header = received.header
+        header, before = received.header, self._newest.order
         order = (header.epoch, header.sequence)
-        if order > self._order:
+        if order > before:
+            reception = self._replace(received, command)
+            if reception is Reception.LATE and command.enabled:
+                return
             if (
-                header.epoch != self._order[0]
+                header.epoch != before[0]
                 or not command.enabled
-                or received.received_ns - self._received_ns > self._stale_ns
+                or reception is Reception.RESUMES
                 or not self._clock.advances(header.scheduled_ns)
             ):
                 self._reset_estimator(order)
-            self._replace(received, command, order)
         elif order <= self._since:
             return
-        if not command.enabled:
-            return
-        delay_ns = self._clock.update(header.scheduled_ns, received.received_ns)
-        if order == self._order and delay_ns > self._stale_ns:  # a clock jump: no link delays the newest so long
-            self._reset_estimator(order)
-            self._clock.update(header.scheduled_ns, received.received_ns)
-        self._estimator.add(self._clock.sent_s(header.scheduled_ns), command.u_h)
+        if command.enabled and self._newest.is_recent(self._clock.update(header.scheduled_ns, received.received_ns)):
+            self._estimator.add(self._clock.sent_s(header.scheduled_ns), command.u_h)
 
-    def at(self, now_ns: int) -> Request:
-        """Return the estimate at a tick; the last one fades as in ``PassThroughRequest``.
-
-        Args:
-            now_ns: Time at which the tick is due, monotonic, ns.
-        """
-        _, _, age_ns, stale = request = super().at(now_ns)
-        if stale or self._command is None or not self._command.enabled:
-            return request
-        u_h, u_h_rate = self._estimator.at(self._clock.now_s(now_ns))
-        self._dead_man.last_u_h = u_h
-        return u_h, u_h_rate, age_ns, False
+    def _requested(self, now_ns: int, command: OperatorCommand) -> tuple[Vector, Vector]:
+        del command
+        return self._estimator.at(self._clock.now_s(now_ns))
 
     def _reset_estimator(self, order: tuple[int, int]) -> None:
         """Discard all samples; commands before ``order`` are ignored from now on."""

@@ -23,6 +23,7 @@ from passafe.design import FilterDesign
 from passafe.filter import SafetyPassivityFilter
 from passafe.infeasibility import DistanceToInfeasibility
 from passafe.override import Explainer
+from passafe_services.filter.operator_request import OperatorRequest
 
 _BY_VALUE: Final = {status.value: FilterStatus[status.name] for status in Status}
 
@@ -42,7 +43,7 @@ class TickRecord(Struct, frozen=True, eq=False):
         tank_j: Predicted energy in the tank at that time, J.
         inbox: Messages that the step consumed.
         state_age_ns: Age of the newest state, ns; −1 before the first one.
-        command_age_ns: Age of the newest command, ns; −1 before the first one.
+        request: The operator's request.
         horizon_ns: Prediction horizon, ns.
     """
 
@@ -54,14 +55,14 @@ class TickRecord(Struct, frozen=True, eq=False):
     tank_j: float
     inbox: Sequence[Received]
     state_age_ns: int
-    command_age_ns: int
+    request: OperatorRequest
     horizon_ns: int
 
     def for_step(
-        self, status: FilterStatus, inbox: Sequence[Received], state_age_ns: int, command_age_ns: int
+        self, status: FilterStatus, inbox: Sequence[Received], state_age_ns: int, request: OperatorRequest
     ) -> "TickRecord":
         """Return the record of a step without a new decision."""
-        return replace(self, status=status, inbox=inbox, state_age_ns=state_age_ns, command_age_ns=command_age_ns)
+        return replace(self, status=status, inbox=inbox, state_age_ns=state_age_ns, request=request)
 
     def __call__(self) -> FilterTick:
         """Return the message."""
@@ -138,7 +139,7 @@ class Telemetry:
                 for r in record.inbox
             ),
             state_age_ns=record.state_age_ns,
-            command_age_ns=record.command_age_ns,
+            command_age_ns=record.request.age_ns,
             override=OverrideReport(
                 tuple(override.held_back.tolist()),
                 override.allowed_fraction,
@@ -146,4 +147,6 @@ class Telemetry:
                 self._distance.of(decision).lower,
             ),
             horizon_ns=record.horizon_ns,
+            command_state=record.request.state.value,
+            command_share=record.request.share,
         )

@@ -83,14 +83,17 @@ class OperatorConfig(Config):
 
     Attributes:
         source: Script, device, simulated person or adversary.
-        stale_s: Age above which a command is stale at the filter, s.
+        stale_s: Age above which a command counts no more at the filter, s; the time on the way is part of it.
         fade_s: Time in which the request then fades to zero, s; also after a release of the dead-man switch.
+        resume_s: Time in which the request ramps in when commands count again after it faded to zero, s; less if it
+            had faded less.
         estimator: Derivation of u_h and its rate from the commands.
     """
 
     source: SourceConfig
     stale_s: Positive = 0.2
     fade_s: Annotated[float, Field(ge=0, le=5)] = 0.1
+    resume_s: Annotated[float, Field(ge=0.01, le=10)] = 0.5
     estimator: Estimator = AsSentEstimator()
 
 
@@ -148,7 +151,7 @@ class FilterConfig(Config):
         feedback: u_fb.
         passivity: The passivity row.
         barriers: The safe set, one entry per barrier.
-        stale_s: Age of the newest plant state from which the filter sends nothing, s.
+        stale_s: Time without a newer plant state after which the filter sends nothing, s.
         prediction: Whether the filter decides for the state at which its input will take effect; without it, for the
             newest state received, however old.
         repeats: Earlier inputs that each message repeats, as far as 64 numbers hold them.

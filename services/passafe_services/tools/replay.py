@@ -46,8 +46,9 @@ def replay_filter(log: RunLog) -> Replay:
     ticks = identical = missing = 0
     first_difference = ""
     for epoch, found in groupby(log.of(FilterTick), key=lambda logged: logged.header.epoch):
-        node = filter_node(log.identity.scenario, log.identity.driver, epoch)
         session = list(found)
+        clock_id = session[0].header.clock_id
+        node = filter_node(log.identity.scenario, log.identity.driver, epoch, clock_id=clock_id)
         expected, last = 0, session[-1]
         # A step with several inputs has a tick for each.
         for due_ns, step in groupby(session, key=lambda logged: logged.header.scheduled_ns):

@@ -172,7 +172,7 @@ class RunTrace:
             record.status,
             record.effective_plant_ns,
             record.state_age_ns,
-            record.command_age_ns,
+            record.request.age_ns,
             decision.status,
             assessment.primal,
             assessment.dual,
