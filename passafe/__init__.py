@@ -23,6 +23,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:  # imported under their own names: exported, for type checkers
+    from passafe.admissible_shapes import HalfSpace as HalfSpace
+    from passafe.admissible_shapes import NormBound as NormBound
     from passafe.barrier_chain import Barrier as Barrier
     from passafe.barrier_chain import BarrierChain as BarrierChain
     from passafe.barrier_chain import derive_chain as derive_chain
@@ -72,6 +74,7 @@ if TYPE_CHECKING:  # imported under their own names: exported, for type checkers
     from passafe.tank import Tank as Tank
 
 _NAMES_OF: Final = {
+    "passafe.admissible_shapes": ("HalfSpace", "NormBound"),
     "passafe.barrier_chain": ("Barrier", "BarrierChain", "derive_chain"),
     "passafe.barriers": (
         "box",

@@ -88,10 +88,10 @@ class Program(ReferenceInput[T], frozen=True, eq=False, gc=False):
 
 
 class NormTangents(Stage[T], frozen=True, eq=False, gc=False):
-    """Linear rows in the place of the limit of the norm.
+    """Linear rows in the place of the limits of the norms.
 
     Attributes:
-        cuts: Directions of unit length, one a row, shape (tangents, m); none without that limit.
+        cuts: Directions of unit length, one a row, shape (tangents, m); none without such limits.
     """
 
     cuts: Matrix[T]
@@ -104,12 +104,14 @@ class Answer(Stage[T], frozen=True, eq=False, gc=False):
         z: u⁺ − u_ref and, with a soft row, its slack times √ρ, k.
         lam: Multipliers λ of all rows, N.
         relax: Relaxation of hard rows that conflict, H.
+        limit_weights: Weights of half-spaces and tangents beside ``relax`` in the proof of the conflict.
         conflict: 1; positive where ``relax`` proves that the hard rows cannot be kept within the limits.
     """
 
     z: T
     lam: T
     relax: T
+    limit_weights: T
     conflict: T
 
 
@@ -137,7 +139,7 @@ class Assessment(Residuals[T], frozen=True, eq=False, gc=False):
     Residuals come first.
 
     Attributes:
-        norm_overreach: Length beyond the one asked for; 0 without a limit of the norm.
+        norm_overreach: Length beyond the one asked for, of a norm or across a half-space; 0 without such limits.
         slack: δ of the passivity row, W; 0 where there is none.
         shortfall: Distance by which u⁺ violates a barrier's row with its margin; ≤ 0 if it keeps all.
         outside_trust_region: Distance of u⁺ from the trust region; ≤ 0 inside.

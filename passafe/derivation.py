@@ -61,10 +61,11 @@ class Derivation:
 
         posed, tangents = symbols_like(program), NormTangents(ca.SX.sym("cuts", rows.tangents, design.system.m))
         sizes = {"z": rows.columns, "lam": len(rows.names), "relax": rows.hard, "conflict": 1}
+        sizes["limit_weights"] = len(design.limits.half_spaces) + rows.tangents
         answer = Answer.of(lambda name: ca.SX.sym(name, sizes[name]))
         evaluation, assessment = evaluate(chains, barriers, request, linearization, posed, tangents, answer, root)
         about_u, blank = _about_u(design, request), zeros_like(answer)
-        first = expressions_by_name(about_u, NormTangents(first_cuts(rows.tangents, design.system.m)))
+        first = expressions_by_name(about_u, NormTangents(first_cuts(design.limits)))
         usual = _usual(program, request, linearization, about_u)
         functions = DecisionFunctions(
             linearize=named_function("linearize", request.fields(), first),
@@ -79,8 +80,8 @@ class Derivation:
             ),
             prove_conflict=named_function(
                 "prove_conflict",
-                posed.fields() | {"relax": answer.relax},
-                {"conflict": conflict(design.limits, posed, answer.relax)},
+                posed.fields() | tangents.fields() | {"relax": answer.relax, "limit_weights": answer.limit_weights},
+                {"conflict": conflict(design.limits, posed, tangents, answer)},
             ),
             fail_safe=named_function("fail_safe", {"x": design.system.x}, {"u_plus": design.fail_safe}),
         )

@@ -1,6 +1,6 @@
 """The design of a filter: plant, feedback, barriers, passivity, law and mode."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from math import inf
@@ -8,12 +8,14 @@ from typing import TypeVar
 
 import casadi as ca
 
+from passafe.admissible_shapes import HalfSpace, NormBound
 from passafe.arguments import described, one_number
 from passafe.barrier_chain import Barrier
 from passafe.certificate import Tolerance
 from passafe.errors import DesignError
 from passafe.expressions import as_column
 from passafe.jumps import require_no_jumps
+from passafe.limit_arguments import PerAxis
 from passafe.limits import Limits
 from passafe.passivity import Passivity
 from passafe.ranges import require_positive
@@ -69,6 +71,13 @@ class FilterDesign:
         input_bound: Largest magnitude of u: one number for every axis, or one for each.
         input_norm_bound: Largest ‖u‖, if that is limited too.
         input_rate_bound_per_s: Largest rate of change of u: one number for every axis, or one for each.
+        input_low: Least u, in the place of −``input_bound``: one number for every axis, or one for each. Zero need not
+            be within the limits.
+        input_high: Largest u, in the place of ``input_bound``, which may be left out where both are given.
+        input_norms: Limits of the norm over some axes each.
+        input_half_spaces: Limits of weighted sums of the axes; several make a polytope.
+        input_rate_low_per_s: Least rate of change of u, negative, in the place of −``input_rate_bound_per_s``.
+        input_rate_high_per_s: Largest one, positive, likewise; a side that nothing limits has no limit.
         law: Kind of rows; the member or its value.
         mode: Properties that are enforced; the member or its value.
         between_samples: Whether the sampled law's rows have the margin that keeps barriers between samples too.
@@ -84,9 +93,15 @@ class FilterDesign:
     passivity: Passivity
     k_i: float
     dt_s: float
-    input_bound: float | tuple[float, ...]
+    input_bound: PerAxis | None = None
     input_norm_bound: float | None = None
-    input_rate_bound_per_s: float | tuple[float, ...] | None = None
+    input_rate_bound_per_s: PerAxis | None = None
+    input_low: PerAxis | None = None
+    input_high: PerAxis | None = None
+    input_norms: Sequence[NormBound] = ()
+    input_half_spaces: Sequence[HalfSpace] = ()
+    input_rate_low_per_s: PerAxis | None = None
+    input_rate_high_per_s: PerAxis | None = None
     law: Law = Law.SAMPLED
     mode: Mode = Mode.BOTH
     between_samples: bool = True
@@ -142,8 +157,19 @@ class FilterDesign:
 
     @property
     def limits(self) -> Limits:
-        """Limits of the actuators that the three bounds amount to."""
-        return Limits.of(self.system.m, self.input_bound, self.input_norm_bound, self.input_rate_bound_per_s)
+        """Limits of the actuators that all bounds amount to."""
+        return Limits.of(
+            self.system.m,
+            self.input_bound,
+            self.input_norm_bound,
+            self.input_rate_bound_per_s,
+            low=self.input_low,
+            high=self.input_high,
+            norms=self.input_norms,
+            half_spaces=self.input_half_spaces,
+            rate_low_per_s=self.input_rate_low_per_s,
+            rate_high_per_s=self.input_rate_high_per_s,
+        )
 
     @property
     def held_s(self) -> float:

@@ -27,7 +27,7 @@ from passafe.design import FilterDesign
 from passafe.quadratic_program import BY_INSPECTION, QuadraticProgram
 from passafe.solvers.solver import SOLVED
 from passafe.symbolic.trust_region import LEAST_TRUST
-from passafe.symbolic.whole_program import NORM_TOLERANCE, norm_asked
+from passafe.symbolic.whole_program import shape_tolerance
 from passafe.workspace import BlockLayout
 
 ATTEMPTS: Final = 14
@@ -76,11 +76,11 @@ class SafetyPassivityFilter:
         self._functions: DecisionFunctions[Callable[[], None]] = DecisionFunctions.of(
             lambda name: block.space.bind(getattr(derivation.functions, name))
         )
-        self._program = QuadraticProgram(block, derivation.rows, norm_asked(design.limits))
+        self._program = QuadraticProgram(block, derivation.rows, design.limits)
         self._tolerance = design.tolerance
         self._relaxed_above = design.passivity.relaxed_above
         self._sizes = (design.system.n, *(design.system.m,) * 3)
-        self._norm_tolerance = NORM_TOLERANCE * (design.limits.norm or 0.0)
+        self._norm_tolerance = shape_tolerance(design.limits)
 
     @property
     def row_names(self) -> tuple[str, ...]:

@@ -23,18 +23,22 @@ import daqp
 import numpy as np
 from msgspec import Struct
 
+from passafe.admissible_shapes import NormBound
 from passafe.decision import Decision
-from passafe.limits import Limits
+from passafe.limits import ROUNDING, Limits
 from passafe.workspace import Array
 
 ETA: Final = 1e-8
 """η: price of being away from c, lengths measured in the reach of the limits."""
 
 ATTEMPTS: Final = 8
-"""Proximal steps, beside those that a limit of the norm takes."""
+"""Proximal steps, at most; each puts two tangents of every norm."""
 
 CLOSED: Final = 1e-8
 """Gap between the bounds, relative to the reach, at which no better ones are sought."""
+
+DRAWN_IN: Final = 1e-9
+"""Distance from a half-space to which a point beyond it is drawn in, relative to the reach."""
 
 _FAR: Final = 1e30
 _SOLVED: Final = 1
@@ -61,7 +65,7 @@ class _Program(Struct, frozen=True, eq=False):
     u_ref: Array
     low: Array
     high: Array
-    norm: float
+    limits: Limits
 
     def kept(self, w: Array) -> float:
         """Return by how much w keeps the row that it keeps least."""
@@ -69,16 +73,57 @@ class _Program(Struct, frozen=True, eq=False):
 
     def admissible(self, w: Array, known: Array) -> Array:
         """Return the last admissible point on the segment from an admissible one to w."""
+        reach = self.limits.reach
+        for half_space in self.limits.half_spaces:  # on a plane already, a way that ends past it has no admissible part
+            missed = float(np.dot(half_space.weights, self.u_ref + w)) - half_space.bound
+            if missed > 0.0:
+                w = w - (missed + DRAWN_IN * reach) * np.array(half_space.weights)
         w = np.minimum(np.maximum(w, self.low), self.high)
-        if self.norm == inf:
-            return w
-        start, step = self.u_ref + known, w - known
-        a, b, c = float(step @ step), float(start @ step), max(self.norm**2 - float(start @ start), 0.0)
-        return w if a + 2 * b <= c else known + step * ((sqrt(b * b + a * c) - b) / a)
+        start, step, share = self.u_ref + known, w - known, 1.0
+        for norm in self.limits.norms:
+            from_, way = start[list(norm.axes)], step[list(norm.axes)]
+            a, b, c = float(way @ way), float(from_ @ way), max(norm.bound**2 - float(from_ @ from_), 0.0)
+            if a + 2 * b > c:
+                share = min(share, (sqrt(b * b + a * c) - b) / a)
+        for half_space in self.limits.half_spaces:
+            slope = float(np.dot(half_space.weights, step))
+            room = max(half_space.bound - float(np.dot(half_space.weights, start)), 0.0)
+            if slope > room + ROUNDING * reach:
+                share = min(share, room / slope)
+        return w if share == 1.0 else known + step * share
 
     def most(self, pull: Array) -> float:
         """Return the largest pullᵀw over the axes' limits."""
         return float(np.add.reduce(np.maximum(pull * self.low, pull * self.high)))
+
+    def most_in_balls(self, pull: Array) -> float:
+        """Return an upper bound of pullᵀw over axes and norms: each axis counts in the first norm it belongs to."""
+        over_axes = np.maximum(pull * self.low, pull * self.high)
+        most, left = 0.0, np.ones(len(pull), dtype=np.bool_)
+        for norm in self.limits.norms:
+            axes = [axis for axis in norm.axes if left[axis]]
+            left[axes] = False
+            in_ball = float(norm.bound * np.linalg.norm(pull[axes]) - pull[axes] @ self.u_ref[axes])
+            most += min(float(np.add.reduce(over_axes[axes])), in_ball)
+        return most + float(np.add.reduce(over_axes[left]))
+
+
+class _Touch(Struct, frozen=True, eq=False):
+    """Place at which a norm's limit is touched.
+
+    Attributes:
+        norm: The norm.
+        unit: Direction over its axes, of unit length.
+    """
+
+    norm: NormBound
+    unit: Array
+
+    def input(self, w: Array, u_ref: Array) -> Array:
+        """Return w with the norm's axes moved there."""
+        axes, moved = list(self.norm.axes), w.copy()
+        moved[axes] = self.norm.bound * self.unit - u_ref[axes]
+        return moved
 
 
 class DistanceToInfeasibility:
@@ -101,18 +146,20 @@ class DistanceToInfeasibility:
         """
         self.reach = limits.reach
         self.floor = -3 * self.reach  # ‖w‖ ≤ reach, and a bound is drawn in to twice that (``passafe.rows.stack``)
-        self._norm = inf if limits.norm is None else limits.norm
-        self._hard, self._m = hard, len(limits.magnitude)
-        tangents = 0 if limits.norm is None else 2 * ATTEMPTS
-        size, count = self._m + 1, self._m + 1 + hard + tangents
-        self._A, self._rows = (np.zeros((hard + tangents, size)) for _ in range(2))
+        self._limits, self._hard, self._m = limits, hard, len(limits.low)
+        self._planes = hard + len(limits.half_spaces)
+        rows = self._planes + 2 * ATTEMPTS * len(limits.norms)
+        size, count = self._m + 1, self._m + 1 + rows
+        self._A, self._rows = (np.zeros((rows, size)) for _ in range(2))
         self._rows[:hard, -1] = -1.0
+        for row, half_space in zip(self._rows[hard:], limits.half_spaces, strict=False):
+            row[:-1] = np.negative(half_space.weights)
         self._above, self._below = np.full(count, _FAR), np.full(count, -_FAR)
         self._above[self._m], self._below[self._m] = 1.0, -4.0
         self._bounds = self._below[size:]
         self._cold = np.zeros(count, dtype=np.intc)
         self._linear = np.zeros(size)
-        self._used = hard
+        self._used = self._planes
         self._model = daqp.Model()
         self._model.setup(np.eye(size), self._linear, self._A, self._above, self._below, self._cold)
 
@@ -127,7 +174,7 @@ class DistanceToInfeasibility:
             u_ref=posed.u_ref,
             low=posed.low - posed.u_ref,
             high=posed.high - posed.u_ref,
-            norm=self._norm,
+            limits=self._limits,
         )
         known = decision.part("u_plus") - posed.u_ref
         kept = program.kept(known)
@@ -160,10 +207,8 @@ class DistanceToInfeasibility:
                 break
             w, weights = answer
             pull, most = self._proof(program, weights)
-            touching: list[Array] = []
-            if program.norm < inf:  # where it binds, the best input is near the answer or where the pull ends
-                touching = [u for u in map(_unit, (program.u_ref + w, pull)) if u.any()]
-            for candidate in (w, *(program.norm * u - program.u_ref for u in touching)):
+            touching = _touching(program, w, pull)
+            for candidate in (w, *(touch.input(w, program.u_ref) for touch in touching)):
                 admissible = program.admissible(candidate, known)
                 if (kept := program.kept(admissible)) > lower:
                     known, lower = admissible, kept
@@ -178,8 +223,11 @@ class DistanceToInfeasibility:
         self._rows[: self._hard, :m] = program.G
         self._above[:m], self._below[:m] = program.high * scale, program.low * scale
         self._bounds[: self._hard] = program.d * scale
-        self._rows[self._hard :], self._bounds[self._hard :] = 0.0, -_FAR
-        self._used = self._hard
+        self._rows[self._planes :], self._bounds[self._planes :] = 0.0, -_FAR
+        for place, half_space in enumerate(program.limits.half_spaces, start=self._hard):
+            beyond = float(np.dot(half_space.weights, program.u_ref)) - half_space.bound
+            self._bounds[place] = beyond * scale
+        self._used = self._planes
         self._linear[:m], self._linear[m] = 0.0, -1 / ETA
 
     def _ask(self) -> tuple[Array, Array] | None:
@@ -201,23 +249,29 @@ class DistanceToInfeasibility:
         mu = weights / total
         pull = mu[:hard] @ program.G
         most = -float(mu[:hard] @ program.d)
-        if program.norm == inf:
+        if program.limits.has_only_axes:
             return pull, most + program.most(pull)
         rest = pull + mu[hard:used] @ self._rows[hard:used, :-1]
         past = float(mu[hard:used] @ self._bounds[hard:used]) * self.reach
-        over_the_ball = float(program.norm * np.linalg.norm(pull) - pull @ program.u_ref)
-        return pull, most + min(program.most(rest) - past, over_the_ball)
+        return pull, most + min(program.most(rest) - past, program.most_in_balls(pull))
 
-    def _refine(self, program: _Program, known: Array, lower: float, touching: list[Array]) -> None:
-        """Go on from the best input so far, with the norm's tangents where it was touched."""
+    def _refine(self, program: _Program, known: Array, lower: float, touching: list[_Touch]) -> None:
+        """Go on from the best input so far, with the norms' tangents where they were touched."""
         m, scale = self._m, 1 / self.reach
         self._linear[:m], self._linear[m] = known * -scale, -lower * scale - 1 / ETA
-        for u in touching:
-            self._rows[self._used, :m] = -u
-            self._bounds[self._used] = (float(u @ program.u_ref) - program.norm) * scale
+        for touch in touching:
+            axes = list(touch.norm.axes)
+            self._rows[self._used, axes] = -touch.unit
+            self._bounds[self._used] = (float(touch.unit @ program.u_ref[axes]) - touch.norm.bound) * scale
             self._used += 1
 
 
-def _unit(u: Array) -> Array:
-    length = sqrt(float(u @ u))
-    return u / length if length else u
+def _touching(program: _Program, w: Array, pull: Array) -> list[_Touch]:
+    """Return where norms may bind: the best input is near the answer or where the pull ends."""
+    found = []
+    for norm in program.limits.norms:
+        for u in (program.u_ref + w, pull):
+            part = u[list(norm.axes)]
+            if length := sqrt(float(part @ part)):
+                found.append(_Touch(norm, part / length))
+    return found

@@ -20,6 +20,7 @@ from passafe.decision import Decision, Status
 from passafe.decision_schema import Answer, Evaluation, NormTangents, Program, Request
 from passafe.filter import SafetyPassivityFilter
 from passafe.stage import Stage, T
+from passafe.symbolic.whole_program import limit_bounds
 from passafe.workspace import Array, BlockLayout, Workspace, expressions_by_name, named_function
 
 ACTIVE_DUAL: Final = 1e-6
@@ -149,13 +150,18 @@ def _explain(
     G, cuts = program.G[:, :m], tangents.cuts
     cut_off = program.u_ref - wanted
     axes = ca.fmax(ca.vertcat(cut_off, -cut_off), 0)
-    push = answer.lam + ca.vertcat(ca.SX(core.constraints, 1), axes, ca.SX(cuts.shape[0], 1))
-    along = ca.vertcat(G @ change, change, -change, -cuts @ change)
+    planes = ca.SX(limit_bounds(design.limits)[0])
+    bounds = ca.DM([half_space.bound for half_space in design.limits.half_spaces])
+    push = answer.lam + ca.vertcat(ca.SX(core.constraints, 1), axes, ca.SX(planes.shape[0] + cuts.shape[0], 1))
+    along = ca.vertcat(G @ change, change, -change, -planes @ change, -cuts @ change)
     square = ca.sumsqr(change)
-    kept = ca.vertcat(G @ (wanted - program.u_ref) - program.d, wanted - program.low, program.high - wanted)
-    least, most = _interval(kept + design.tolerance.residual, ca.vertcat(G @ command, command, -command))
-    if design.limits.norm is not None:
-        at_least, at_most = _within(wanted, command, design.limits.norm + design.tolerance.residual)
+    in_axes = ca.vertcat(wanted - program.low, program.high - wanted)
+    kept = ca.vertcat(G @ (wanted - program.u_ref) - program.d, in_axes, bounds - planes @ wanted)
+    slopes = ca.vertcat(G @ command, command, -command, -planes @ command)
+    least, most = _interval(kept + design.tolerance.residual, slopes)
+    for norm in design.limits.norms:
+        length = norm.bound + design.tolerance.residual
+        at_least, at_most = _within(wanted[list(norm.axes)], command[list(norm.axes)], length)
         least, most = ca.fmax(least, at_least), ca.fmin(most, at_most)
     is_number = ca.sumsqr(wanted) + ca.sumsqr(command) < inf
     return _Explanation(

@@ -17,12 +17,15 @@ from typing import Final, cast
 import numpy as np
 
 from passafe.decision_block import DecisionBlock
+from passafe.limits import Limits
+from passafe.norm_tangents import norm_tangents
 from passafe.solvers.daqp_solver import DaqpSolver
 from passafe.solvers.least_distance_solver import LeastDistanceSolver
 from passafe.solvers.least_violation import least_violation
 from passafe.solvers.piqp_solver import PiqpSolver
 from passafe.solvers.solver import SOLVED, Solver, SolverOutcome
-from passafe.symbolic.whole_program import RowLayout
+from passafe.symbolic.whole_program import RowLayout, limit_bounds
+from passafe.workspace import Array
 
 BY_INSPECTION: Final = "none"
 """Name of the solver where z = 0 is optimal because no constraint asks for anything."""
@@ -34,24 +37,27 @@ class QuadraticProgram:
     No answer is judged here, and none is trusted: see ``passafe.certificate``.
     """
 
-    def __init__(self, block: DecisionBlock, rows: RowLayout, norm_asked: float) -> None:
+    def __init__(self, block: DecisionBlock, rows: RowLayout, limits: Limits) -> None:
         """Set the solvers up.
 
         Args:
             block: Holds the program and receives the answers.
             rows: Of the whole program.
-            norm_asked: Length that the norm's tangents allow, units of u.
+            limits: The filter's.
         """
-        self._block, self._rows, self._norm_asked = block, rows, norm_asked
+        self._block, self._rows, self._norms = block, rows, norm_tangents(limits)
+        weights, asked, lengths = limit_bounds(limits)
+        self._weights: Array = weights.full()
+        self._asked, self._lengths = asked.full().ravel(), lengths.full().ravel()
         answer, program, m = block.answer, block.program, len(block.program.u_ref)
         self._z, self._lam = answer.z.data, answer.lam.data
         self._largest_bound = cast("memoryview[float]", program.largest_bound.data)
         self._constraint_lam = answer.lam[: rows.constraints].data
         self._constraint_solver = PiqpSolver(program.G, program.d) if rows.constraints else None
-        self._used_tangents = 0
-        # The whole program: constraints, then ±z of the first m axes, then tangents of the norm.
+        # The whole program: constraints, then ±z of the first m axes, half-spaces, tangents of the norms.
         self._G, self._d = np.zeros((len(rows.names), rows.columns), order="F"), np.zeros(len(rows.names))
-        self._G[rows.constraints : rows.constraints + 2 * m, :m] = np.vstack((np.eye(m), -np.eye(m)))
+        fixed = np.vstack((np.eye(m), -np.eye(m), -self._weights))
+        self._G[rows.constraints : rows.constraints + len(fixed), :m] = fixed
         self._solvers: tuple[Solver, ...] = tuple(
             kind(self._G, self._d) for kind in (PiqpSolver, DaqpSolver, LeastDistanceSolver)
         )
@@ -77,18 +83,17 @@ class QuadraticProgram:
         """Write the whole program, with the tangents that there are."""
         constraints = self._rows.constraints
         self._G[:constraints], self._d[:constraints] = self._block.program.G, self._block.program.d
-        self._used_tangents = 0
+        for norm in self._norms:
+            norm.used = 0
         self._write_limits()
 
     def add_tangent(self) -> bool:
-        """Put a tangent of the norm's limit where the present answer is beyond it; return whether one was left."""
-        cuts = self._block.tangents.cuts
-        if self._used_tangents == len(cuts):
-            return False
+        """Put tangents of the norms' limits where the present answer is beyond them; return whether any was put."""
         u_ref = self._block.program.u_ref
-        beyond = u_ref + self._block.answer.z[: len(u_ref)]
-        cuts[self._used_tangents] = beyond / np.linalg.norm(beyond)
-        self._used_tangents += 1
+        unclipped = u_ref + self._block.answer.z[: len(u_ref)]
+        cut = [norm.cut(self._block.tangents.cuts, unclipped) for norm in self._norms]
+        if not any(cut):
+            return False
         self._write_limits()
         return True
 
@@ -99,7 +104,8 @@ class QuadraticProgram:
         least = least_violation(self._G[hard, :m], program.d[hard], self._G[limits, :m], self._d[limits])
         if least is None:
             return False
-        self._block.answer.relax[:] = least
+        self._block.answer.relax[:] = least.rows
+        self._block.answer.limit_weights[:] = least.limit_weights[2 * m :]
         return True
 
     def _write_limits(self) -> None:
@@ -107,6 +113,9 @@ class QuadraticProgram:
         first, m = self._rows.constraints, len(program.u_ref)
         self._d[first : first + m] = program.low - program.u_ref
         self._d[first + m : first + 2 * m] = program.u_ref - program.high
+        if len(self._asked):
+            self._d[first + 2 * m : first + 2 * m + len(self._asked)] = self._weights @ program.u_ref - self._asked
         if len(cuts):
-            self._G[first + 2 * m :, :m] = -cuts
-            self._d[first + 2 * m :] = cuts @ program.u_ref - self._norm_asked
+            tangents = slice(first + 2 * m + len(self._asked), None)
+            self._G[tangents, :m] = -cuts
+            self._d[tangents] = cuts @ program.u_ref - self._lengths

@@ -14,7 +14,7 @@ from passafe.certificate import accepts
 from passafe.decision import Status
 from passafe.decision_schema import Answer, Assessment, Evaluation, Program, Request
 from passafe.filter import SafetyPassivityFilter
-from passafe.symbolic.whole_program import NORM_TOLERANCE, norm_asked
+from passafe.symbolic.whole_program import limit_bounds, shape_tolerance
 from passafe.workspace import Array
 
 
@@ -53,6 +53,7 @@ class BatchFilter:
         self._answer: Answer[Array] = Answer.of(batch.view)
         self.status: NDArray[np.int8] = np.zeros(batch.count, dtype=np.int8)
         self.scalar: NDArray[np.bool_] = np.zeros(batch.count, dtype=np.bool_)
+        self._first_axis = 0
         self._points = self._nearest_points()
 
     @property
@@ -120,12 +121,20 @@ class BatchFilter:
     def _nearest_points(self) -> NearestPoints:
         """Return what guesses answers, with the rows of the limits."""
         rows, m = self.core.derivation.rows, self.core.design.system.m
-        # Tangents of the norm are the same before one is needed: one of them is enough.
-        points = NearestPoints(rows.columns, rows.constraints + 2 * m + min(rows.tangents, 1), self.batch.count)
+        # Tangents of a norm are the same before one is needed, so one is enough; those of further norms are left out,
+        # and the scalar filter decides where they bind.
+        limits = self.core.design.limits
+        weights, asked, lengths = (part.full() for part in limit_bounds(limits))
+        self._weights, self._asked, self._lengths = weights, asked, lengths[:1]
+        planes = len(weights)
+        points = NearestPoints(rows.columns, rows.constraints + 2 * m + planes + len(self._lengths), self.batch.count)
         axes, first = np.eye(rows.columns, m)[:, :, None], rows.constraints
         points.rows[:, first : first + m] = axes
         points.rows[:, first + m : first + 2 * m] = -axes
-        points.rows[0, first + 2 * m :] = -1.0
+        points.rows[:m, first + 2 * m : first + 2 * m + planes] = -weights.T[:, :, None]
+        for norm in limits.norms[:1]:
+            points.rows[norm.axes[0], first + 2 * m + planes :] = -1.0
+            self._first_axis = norm.axes[0]
         return points
 
     def _guess(self) -> None:
@@ -137,13 +146,16 @@ class BatchFilter:
         bounds[:first] = program.d
         np.subtract(program.low, u_ref, bounds[first : first + m])
         np.subtract(u_ref, program.high, bounds[first + m : first + 2 * m])
-        np.subtract(u_ref[:1], norm_asked(self.core.design.limits), bounds[first + 2 * m :])
+        tangent = first + 2 * m + len(self._asked)
+        if len(self._asked):
+            np.subtract(self._weights @ u_ref, self._asked, bounds[first + 2 * m : tangent])
+        np.subtract(u_ref[self._first_axis : self._first_axis + len(self._lengths)], self._lengths, bounds[tangent:])
         points.find(answer.z, answer.lam[: len(bounds)])
 
     def _grade(self) -> None:
         """Leave what the filter would not accept to the scalar filter, and grade the rest as it does."""
         design, assessment = self.core.design, self.assessment
-        is_short_enough = assessment.norm_overreach <= NORM_TOLERANCE * (design.limits.norm or 0.0)
+        is_short_enough = assessment.norm_overreach <= shape_tolerance(design.limits)
         is_settled = (assessment.shortfall <= 0.0) & (assessment.outside_trust_region <= 0.0)
         self.scalar[:] = ~(accepts(design.tolerance, assessment) & is_short_enough & is_settled)[0]
         is_untouched = ~self._answer.lam.any(axis=0)

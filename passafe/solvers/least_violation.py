@@ -10,6 +10,7 @@ from math import sqrt
 from typing import Final
 
 import numpy as np
+from msgspec import Struct
 
 from passafe.certificate import Tolerance, accepts, residuals_of
 from passafe.solvers.daqp_solver import DaqpSolver
@@ -23,12 +24,27 @@ ETA: Final = 1e-8
 TIGHT: Final = Tolerance(residual=1e-9, gap=1e-9)
 """Residuals up to which an answer is accepted: tighter than elsewhere, because z holds s/√η beside w."""
 
+CROWDED: Final = Tolerance(residual=1e-9, gap=1e-7)
+"""The same where tangents lie close together: their multipliers nearly cancel, and the gap is their rounding."""
+
 ROOM: Final = 1e-9
 """Relaxation beyond the needed one, so that rounding leaves the relaxed program feasible."""
 
 
-def least_violation(G: Array, d: Array, limits_G: Array, limits_d: Array) -> Array | None:
-    """Return s ≥ 0, shape (H,), or ``None`` if no solver's answer passes the certificate.
+class LeastViolation(Struct, frozen=True, eq=False):
+    """The least relaxation, and the multipliers of the limits that go with it.
+
+    Attributes:
+        rows: s ≥ 0 of the hard rows, shape (H,).
+        limit_weights: ν ≥ 0 of the limits in the same measure, shape (L,): Gᵀs + Lᵀν = ηw, nearly nothing.
+    """
+
+    rows: Array
+    limit_weights: Array
+
+
+def least_violation(G: Array, d: Array, limits_G: Array, limits_d: Array) -> LeastViolation | None:
+    """Return the least relaxation, or ``None`` if no solver's answer passes the certificate.
 
     Args:
         G: Hard rows of unit length, shape (H, m).
@@ -45,9 +61,11 @@ def least_violation(G: Array, d: Array, limits_G: Array, limits_d: Array) -> Arr
     rows[hard:, :m] = limits_G
     bounds = np.concatenate((d / length, limits_d))
     z, lam = np.zeros(m + hard), np.zeros(len(bounds))
-    for kind in (DaqpSolver, LeastDistanceSolver):
-        outcome = kind(rows, bounds).solve(z.data, lam.data)
-        if outcome is SOLVED and accepts(TIGHT, residuals_of(rows, bounds, z, lam)):
-            needed = d - G @ z[:m]
-            return np.where(needed > 0, needed + ROOM * (1 + np.abs(d)), 0.0)
+    for tolerance in (TIGHT, CROWDED):
+        for kind in (DaqpSolver, LeastDistanceSolver):
+            outcome = kind(rows, bounds).solve(z.data, lam.data)
+            if outcome is SOLVED and accepts(tolerance, residuals_of(rows, bounds, z, lam)):
+                needed = d - G @ z[:m]
+                relaxed = np.where(needed > 0, needed + ROOM * (1 + np.abs(d)), 0.0)
+                return LeastViolation(relaxed, np.maximum(ETA * lam[hard:], 0.0))
     return None

@@ -11,7 +11,7 @@ from passafe.design import FilterDesign
 from passafe.passivity import power_margin
 from passafe.symbolic.enforced_barriers import EnforcedBarriers
 from passafe.symbolic.trust_region import outside_trust_region
-from passafe.symbolic.whole_program import norm_asked, whole_rows
+from passafe.symbolic.whole_program import overreach, whole_rows
 
 
 def evaluate(
@@ -37,7 +37,7 @@ def evaluate(
         root: √ρ of the soft row's slack; 0 without one.
     """
     design, m, hard = barriers.design, request.u.numel(), answer.relax.numel()
-    G, d = whole_rows(program, tangents.cuts, norm_asked(design.limits))
+    G, d = whole_rows(program, tangents.cuts, design.limits)
     residuals = certificate_residuals(answer.z, answer.lam, G, ca.vertcat(d[:hard] - answer.relax, d[hard:]))
     unclipped = program.u_ref + answer.z[:m]
     u_plus = design.limits.clip(unclipped, request.u, program.low, program.high)
@@ -53,7 +53,7 @@ def evaluate(
         primal=residuals.primal + program.nan_guard,
         dual=residuals.dual,
         gap=residuals.gap,
-        norm_overreach=ca.SX(0) if design.limits.norm is None else ca.norm_2(unclipped) - norm_asked(design.limits),
+        norm_overreach=overreach(design.limits, unclipped),
         slack=answer.z[m] / root if root else ca.SX(0),
         shortfall=barriers.shortfall(u_plus, program.eps),
         outside_trust_region=(

@@ -26,7 +26,7 @@ def _interval(design: FilterDesign, request: Request[ca.SX]) -> tuple[ca.SX, ca.
     """Return the least and largest input; at the start there is no input before that limits the rate."""
     limits = design.limits
     low, high = limits.interval(request.u, design.dt_s)
-    if limits.rate_per_s is None:
+    if limits.rise_per_s is None:
         return low, high
-    b = ca.DM(list(limits.magnitude))
-    return ca.if_else(request.start, -b, low), ca.if_else(request.start, b, high)
+    least, most = ca.DM(list(limits.low)), ca.DM(list(limits.high))
+    return ca.if_else(request.start, least, low), ca.if_else(request.start, most, high)

@@ -112,6 +112,6 @@ def overreaches(core: SafetyPassivityFilter, u: Array, before: Array | None) -> 
     found = [float((np.abs(u) - limits.magnitude).max())]
     if limits.norm is not None:
         found.append(float(np.linalg.norm(u)) - limits.norm)
-    if limits.rate_per_s is not None and before is not None:
-        found.append(float((np.abs(u - before) - dt_s * np.array(limits.rate_per_s)).max()))
+    if limits.rise_per_s is not None and before is not None:
+        found.append(float((np.abs(u - before) - dt_s * np.array(limits.rise_per_s)).max()))
     return found

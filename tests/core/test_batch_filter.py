@@ -126,8 +126,8 @@ def test_every_decision_meets_the_certificate_or_is_the_filter_s(name: str) -> N
     assert (np.abs(u_plus) <= np.array(limits.magnitude)[:, None]).all()
     if limits.norm is not None:
         assert np.linalg.norm(u_plus, axis=0).max() <= limits.norm * (1 + 1e-12)
-    if limits.rate_per_s is not None:
-        assert (np.abs(u_plus - u) <= design.dt_s * np.array(limits.rate_per_s)[:, None] * (1 + 1e-12)).all()
+    if limits.rise_per_s is not None:
+        assert (np.abs(u_plus - u) <= design.dt_s * np.array(limits.rise_per_s)[:, None] * (1 + 1e-12)).all()
 
 
 @pytest.mark.parametrize(

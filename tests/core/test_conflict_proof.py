@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from core_designs import drag_design
 
-from passafe.decision_schema import Program
 from passafe.filter import SafetyPassivityFilter
 
 BOUND = np.array([5.0, 8.0])
@@ -29,8 +28,9 @@ def test_conflict_is_demand_of_weighted_rows_beyond_the_limits(norm: float | Non
         if norm is not None:
             gives = min(gives, norm * float(np.linalg.norm(pull)) - float(pull @ u_ref))
         posed = {"G": G, "d": d, "u_ref": u_ref, "low": low, "high": high}
-        program = [posed.get(name, np.zeros(derivation.layout.shapes[name])) for name in Program.names()]
-        value = float(derivation.functions.prove_conflict(*program, weights))
+        given = posed | {"relax": weights}
+        prove = derivation.functions.prove_conflict
+        value = float(prove(*(given.get(name, np.zeros(derivation.layout.shapes[name])) for name in prove.name_in())))
 
         assert value == pytest.approx(float(weights @ d[:2]) - gives, abs=1e-12)
         if value > 0:

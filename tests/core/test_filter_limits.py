@@ -28,7 +28,7 @@ def test_no_input_of_a_run_is_beyond_the_limits(name: str) -> None:
     limits, dt_s = made.design.limits, made.design.dt_s
     plant = SampledPlant(made.design.system, made.design.passivity.V, dt_s)
     sample, u, binding = plant.at(PAPER_START), ZERO, 0
-    rates = np.array(limits.rate_per_s or (np.inf, np.inf)) * dt_s
+    rates = np.array(limits.rise_per_s or (np.inf, np.inf)) * dt_s
     for k in range(1200):
         decision = made.decide(sample.x, u, ((-8.0, 5.0) if k < 600 else (9.0, -9.0)), ZERO)
         after = np.array(decision.u)

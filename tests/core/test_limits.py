@@ -24,7 +24,8 @@ def clip(limits: Limits, u_plus: list[float], low: list[float], high: list[float
 def test_one_number_counts_for_every_axis() -> None:
     limits = Limits.of(3, 2.0, None, 5.0)
 
-    assert (limits.magnitude, limits.norm, limits.rate_per_s) == ((2.0, 2.0, 2.0), None, (5.0, 5.0, 5.0))
+    assert (limits.magnitude, limits.norm, limits.rise_per_s) == ((2.0, 2.0, 2.0), None, (5.0, 5.0, 5.0))
+    assert (limits.low, limits.high, limits.fall_per_s) == ((-2.0,) * 3, (2.0,) * 3, (5.0,) * 3)
     assert Limits.of(2, (1.0, 4.0), 3.0, None).magnitude == (1.0, 4.0)
 
 

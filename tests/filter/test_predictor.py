@@ -35,7 +35,7 @@ def make_plant() -> CountedPlant:
 
 
 def fail_safe() -> FailSafe:
-    return FailSafe(ROBOT, Limits(magnitude=(100.0, 100.0)), period_ns=MS, hold_ns=HOLD_MS * MS)
+    return FailSafe(ROBOT, Limits.of(2, 100.0), period_ns=MS, hold_ns=HOLD_MS * MS)
 
 
 def make_predictor(tank: Tank | None = None) -> Predictor:

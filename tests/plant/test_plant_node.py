@@ -20,7 +20,7 @@ WAITING, RUNNING, HOLDING, FAIL_SAFE = PlantPhase
 
 def make_node(*, playout_ns: int = 0, hold_ns: int = 3 * MS, norm: float | None = None) -> PlantNode:
     robot = damped_point(sigma=1.0, gamma_1=10.0)
-    limits = Limits(magnitude=(BOUND, BOUND), norm=norm)
+    limits = Limits.of(2, BOUND, norm)
     return PlantNode(
         SampledPlant(robot.system, robot.system.x.T @ robot.system.x, 1e-3),
         FailSafe(robot, limits, period_ns=MS, hold_ns=hold_ns),
@@ -366,9 +366,9 @@ def test_running_sequence_applies_its_inputs_in_order(data: st.DataObject) -> No
 
 def fuzzed() -> PlantNode:
     """Return a fresh node of a robot that is compiled once."""
-    return PlantNode(PLANT, RULE, x0=X0, period_ns=MS, playout_ns=0, limits=Limits(magnitude=(BOUND, BOUND)))
+    return PlantNode(PLANT, RULE, x0=X0, period_ns=MS, playout_ns=0, limits=Limits.of(2, BOUND))
 
 
 ROBOT = damped_point(sigma=1.0, gamma_1=10.0)
 PLANT = SampledPlant(ROBOT.system, ROBOT.system.x.T @ ROBOT.system.x, 1e-3)
-RULE = FailSafe(ROBOT, Limits(magnitude=(BOUND, BOUND)), period_ns=MS, hold_ns=2 * MS)
+RULE = FailSafe(ROBOT, Limits.of(2, BOUND), period_ns=MS, hold_ns=2 * MS)

@@ -13,7 +13,7 @@ from passafe.limits import Limits
 MS = 1_000_000
 X0 = (2.0, 2.0, -1.0, -1.0)
 U = (1.0, 0.0)
-LIMITS = Limits(magnitude=(100.0, 100.0))
+LIMITS = Limits.of(2, 100.0)
 ROBOT = damped_point(sigma=1.0, gamma_1=10.0)
 PLANT = SampledPlant(ROBOT.system, ROBOT.system.x.T @ ROBOT.system.x, 1e-3)
 WAITING, RUNNING, HOLDING, FAIL_SAFE = PlantPhase

@@ -18,7 +18,7 @@ K = 9.0
 
 
 def fail_safe(hold_ns: int, limits: Limits | None = None) -> FailSafe:
-    return FailSafe(ROBOT, limits or Limits(magnitude=(100.0, 100.0)), period_ns=MS, hold_ns=hold_ns)
+    return FailSafe(ROBOT, limits or Limits.of(2, 100.0), period_ns=MS, hold_ns=hold_ns)
 
 
 def periods_in_force(rule: FailSafe, hold_ns: int | None = None) -> int:
@@ -34,8 +34,8 @@ def test_the_law_brakes() -> None:
 
 
 def test_the_law_stays_within_magnitude_and_norm() -> None:
-    narrow = fail_safe(0, Limits(magnitude=(2.0, 100.0)))
-    short = fail_safe(0, Limits(magnitude=(100.0, 100.0), norm=5.0))
+    narrow = fail_safe(0, Limits.of(2, (2.0, 100.0)))
+    short = fail_safe(0, Limits.of(2, 100.0, 5.0))
 
     assert narrow.law(X) == (2.0, -K * X[3])
     assert sum(value**2 for value in short.law((0.0, 0.0, -3.0, 4.0))) == pytest.approx(25.0, rel=1e-12)

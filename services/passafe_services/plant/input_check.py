@@ -1,14 +1,14 @@
 """Validation of inputs at the plant: shape, limits and plausible times."""
 
-from math import hypot, inf
+from math import hypot
 from typing import Final
 
 from passafe_protocol.messages import Header, PlantInput, Vector
 
 from passafe.limits import Limits
 
-ROUNDING: Final = 1e-12
-"""Relative tolerance for an input that was scaled to the limit of its norm."""
+ROUNDING: Final = 2e-12
+"""Relative tolerance for an input that was led to the limit of a norm or a half-space."""
 
 FAR_NS: Final = 2**61
 """73 years: beyond every clock."""
@@ -21,10 +21,13 @@ class InputCheck:
         """Keep the limits.
 
         Args:
-            limits: Limits of magnitude and norm; m axes.
+            limits: The filter's; m axes.
         """
-        self._m, self._bounds, self._least_bound = len(limits.magnitude), limits.magnitude, min(limits.magnitude)
-        self._norm = inf if limits.norm is None else limits.norm * (1 + ROUNDING)
+        self._m, self._limits = len(limits.low), limits
+        self._axes = tuple(zip(limits.low, limits.high, strict=True))
+        self._inside_all = min(min(-low, high) for low, high in self._axes)  # negative where zero is outside
+        self._has_only_axes = limits.has_only_axes
+        self._past_planes = ROUNDING * limits.reach
 
     def is_valid(self, header: Header, plant_input: PlantInput) -> bool:
         """Check whether the input of a message is applicable and its other numbers are plausible.
@@ -41,10 +44,19 @@ class InputCheck:
         """Check whether an input has the plant's shape and lies within the limits; a NaN does not."""
         if len(u) != self._m:
             return False
-        least = self._least_bound
+        inside = self._inside_all
         for value in u:
-            if not -least <= value <= least:
-                return all(-bound <= value <= bound for value, bound in zip(u, self._bounds, strict=True)) and (
-                    hypot(*u) <= self._norm
+            if not -inside <= value <= inside:
+                return all(low <= value <= high for value, (low, high) in zip(u, self._axes, strict=True)) and (
+                    self._has_only_axes or self._keeps_shapes(u)
                 )
-        return self._norm == inf or hypot(*u) <= self._norm
+        return self._has_only_axes or self._keeps_shapes(u)
+
+    def _keeps_shapes(self, u: Vector) -> bool:
+        for norm in self._limits.norms:
+            if not hypot(*(u[axis] for axis in norm.axes)) <= norm.bound * (1 + ROUNDING):
+                return False
+        for plane in self._limits.half_spaces:
+            if not sum(w * value for w, value in zip(plane.weights, u, strict=True)) <= plane.bound + self._past_planes:
+                return False
+        return True

@@ -25,14 +25,14 @@ class FailSafe:
 
         Args:
             robot: Provides the law, ``fail_safe``.
-            limits: Input limits; the law is clipped to the magnitudes and the norm.
+            limits: Input limits; the law is clipped to all but the rates.
             period_ns: Period of the plant, ns.
             hold_ns: Longest time for which any input may be in force, ns.
         """
         system = robot.system
         self._space = Workspace(BlockLayout.of({"x": system.n, "u": system.m}))
-        bound = ca.DM(list(limits.magnitude))
-        clipped = limits.clip(robot.fail_safe, ca.DM.zeros(system.m), -bound, bound)
+        centre, low, high = (ca.DM(list(each)) for each in (limits.centre, limits.low, limits.high))
+        clipped = limits.clip(robot.fail_safe, centre, low, high)
         self._evaluate = self._space.bind(dense_function("fail_safe", [system.x], [clipped]), ["x"], ["u"])
         self._write_x, self._read_u = self._space.writer("x"), self._space.reader("u")
         self._period_ns = period_ns

@@ -105,11 +105,4 @@ class BatchLoop:
 
     def _beyond_limits(self, after: Array, *, first: bool) -> Array:
         """Return by how much inputs are beyond their limits, shape (count,)."""
-        limits = self._limits
-        worst = (np.abs(after) - np.array(limits.magnitude)[:, None]).max(axis=0)
-        if limits.norm is not None:
-            worst = np.maximum(worst, np.sqrt((after * after).sum(axis=0)) - limits.norm)
-        if limits.rate_per_s is not None and not first:
-            step = self._dt_s * np.array(limits.rate_per_s)[:, None]
-            worst = np.maximum(worst, (np.abs(after - self._u) - step).max(axis=0))
-        return np.asarray(worst)
+        return self._limits.excess(after, None if first else self._u, self._dt_s)

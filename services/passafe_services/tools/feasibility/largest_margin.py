@@ -1,6 +1,6 @@
 """Input with the largest margin to all rows: one linear program for many states.
 
-    max t  subject to  G u ≥ d + t,  u within magnitude and norm limits,
+    max t  subject to  G u ≥ d + t,  u within all limits but the rates,
 
 separately for each state. The programs are independent, so one block-diagonal program solves all of them with one call
 of the solver (HiGHS; Huangfu & Hall 2018) instead of thousands. t < 0 is the violation of the rows. A limit on the norm
@@ -9,7 +9,9 @@ is approximated by tangents, each added where the previous solution exceeded it 
 
 from typing import Final
 
+import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import linprog
 from scipy.sparse import bsr_array
 
@@ -18,7 +20,7 @@ from passafe.workspace import Array
 from passafe_services.tools.feasibility.batch_rows import StateRows
 
 NORM_ROUNDS: Final = 40
-"""Largest number of tangents per state; an input that is then still too long is scaled."""
+"""Largest number of tangents per state; an input that is then still too long is led towards the limits' centre."""
 
 TOO_LONG: Final = 1e-7
 """Relative excess of the norm above which another tangent is added."""
@@ -41,30 +43,40 @@ def largest_margin_inputs(rows: StateRows, limits: Limits) -> tuple[Array, Array
     u, t = np.zeros((count, m)), np.where(usable, np.inf, -np.inf)
     if number == 0:
         return u, t
-    cuts = np.zeros((count, 0, m))
+    planes = np.array([each.weights for each in limits.half_spaces]).reshape(-1, m)
+    cuts, bounds = np.tile(planes, (count, 1, 1)), np.array([each.bound for each in limits.half_spaces])
     left = np.flatnonzero(usable)
-    for _ in range(NORM_ROUNDS if limits.norm is not None else 1):
+    for _ in range(NORM_ROUNDS if limits.norms else 1):
         if not len(left):
             break
-        u[left], t[left] = _solve(rows.G[left], rows.d[left], cuts[left], limits)
-        if limits.norm is None:
-            break
-        length = np.linalg.norm(u, axis=1)
-        left = left[length[left] > limits.norm * (1 + TOO_LONG)]
-        tangents = np.zeros((count, 1, m))
-        tangents[left, 0] = u[left] / length[left, None]
+        u[left], t[left] = _solve(rows.G[left], rows.d[left], cuts[left], bounds, limits)
+        tangents, is_long = _tangents(u, limits)
+        left = left[is_long[left]]
         cuts = np.concatenate((cuts, tangents), axis=1)
+        bounds = np.append(bounds, [norm.bound for norm in limits.norms])
     return _within(u, limits), t
 
 
-def _solve(G: Array, d: Array, cuts: Array, limits: Limits) -> tuple[Array, Array]:
+def _tangents(u: Array, limits: Limits) -> tuple[Array, NDArray[np.bool_]]:
+    """Return a tangent of every norm for each state, zero where none is needed, and whether any was."""
+    tangents = np.zeros((len(u), len(limits.norms), u.shape[1]))
+    is_long = np.zeros(len(u), dtype=np.bool_)
+    for place, norm in enumerate(limits.norms):
+        axes = list(norm.axes)
+        length = np.linalg.norm(u[:, axes], axis=1)
+        long = length > norm.bound * (1 + TOO_LONG)
+        tangents[np.ix_(long, [place], axes)] = (u[np.ix_(long, axes)] / length[long, None])[:, None]
+        is_long |= long
+    return tangents, is_long
+
+
+def _solve(G: Array, d: Array, cuts: Array, bounds: Array, limits: Limits) -> tuple[Array, Array]:
     count, _, m = G.shape
     constraints = np.concatenate((-G, np.ones((*d.shape, 1))), axis=2)
     tangents = np.concatenate((cuts, np.zeros((*cuts.shape[:2], 1))), axis=2)
     blocks = np.concatenate((constraints, tangents), axis=1)
-    above = np.concatenate((-d, np.full(cuts.shape[:2], limits.norm or 0.0)), axis=1)
-    magnitude = np.array(limits.magnitude)
-    low, high = np.append(-magnitude, -LARGEST_COEFFICIENT), np.append(magnitude, LARGEST_COEFFICIENT)
+    above = np.concatenate((-d, np.tile(bounds, (count, 1))), axis=1)
+    low, high = np.append(limits.low, -LARGEST_COEFFICIENT), np.append(limits.high, LARGEST_COEFFICIENT)
     found = linprog(
         np.tile(np.append(np.zeros(m), -1.0), count),
         A_ub=_block_diagonal(blocks).tocsr(),
@@ -87,9 +99,7 @@ def _block_diagonal(blocks: Array) -> bsr_array:
 
 
 def _within(u: Array, limits: Limits) -> Array:
-    clipped: Array = np.clip(u, -np.array(limits.magnitude), np.array(limits.magnitude))
-    if limits.norm is None:
-        return clipped
-    length = np.linalg.norm(clipped, axis=1, keepdims=True)
-    shortened: Array = clipped * (limits.norm / np.maximum(length, limits.norm))
-    return shortened
+    asked = ca.SX.sym("u", u.shape[1])
+    centre, low, high = (ca.DM(list(each)) for each in (limits.centre, limits.low, limits.high))
+    clip = ca.Function("clip", [asked], [limits.clip(asked, centre, low, high)])
+    return np.asarray(clip(u.T).full().T) if len(u) else u
