@@ -129,6 +129,7 @@ def test_an_age_that_is_not_known_is_null() -> None:
     shown = page_state(feed, 0)["filter"]
     assert shown["state_age_ms"] is None
     assert shown["command_age_ms"] is None
+    assert shown["command_words"] == "not reported"
 
 
 def test_unreported_override_is_null() -> None:

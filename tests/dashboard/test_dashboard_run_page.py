@@ -97,8 +97,16 @@ def test_unknown_metrics_are_called_unknown() -> None:
     assert cells(page, "lowest h") == ["unknown"]
     assert cells(page, "final x") == ["unknown"]
     assert cells(page, "messages missing in the log") == ["unknown"]
+    assert cells(page, "commands of the operator") == ["unknown"]
     assert "This log holds no timing." in page
     assert "Not proven" in page
+
+
+def test_use_of_the_commands_is_a_fact_in_words() -> None:
+    used = verdict(commands={"shares": {"counts": 0.25, "delayed": 0.75}, "text": "counted 25 %, too old 75 %"})
+    page = report_page(used, run_series(100), configuration={}, versions={})
+
+    assert cells(page, "commands of the operator") == ["counted 25 %, too old 75 %"]
 
 
 def test_violation_that_the_mode_allows_is_named() -> None:

@@ -67,6 +67,14 @@ def test_command_age_leaves_out_ticks_before_the_first_command(tmp_path: Path) -
     assert age.max == pytest.approx(1.0)
 
 
+def test_ages_of_states_are_those_of_the_ticks(tmp_path: Path) -> None:
+    run = run_with_times()
+    for index in run.indices(FilterTick):
+        run.replace(index, state_age_ns=250_000 * US)
+    age = Timing.of(read(run, tmp_path)).state_age_ms
+    assert age == Percentiles(p50=250, p99=250, p99_9=250, max=250)
+
+
 def test_operator_to_plant_latency_ends_at_application(tmp_path: Path) -> None:
     # Command k is sent 25 µs after its step was due; the input made from it is applied by the plant step that
     # began 3 ms after the same time.

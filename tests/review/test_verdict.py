@@ -306,7 +306,7 @@ def test_the_json_holds_what_the_command_line_promises(tmp_path: Path) -> None:
     promised = (
         "scenario mode duration_s ticks steps_skipped gaps h_min power_margin_min tank_min_j u_norm_max "
         "status_counts solve_us_p50 solve_us_p99 late_us_p50 late_us_p99 command_age_ms_p50 "
-        "command_age_ms_p99 final_x properties verdict"
+        "command_age_ms_p99 commands final_x properties verdict"
     )
     assert set(promised.split()) <= set(content)
     assert set(content["properties"]["safe"]) >= {"holds", "worst", "at_s"}

@@ -17,6 +17,7 @@ from passafe_services.tools.review.verdict_words import decide, in_words
 
 from passafe_dashboard.columns import COMMAND_AGE, POWER_MARGIN, STATE_AGE, TANK, measured_h, psi
 from passafe_dashboard.decimation import NS_PER_S, WorstSample
+from passafe_dashboard.live.command_words import command_words
 from passafe_dashboard.live.feed import Feed, ReceivedEvent
 from passafe_dashboard.live.topic_monitor import TopicMonitor
 from passafe_dashboard.palette import PHASE_MEANINGS, STATUS_STYLES
@@ -123,6 +124,7 @@ def _filter_json(feed: Feed, tick: FilterTick) -> Json:
         "certificate": as_dict(tick.certificate),
         STATE_AGE: _age_ms(tick.state_age_ns),
         COMMAND_AGE: _age_ms(tick.command_age_ns),
+        "command_words": command_words(tick),
     }
 
 

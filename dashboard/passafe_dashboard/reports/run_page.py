@@ -112,6 +112,7 @@ def _facts(verdict: Mapping[str, Any]) -> list[tuple[str, str]]:
         ("largest ‖u‖", number(verdict.get("u_norm_max"))),
         ("final x", "unknown" if final is None else f"({', '.join(number(value) for value in final)})"),
         ("filter ticks", number(verdict.get("ticks"), 9)),
+        ("commands of the operator", (verdict.get("commands") or {}).get("text", "unknown")),
         ("steps skipped", number(verdict.get("steps_skipped"), 9)),
         ("messages missing in the log", missing or ("none" if gaps else "unknown")),
     ]
@@ -123,6 +124,7 @@ def _timing_lines(timing: Mapping[str, Any]) -> list[TimingLine]:
         ("filter step: state in, input out", "µs", timing.get("solve_us")),
         *late,
         ("age of command at the filter", "ms", timing.get("command_age_ms")),
+        ("age of state at the filter", "ms", timing.get("state_age_ms")),
         ("operator to plant", "ms", timing.get("operator_to_plant_ms")),
     ]
     return [

@@ -82,6 +82,7 @@ function showFilter(filter) {
   set("law", filter.law);
   set("state-age", milliseconds(filter.state_age_ms));
   set("command-age", milliseconds(filter.command_age_ms));
+  set("command-words", filter.command_words);
   set("u-h", vector(filter.u_h));
   set("u-nominal", vector(filter.u_nominal));
   set("u", vector(filter.u));

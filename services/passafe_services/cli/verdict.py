@@ -55,6 +55,8 @@ def _properties_table(verdict: Verdict) -> Table:
 def _print_counts(console: Console, verdict: Verdict) -> None:
     counts = ", ".join(f"{name} {count}" for name, count in verdict.status_counts.items())
     console.print(f"ticks     {verdict.ticks} ({counts}), {verdict.steps_skipped} missed")
+    if verdict.commands.shares.keys() - {"counts"}:
+        console.print(f"commands  {verdict.commands.text}", soft_wrap=True)
     restarted = ", ".join(f"{name} {count}" for name, count in verdict.sessions.items() if count > 1)
     if restarted:
         console.print(f"sessions  {restarted}")

@@ -1,6 +1,6 @@
 """Timing of a run, from the times in its headers."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import Final, Self
 
@@ -53,7 +53,8 @@ class Timing(BaseModel):
     Attributes:
         solve_us: Time from the beginning of a filter step until its input is handed to the bus, decoding included.
         late_us: Lateness of the steps, by process.
-        command_age_ms: Age of the newest operator command at each filter tick, from its arrival at the filter.
+        command_age_ms: Age of the newest operator command at each filter tick, its time on the way included.
+        state_age_ms: Age of the newest plant state at each filter tick, likewise.
         operator_to_plant_ms: Latency from sending a command to the first plant step that applied an input based on it,
             play-out included, by the senders' wall clocks.
     """
@@ -63,6 +64,7 @@ class Timing(BaseModel):
     solve_us: Percentiles | None
     late_us: dict[str, Lateness] | None
     command_age_ms: Percentiles | None
+    state_age_ms: Percentiles | None
     operator_to_plant_ms: Percentiles | None
 
     @classmethod
@@ -72,7 +74,8 @@ class Timing(BaseModel):
         return cls(
             solve_us=_solve_us(log.of(PlantInput)) if live else None,
             late_us=_late_us(log) if live else None,
-            command_age_ms=_command_age_ms(log.of(FilterTick)),
+            command_age_ms=_age_ms(tick.body.command_age_ns for tick in log.of(FilterTick)),
+            state_age_ms=_age_ms(tick.body.state_age_ns for tick in log.of(FilterTick)),
             operator_to_plant_ms=_operator_to_plant_ms(log),
         )
 
@@ -116,9 +119,8 @@ def _late_us(log: RunLog) -> dict[str, Lateness]:
     return found
 
 
-def _command_age_ms(ticks: Sequence[LoggedMessage[FilterTick]]) -> Percentiles | None:
-    known = [tick.body.command_age_ns for tick in ticks if tick.body.command_age_ns >= 0]
-    return Percentiles.of(_ns(known), NS_PER_MS)
+def _age_ms(ages_ns: Iterable[int]) -> Percentiles | None:
+    return Percentiles.of(_ns([age_ns for age_ns in ages_ns if age_ns >= 0]), NS_PER_MS)
 
 
 def _operator_to_plant_ms(log: RunLog) -> Percentiles | None:

@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict
 
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.review.between_samples import Extremum, RecomputedMargins
+from passafe_services.tools.review.command_use import CommandUse
 from passafe_services.tools.review.errors import MismatchedLogError
 from passafe_services.tools.review.filter_claims import Decisions, SentInputs
 from passafe_services.tools.review.link_accounts import LinkAccount, link_accounts
@@ -72,6 +73,7 @@ class Verdict(BaseModel):
         late_us_p99: The same, 99th percentile, µs.
         command_age_ms_p50: Age of the newest operator command at a filter tick, median, ms.
         command_age_ms_p99: The same, 99th percentile, ms.
+        commands: Share of the ticks in which the operator's command counted, and why not in the others.
         timing: Further percentiles, of every process and of the latency from operator to plant.
         final_x: Last state of the plant.
         steering: Steering metrics; ``None`` without a simulated person.
@@ -114,6 +116,7 @@ class Verdict(BaseModel):
     late_us_p99: float | None
     command_age_ms_p50: float | None
     command_age_ms_p99: float | None
+    commands: CommandUse
     timing: Timing
     final_x: tuple[float, ...] | None
     steering: Steering | None
@@ -190,6 +193,7 @@ class Verdict(BaseModel):
             late_us_p99=late_us_p99,
             command_age_ms_p50=command_age_ms_p50,
             command_age_ms_p99=command_age_ms_p99,
+            commands=CommandUse.of(tick.body for tick in ticks),
             timing=timing,
             final_x=tuple(trajectory.x[:, -1].tolist()) if trajectory.samples else None,
             steering=steering_of(log, trajectory, evaluator),
