@@ -135,6 +135,32 @@ def test_an_input_beyond_the_bound_fails_where_it_was_sent(tmp_path: Path) -> No
     assert bounded.at_s == pytest.approx(0.007)
 
 
+@pytest.mark.parametrize(
+    ("keys", "at", "beyond"),
+    [
+        ({"input_bound": [5.0, 3.0]}, (0.0, -3.5), 0.5),
+        ({"input_low": -1.0}, (-1.25, 0.0), 0.25),
+        ({"input_norm_bound": 4.0}, (3.0, 4.0), 1.0),
+        ({"input_half_spaces": [{"weights": [3.0, 4.0], "bound": 10.0}]}, (2.0, 2.0), 0.8),
+    ],
+)
+def test_an_input_beyond_one_of_many_limits_fails(
+    tmp_path: Path, keys: dict[str, object], at: tuple[float, float], beyond: float
+) -> None:
+    run = coasting(Run(scenario(mode="off", **keys)))
+    assert judged(run, tmp_path).properties["bounded"].holds
+    run.replace(run.indices(PlantInput)[7], u=at)
+    bounded = judged(run, tmp_path).properties["bounded"]
+    assert (bounded.holds, bounded.worst) == (False, pytest.approx(beyond))
+    assert bounded.requirement.startswith("input sent or applied beyond a limit by ≤ ")
+
+
+def test_an_input_of_another_shape_is_beyond_every_bound(tmp_path: Path) -> None:
+    run = coasting(Run(scenario(mode="off")))
+    run.replace(run.indices(PlantInput)[7], u=(0.0, 0.0, 0.0))
+    assert judged(run, tmp_path).properties["bounded"].worst == float("inf")
+
+
 def test_u_norm_max_is_of_the_input_in_force(tmp_path: Path) -> None:
     run = Run(scenario(mode="off"))
     rollout(run, x0=(2.0, 0.0, 0.0, 0.0), u=lambda k: (3.0, 4.0) if k == 5 else REST, steps=10)

@@ -116,6 +116,12 @@ def design_of(scenario: Scenario, robot: Robot) -> FilterDesign:
         input_bound=config.input_bound,
         input_norm_bound=config.input_norm_bound,
         input_rate_bound_per_s=config.input_rate_bound_per_s,
+        input_low=config.input_low,
+        input_high=config.input_high,
+        input_norms=config.norms(),
+        input_half_spaces=config.half_spaces(),
+        input_rate_low_per_s=config.input_rate_low_per_s,
+        input_rate_high_per_s=config.input_rate_high_per_s,
         between_samples=config.between_samples,
         hold_s=scenario.plant.hold_s,
         law=Law(config.law),
@@ -125,9 +131,7 @@ def design_of(scenario: Scenario, robot: Robot) -> FilterDesign:
 
 def limits_of(scenario: Scenario, robot: Robot) -> Limits:
     """Return the scenario's input limits."""
-    config = scenario.filter
-    m = robot.system.m
-    return Limits.of(m, config.input_bound, config.input_norm_bound, config.input_rate_bound_per_s)
+    return scenario.filter.limits(robot.system.m)
 
 
 def sampled_plant_of(scenario: Scenario, robot: Robot) -> SampledPlant:

@@ -10,6 +10,7 @@ from typing import Annotated, Any, Final, Literal, Union, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
+from passafe_services.scenarios.fields import LISTED, SINGLE
 from passafe_services.suggestion import suggestion
 
 _KIND: Final = "kind"
@@ -136,6 +137,8 @@ def _followed(model: type[BaseModel], location: Sequence[int | str]) -> tuple[li
     place: Any = model
     for part in location:
         members = _models(place)
+        if not members and part in {SINGLE, LISTED}:
+            continue
         of_kind = [member for member in members if part in _tags(member)]
         if len(members) > 1 and of_kind:  # pydantic names the member of a union; a file does not
             [place] = of_kind

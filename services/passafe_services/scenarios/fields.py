@@ -1,6 +1,6 @@
 """Kinds of fields that every part of a scenario is made of."""
 
-from typing import Annotated
+from typing import Annotated, Final
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -10,6 +10,16 @@ NonNegative = Annotated[float, Field(ge=0, le=1e6)]
 Finite = Annotated[float, Field(ge=-1e6, le=1e6)]
 Place = Annotated[tuple[Finite, ...], Field(min_length=2, max_length=2)]
 """A place, displacement or velocity in the plane."""
+
+
+SINGLE: Final = "single"
+LISTED: Final = "listed"
+"""Names of the two forms of a field that is one number or a list; no file holds them."""
+
+
+def single_or_listed(value: object) -> str:
+    """Return which form a value has, so that only problems of that form are reported."""
+    return LISTED if isinstance(value, list | tuple) else SINGLE
 
 
 class Config(BaseModel):

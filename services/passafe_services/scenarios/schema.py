@@ -9,6 +9,7 @@ from passafe_services.scenarios.barrier_kinds.barrier_kind import SingleBarrier
 from passafe_services.scenarios.barrier_kinds.registry import AnyBarrier
 from passafe_services.scenarios.class_k import ClassKConfig
 from passafe_services.scenarios.fields import Config, NonNegative, Positive, Vector
+from passafe_services.scenarios.limits_schema import InputLimitsConfig
 from passafe_services.scenarios.link_schema import LinkChangeConfig, LinkName, ScenarioLink, changed_links
 from passafe_services.scenarios.robot_models import ROBOT_MODELS, RobotModel
 from passafe_services.scenarios.single_barriers import single_barriers
@@ -135,16 +136,24 @@ class PassivityConfig(Config):
     tank_rate_per_s: Positive = 5.0
 
 
-class FilterConfig(Config):
-    """The filter: law, mode, gains, input limits, passivity and barriers.
+class LawConfig(Config):
+    """The filter's law, what it enforces, and how fast it follows.
 
     Attributes:
         law: Rows of the quadratic program: ``sampled``, or ``continuous`` as in the paper.
         mode: What is enforced.
         k_i: Tracking gain α/2, 1/s, below ``rate_hz``.
-        input_bound: Largest magnitude of every axis of u.
-        input_norm_bound: Largest ‖u‖₂.
-        input_rate_bound_per_s: Largest rate of change of every axis, units of u per s.
+    """
+
+    law: Literal["sampled", "continuous"] = "sampled"
+    mode: Literal["off", "safe", "passive", "both"] = "both"
+    k_i: Positive
+
+
+class FilterConfig(InputLimitsConfig, LawConfig):
+    """The filter: law, mode, gains, input limits, passivity and barriers.
+
+    Attributes:
         start: The input before the first one: ``nearest`` lets the first be the nearest to û that satisfies every row,
             ``zero`` begins at u = 0 as the paper does.
         between_samples: Whether rows have the intersample margin.
@@ -157,12 +166,6 @@ class FilterConfig(Config):
         repeats: Earlier inputs that each message repeats, as far as 64 numbers hold them.
     """
 
-    law: Literal["sampled", "continuous"] = "sampled"
-    mode: Literal["off", "safe", "passive", "both"] = "both"
-    k_i: Positive
-    input_bound: Positive = 100.0
-    input_norm_bound: Positive | None = None
-    input_rate_bound_per_s: Positive | None = None
     start: Literal["nearest", "zero"] = "nearest"
     between_samples: bool = True
     feedback: FeedbackConfig = FeedbackConfig()

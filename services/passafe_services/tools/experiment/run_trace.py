@@ -124,7 +124,7 @@ class RunTrace:
     def inputs(self) -> SentInputs:
         """Return the inputs that the filter sent."""
         rows = self._up_to_the_end(self._sent)
-        return SentInputs(largest=np.abs(rows["u"]).max(axis=1, initial=0.0), at_ns=np.array(rows["at_ns"]))
+        return SentInputs(u=np.array(rows["u"]).T, at_ns=np.array(rows["at_ns"]))
 
     def answers(self) -> Decisions:
         """Return the ticks of the filter."""

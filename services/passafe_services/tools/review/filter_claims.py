@@ -7,7 +7,7 @@ from typing import Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from passafe_protocol.messages import FilterStatus, FilterTick, PlantInput, Vector
+from passafe_protocol.messages import FilterStatus, FilterTick, PlantInput
 
 from passafe_services.tools.review.plant_evaluator import FloatArray
 
@@ -22,19 +22,20 @@ class SentInputs:
     """Inputs that the filter sent, in order.
 
     Attributes:
-        largest: Largest |u_i| of each input, shape (K,).
+        u: The inputs, shape (m, K); infinite where a message held another number of axes.
         at_ns: Plant time at which each takes effect, ns, shape (K,).
     """
 
-    largest: FloatArray
+    u: FloatArray
     at_ns: IntArray
 
     @classmethod
-    def of(cls, sent: Iterable[PlantInput]) -> Self:
-        """Extract them from the messages."""
-        inputs = list(sent)
+    def of(cls, sent: Iterable[PlantInput], m: int) -> Self:
+        """Extract them from the messages to a plant with m axes."""
+        inputs, strange = list(sent), (inf,) * m
+        vectors = [one.u if len(one.u) == m else strange for one in inputs]
         return cls(
-            largest=np.array([_largest(one.u) for one in inputs], dtype=np.float64),
+            u=np.array(vectors, dtype=np.float64).reshape(len(inputs), m).T,
             at_ns=np.array([one.effective_plant_ns for one in inputs], dtype=np.int64),
         )
 
@@ -78,10 +79,6 @@ class Decisions:
         """Return which ticks claim a solution without a certificate within ``limit``, shape (K,)."""
         kept = self.residual <= limit  # a NaN is not
         return np.isin(self.status, ANSWERED) & ~kept
-
-
-def _largest(u: Vector) -> float:
-    return max(map(abs, u), default=0.0)
 
 
 def _residual(tick: FilterTick) -> float:

@@ -8,10 +8,11 @@ from passafe_protocol.topics import COMMAND, INPUT, STATE, TICK
 from pydantic import BaseModel, ConfigDict
 
 from passafe_services.scenarios.schema import Scenario
-from passafe_services.tools.review.between_samples import Extremum, RecomputedMargins
+from passafe_services.tools.review.between_samples import RecomputedMargins
 from passafe_services.tools.review.drive_record import DriveRecord
 from passafe_services.tools.review.fallback_record import FallbackRecord
 from passafe_services.tools.review.filter_claims import Decisions, SentInputs
+from passafe_services.tools.review.input_limits import judge_inputs
 from passafe_services.tools.review.link_accounts import LinkAccount
 from passafe_services.tools.review.property import Property, at_least, at_most
 from passafe_services.tools.review.run_log import RunLog
@@ -84,7 +85,7 @@ def judge_properties(
         tolerances: Tolerances of the recomputed values.
     """
     return judge_margins(margins, scenario, tolerances) | {
-        "bounded": _bounded(inputs, trajectory, scenario.filter.input_bound, tolerances),
+        "bounded": judge_inputs(inputs, trajectory, scenario, tolerances.input_relative),
         "certified": _certified(decisions, tolerances.certificate, required=scenario.filter.mode != "off"),
         "consistent": at_most(
             margins.mismatch_max,
@@ -132,17 +133,6 @@ def _passive(margins: RecomputedMargins, scenario: Scenario, tolerances: Toleran
         required=required,
         what="power margin h_u(x, u), W, also between samples",
     )
-
-
-def _bounded(inputs: SentInputs, trajectory: Trajectory, bound: float, tolerances: Tolerances) -> Property:
-    found = []
-    if trajectory.samples:
-        found.append(Extremum.highest(abs(trajectory.u).max(axis=0), trajectory.t_s))
-    if inputs.largest.size:
-        found.append(Extremum.highest(inputs.largest, inputs.at_ns / NS_PER_S))
-    worst = max(found, key=lambda extremum: extremum.value, default=None)
-    limit = bound * (1 + tolerances.input_relative)
-    return at_most(worst, limit, required=True, what="largest |u_i| sent or applied")
 
 
 def _certified(decisions: Decisions, limit: float, *, required: bool) -> Property:

@@ -6,6 +6,7 @@ from passafe_protocol.messages import FilterTick, PlantInput, PlantState
 from passafe_protocol.topics import COMMAND, STATE, TICK
 from pydantic import BaseModel, ConfigDict
 
+from passafe_services.scenarios.design import robot_of
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.review.between_samples import Extremum, RecomputedMargins
 from passafe_services.tools.review.command_use import CommandUse
@@ -152,7 +153,7 @@ class Verdict(BaseModel):
         trajectory = trajectory_of(log)
         margins = RecomputedMargins.of(trajectory, evaluator, scenario.filter.passivity, points_per_period)
         ticks = log.of(FilterTick)
-        inputs = SentInputs.of(sent.body for sent in log.of(PlantInput))
+        inputs = SentInputs.of((sent.body for sent in log.of(PlantInput)), robot_of(scenario).system.m)
         decisions = Decisions.of([tick.body for tick in ticks])
         properties = judge_driving(decisions, running_states(log.of(PlantState)), scenario.dt_s)
         properties |= judge_properties(scenario, inputs, decisions, trajectory, margins, tolerances)
