@@ -119,12 +119,18 @@ class CommandState(StrEnum):
 
 
 class OperatorCommand(Record, frozen=True):
-    """Command of the operator: ``u_h`` and, if the device provides it, its rate."""
+    """Command of the operator: ``u_h`` and, if the device provides it, its rate.
+
+    The echo of a plant state bounds the command's age at a filter whose clock the operator does not read.
+    """
 
     u_h: Vector
     u_h_rate: Vector
     enabled: bool
     device: str
+    echoed_epoch: int = 0
+    echoed_ns: int = 0
+    echoed_for_ns: int = 0
 
 
 class PlantInput(Record, frozen=True):

@@ -64,20 +64,26 @@ class Header(_message.Message):
     def __init__(self, schema_version: _Optional[int] = ..., source: _Optional[str] = ..., epoch: _Optional[int] = ..., sequence: _Optional[int] = ..., scheduled_ns: _Optional[int] = ..., started_ns: _Optional[int] = ..., sent_ns: _Optional[int] = ..., wall_ns: _Optional[int] = ..., clock_id: _Optional[int] = ...) -> None: ...
 
 class OperatorCommand(_message.Message):
-    __slots__ = ("header", "u_h", "u_h_rate", "enabled", "device", "checksum")
+    __slots__ = ("header", "u_h", "u_h_rate", "enabled", "device", "echoed_epoch", "echoed_ns", "echoed_for_ns", "checksum")
     HEADER_FIELD_NUMBER: _ClassVar[int]
     U_H_FIELD_NUMBER: _ClassVar[int]
     U_H_RATE_FIELD_NUMBER: _ClassVar[int]
     ENABLED_FIELD_NUMBER: _ClassVar[int]
     DEVICE_FIELD_NUMBER: _ClassVar[int]
+    ECHOED_EPOCH_FIELD_NUMBER: _ClassVar[int]
+    ECHOED_NS_FIELD_NUMBER: _ClassVar[int]
+    ECHOED_FOR_NS_FIELD_NUMBER: _ClassVar[int]
     CHECKSUM_FIELD_NUMBER: _ClassVar[int]
     header: Header
     u_h: _containers.RepeatedScalarFieldContainer[float]
     u_h_rate: _containers.RepeatedScalarFieldContainer[float]
     enabled: bool
     device: str
+    echoed_epoch: int
+    echoed_ns: int
+    echoed_for_ns: int
     checksum: int
-    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., u_h: _Optional[_Iterable[float]] = ..., u_h_rate: _Optional[_Iterable[float]] = ..., enabled: _Optional[bool] = ..., device: _Optional[str] = ..., checksum: _Optional[int] = ...) -> None: ...
+    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., u_h: _Optional[_Iterable[float]] = ..., u_h_rate: _Optional[_Iterable[float]] = ..., enabled: _Optional[bool] = ..., device: _Optional[str] = ..., echoed_epoch: _Optional[int] = ..., echoed_ns: _Optional[int] = ..., echoed_for_ns: _Optional[int] = ..., checksum: _Optional[int] = ...) -> None: ...
 
 class PlantInput(_message.Message):
     __slots__ = ("header", "tick", "u", "effective_plant_ns", "hold_ns", "input_sequence_start_ns", "known_break_ns", "previous_u", "checksum")

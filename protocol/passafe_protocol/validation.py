@@ -94,7 +94,12 @@ def _empty_or_as_long_as(field: str, other: str) -> Rule:
 
 RULES: Final[dict[RecordType, tuple[Rule, ...]]] = {
     Header: (_text("source"),),
-    OperatorCommand: (_vector("u_h"), _empty_or_as_long_as("u_h_rate", "u_h"), _text("device")),
+    OperatorCommand: (
+        _vector("u_h"),
+        _empty_or_as_long_as("u_h_rate", "u_h"),
+        _text("device"),
+        _not_negative("echoed_for_ns"),
+    ),
     PlantInput: (
         _vector("u"),
         _plant_time("input_sequence_start_ns"),

@@ -9,6 +9,7 @@ from passafe_protocol.messages import VIRTUAL_CLOCK, CommandState, Event, Header
 from passafe_services.filter.build import request_of
 from passafe_services.filter.command_events import CommandEventEmitter
 from passafe_services.filter.operator_request import OperatorRequest, PassThroughRequest
+from passafe_services.filter.send_time import SendTime
 from passafe_services.scenarios.load import load_scenario
 
 MS = 1_000_000
@@ -20,7 +21,7 @@ def make(estimator: object = None, **operator: object) -> PassThroughRequest:
     overrides = {f"operator.{key}": value for key, value in operator.items()}
     if estimator is not None:
         overrides["operator.estimator"] = estimator
-    return request_of(load_scenario("notomista-cai-2020", overrides), 1, VIRTUAL_CLOCK)
+    return request_of(load_scenario("notomista-cai-2020", overrides), 1, SendTime(VIRTUAL_CLOCK))
 
 
 def send(

@@ -5,6 +5,7 @@ from itertools import count
 from math import exp
 
 import pytest
+from msgspec.structs import replace
 from passafe_protocol.messages import (
     BarrierReport,
     Certificate,
@@ -170,6 +171,23 @@ def test_reordered_state_does_not_set_the_script_back() -> None:
     assert asked_for(node, 111 * MS, newer, older) == 0.111
 
 
+def test_command_echoes_the_newest_state_and_its_time_here() -> None:
+    """The plant's clock is 70 s ahead; a state that was overtaken is not echoed."""
+    node = OperatorNode(TimeTeller(), epoch=EPOCH)
+    body, ahead_ns = state(0, 0).body, 70_000 * MS
+    newer, older = (
+        Received(Header("plant", 4, number, sent_ms * MS + ahead_ns, 0, 0, 0), body, arrived_ms * MS)
+        for number, sent_ms, arrived_ms in ((6, 10, 11), (5, 8, 12))
+    )
+    echoes = []
+    for now_ms, inbox in ((0, []), (20, [newer, older]), (35, [])):
+        [(_, sent)] = node.step(now_ms * MS, inbox)
+        assert isinstance(sent, OperatorCommand)
+        echoes.append((sent.echoed_epoch, sent.echoed_ns, sent.echoed_for_ns))
+
+    assert echoes == [(0, 0, 0), (4, 70_010 * MS, 9 * MS), (4, 70_010 * MS, 24 * MS)]
+
+
 def test_a_plant_that_starts_again_starts_the_script_again() -> None:
     node = OperatorNode(TimeTeller(), epoch=EPOCH)
     assert asked_for(node, 100 * MS, state(50 * MS, 100 * MS)) == 0.05
@@ -181,7 +199,9 @@ def test_same_inbox_gives_same_commands_at_any_start_time() -> None:
     def run(start_ns: int) -> list[object]:
         node = OperatorNode(Lag(target=(-3.0, 1.0), time_constant_s=0.2), epoch=EPOCH)
         inboxes = [[] if k < 5 else [state((k - 5) * MS, start_ns + k * MS)] for k in range(200)]
-        return [node.step(start_ns + k * MS, inbox)[0][1] for k, inbox in enumerate(inboxes)]
+        commands = [node.step(start_ns + k * MS, inbox)[0][1] for k, inbox in enumerate(inboxes)]
+        assert [command.echoed_ns for command in commands[5:]] == [start_ns + k * MS for k in range(5, 200)]
+        return [replace(command, echoed_ns=0) for command in commands]
 
     assert run(0) == run(123_456_789_012_345)
 

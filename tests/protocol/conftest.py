@@ -37,7 +37,15 @@ HEADER = Header(
 )
 
 BODIES: tuple[Message, ...] = (
-    OperatorCommand(u_h=(1.5, -2.0), u_h_rate=(0.25, 0.0), enabled=True, device="lag"),
+    OperatorCommand(
+        u_h=(1.5, -2.0),
+        u_h_rate=(0.25, 0.0),
+        enabled=True,
+        device="lag",
+        echoed_epoch=7,
+        echoed_ns=-5,
+        echoed_for_ns=9,
+    ),
     PlantInput(
         tick=300,
         u=(0.5, -0.5),

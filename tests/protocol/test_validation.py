@@ -99,6 +99,7 @@ REFUSED: list[tuple[type, dict[str, Any], str]] = [
     (FilterTick, {"consumed": (Consumed("", 0, 0, 0),)}, "consumed[0].topic"),
     (FilterTick, {"state_age_ns": -2}, "state_age_ns"),
     (FilterTick, {"command_age_ns": -2}, "command_age_ns"),
+    (OperatorCommand, {"echoed_for_ns": -1}, "echoed_for_ns"),
     (FilterTick, {"command_state": "asleep"}, "command_state"),
     (FilterTick, {"command_share": 1.0000001}, "command_share"),
     (FilterTick, {"command_share": -1e-9}, "command_share"),

@@ -5,9 +5,14 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from passafe_protocol.link_settings import LinkSettings
 from passafe_protocol.messages import Event, FilterStatus, FilterTick, Header, Message, PlantState
 from passafe_protocol.topics import Topic
+from passafe_services.filter.build import filter_node
 from passafe_services.log.log_writer import LogWriter, run_metadata
+from passafe_services.loop.lockstep import Lockstep
+from passafe_services.operator.build import operator_node
+from passafe_services.plant.build import plant_node
 from passafe_services.recorder.lockstep_log import LockstepLog
 from passafe_services.scenarios.load import load_scenario
 from passafe_services.scenarios.schema import Scenario
@@ -144,3 +149,23 @@ def test_stale_stretches_replay_bit_for_bit(tmp_path: Path, *, prediction: bool)
     states = {tick.body.command_state for tick in log.of(FilterTick)}
     assert states == {"counts", "silent", "resumes", "delayed"}
     assert replay_filter(log).exact
+
+
+@pytest.mark.parametrize(("delay_s", "drives"), [(0.25, False), (0.15, True)])
+def test_operator_on_another_host_is_held_to_the_limit(*, delay_s: float, drives: bool) -> None:
+    """No clock is shared; the delay is there from the first message on, and only an echo shows it."""
+    points = [(0.0, 5.0), (9.0, 5.0)]
+    scenario = scenario_of(points, duration_s=1.0, filter__feedback={"k_d": 4.0})
+    ticks: list[FilterTick] = []
+
+    def keep(_topic: Topic, _header: Header, body: Message) -> None:
+        if isinstance(body, FilterTick):
+            ticks.append(body)
+
+    nodes = [plant_node(scenario), operator_node(scenario, 1), filter_node(scenario, "lockstep", 1, clock_id=77)]
+    loop = Lockstep(nodes, period_ns=4 * MS, links={LINK: LinkSettings(delay_s=delay_s)}, observer=keep)
+    loop.run(250)
+
+    assert {tick.command_state for tick in ticks} == {"none", "counts" if drives else "delayed"}
+    assert ticks[-1].command_age_ns == pytest.approx(delay_s * 1e9, abs=8 * MS)
+    assert ticks[-1].u_h == ((5.0, 0.0) if drives else (0.0, 0.0))

@@ -11,6 +11,7 @@ from passafe.human_input import HandModel, HumanInputEstimator
 from passafe.models.robot import Robot
 from passafe.override import Explainer
 from passafe_services.filter.command_events import CommandEventEmitter
+from passafe_services.filter.command_send_time import CommandSendTime
 from passafe_services.filter.dead_man import DeadManFade
 from passafe_services.filter.decision_loop import DecisionLoop
 from passafe_services.filter.input_sequencer import InputSequencer
@@ -18,6 +19,7 @@ from passafe_services.filter.newest_command import NewestCommand
 from passafe_services.filter.node import FilterNode
 from passafe_services.filter.operator_request import EstimatedRequest, PassThroughRequest
 from passafe_services.filter.override_text import OverrideText
+from passafe_services.filter.plant_clock import PlantClock
 from passafe_services.filter.playout_schedule import PlayoutSchedule
 from passafe_services.filter.predictor import Predictor
 from passafe_services.filter.resume_ramp import ResumeRamp
@@ -80,14 +82,16 @@ def filter_node(
     """
     model = PlantModel.of(scenario) if model is None else model
     compiled = CompiledFilter.of(scenario, model.robot) if compiled is None else compiled
+    plant_clock = PlantClock(clock_id, epoch)
     decisions = DecisionLoop(
         compiled.core,
         period_ns=model.period_ns,
         schedule=PlayoutSchedule(period_ns=model.period_ns, playout_ns=model.playout_ns, epoch=epoch),
-        request=request_of(scenario, model.robot.system.m, clock_id),
+        request=request_of(scenario, model.robot.system.m, CommandSendTime(clock_id, plant_clock)),
         command_events=CommandEventEmitter(
             round(scenario.operator.stale_s * 1e9), round(scenario.operator.resume_s * 1e9)
         ),
+        plant_clock=plant_clock,
         clock_id=clock_id,
         state_stale_ns=round(scenario.filter.stale_s * 1e9),
         starts_nearest=scenario.filter.start == "nearest",
@@ -106,20 +110,20 @@ def filter_node(
     )
 
 
-def request_of(scenario: Scenario, inputs: int, clock_id: int) -> PassThroughRequest:
+def request_of(scenario: Scenario, inputs: int, send_time: SendTime) -> PassThroughRequest:
     """Return the request model of a scenario: pass-through or estimated.
 
     Args:
         scenario: The scenario.
         inputs: m.
-        clock_id: Which monotonic clock the filter's loop reads.
+        send_time: Estimates when commands were sent.
 
     Raises:
         DesignError: The agility is out of proportion to the resolution.
     """
     operator = scenario.operator
     fade_ns = round(operator.fade_s * 1e9)
-    newest = NewestCommand(SendTime(clock_id), round(operator.stale_s * 1e9))
+    newest = NewestCommand(send_time, round(operator.stale_s * 1e9))
     fade = DeadManFade(inputs, fade_ns)
     ramp = ResumeRamp(DeadManFade(inputs, fade_ns), round(operator.resume_s * 1e9))
     config = operator.estimator

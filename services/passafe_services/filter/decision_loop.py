@@ -21,6 +21,7 @@ from passafe_services.filter.input_path import InputPath
 from passafe_services.filter.newest_state import NewestState
 from passafe_services.filter.operator_request import OperatorRequest, PassThroughRequest
 from passafe_services.filter.override_text import OverrideText
+from passafe_services.filter.plant_clock import PlantClock
 from passafe_services.filter.playout_schedule import PlayoutSchedule
 from passafe_services.filter.send_time import SendTime
 from passafe_services.filter.telemetry import STATUS, Telemetry, TickRecord
@@ -47,6 +48,7 @@ class DecisionLoop:
         schedule: PlayoutSchedule,
         request: PassThroughRequest,
         command_events: CommandEventEmitter,
+        plant_clock: PlantClock,
         clock_id: int,
         state_stale_ns: int,
         starts_nearest: bool,
@@ -62,6 +64,7 @@ class DecisionLoop:
             schedule: Assigns a plant time to every step.
             request: OperatorRequest of the operator, from its commands.
             command_events: Says when commands are too old to count.
+            plant_clock: Clock of the plant, which the request knows as well.
             clock_id: Which monotonic clock the loop reads.
             state_stale_ns: Time without a newer state after which nothing is sent, ns.
             starts_nearest: Whether the very first input is the nearest to û, rather than one step from u = 0.
@@ -77,6 +80,7 @@ class DecisionLoop:
         self._override_events = OverrideEventEmitter(explainer, override_text, max(core.design.limits.magnitude))
         self._request = request
         self._command_events = command_events
+        self._plant_clock = plant_clock
         self._period_ns = period_ns
         self._state_stale_ns = state_stale_ns
         self._starts_nearest = self._starts = starts_nearest
@@ -135,6 +139,7 @@ class DecisionLoop:
             if type(body) is PlantState:
                 epoch = newest.epoch
                 if newest.receive(received, body):
+                    self._plant_clock.observe(received, body)
                     if newest.epoch != epoch:
                         self._start_plant_session(path)
                     path.confirm(body)

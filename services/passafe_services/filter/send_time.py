@@ -47,6 +47,11 @@ class SendTime:
             if header.scheduled_ns <= received_ns:
                 return header.scheduled_ns
             self._is_trusted = False
+        return self._estimate(received)
+
+    def _estimate(self, received: Received) -> int:
+        """Return the send time of a message whose sender reads another clock."""
+        header, received_ns = received.header, received.received_ns
         if not self._is_plausible(header.scheduled_ns, received_ns):
             self._clock.restart()
         self._scheduled_ns, self._received_ns = header.scheduled_ns, received_ns

@@ -59,6 +59,7 @@ class OperatorNode:
         self._state: PlantState | None = None
         self._state_ns = 0
         self._state_number = (-1, -1)
+        self._echoed = (0, 0)
         self._tick: FilterTick | None = None
         self._tick_ns = 0
         self._newer_epoch: int | None = None
@@ -90,7 +91,8 @@ class OperatorNode:
             self._show_due_ns = now_ns + DISPLAY_PERIOD_NS
             self._show(self._view(now_ns, command))
         if self._newer_epoch is None:
-            body = OperatorCommand(command.u_h, command.u_h_rate, command.enabled, self._source.device)
+            echo = (*self._echoed, max(now_ns - self._state_ns, 0)) if self._state is not None else ()
+            body = OperatorCommand(command.u_h, command.u_h_rate, command.enabled, self._source.device, *echo)
             return ((COMMAND, body),)
         return self._supersession_event(self._newer_epoch)
 
@@ -103,6 +105,7 @@ class OperatorNode:
                 if number > self._state_number:  # reordered states are ignored
                     self._state_number = number
                     self._state, self._state_ns = body, received.received_ns
+                    self._echoed = (received.header.epoch, received.header.scheduled_ns)
             elif isinstance(body, OperatorCommand):
                 if received.header.epoch > self._epoch:
                     self._newer_epoch = received.header.epoch
