@@ -139,7 +139,8 @@ class FilterDesign:
     def _refuse_jumps(self) -> None:
         """Refuse what has no derivative wherever one is taken; the fail-safe law is only evaluated."""
         require_no_jumps("dynamics f", self.system.f)
-        require_no_jumps("output y", self.system.y)
+        require_no_jumps("output y", self.system.port_y)
+        require_no_jumps("port_u", self.system.port_u)
         require_no_jumps("feedback u_fb", self.u_fb)
         require_no_jumps("storage V", self.passivity.V)
         for barrier in self.barriers:

@@ -47,6 +47,8 @@ class Passivity:
 def power_margin(system: System, V: ca.SX) -> ca.SX:
     """Return h_u(x, u) = g(x)ᵀu − L_f V(x, u), W: what the plant dissipates (paper, equation 10).
 
+    gᵀu is the power through the system's port, ``System.power``.
+
     The plant is passive with storage V along a trajectory on which h_u ≥ 0 (paper, lemma 1).
 
     Args:
@@ -57,4 +59,4 @@ def power_margin(system: System, V: ca.SX) -> ca.SX:
         ShapeError: V is no scalar.
     """
     system.require_state_function("storage V", V, 1)
-    return ca.dot(system.y, system.u) - system.lie_derivative(V)
+    return system.power - system.lie_derivative(V)

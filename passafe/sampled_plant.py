@@ -28,9 +28,9 @@ class Sample(Struct, frozen=True, gc=False):
 
     Attributes:
         x: State, n numbers.
-        y: Output g(x), m numbers.
+        y: Output g(x), as many numbers as the system has outputs.
         stored_j: V(x), J.
-        energy_in_j: ∫yᵀu dt over the period, J.
+        energy_in_j: ∫yᵀu dt of the port over the period, J.
         integration_error: Estimated local error of x; 0 where the step is exact.
     """
 
@@ -60,7 +60,7 @@ class AfterStep(Stage[T], frozen=True, eq=False, gc=False):
 
     Attributes:
         x_next: State at its end, n.
-        y: Output there, m.
+        y: Output there.
     """
 
     x_next: T
@@ -87,7 +87,8 @@ class SampledPlant:
     Attributes:
         system: The plant.
         dt_s: Period, s.
-        exact: Whether the steps are exact: f linear in (x, u) and g linear in x, up to constants.
+        exact: Whether the steps are exact: f linear in (x, u), g and the port's output linear in x,
+            up to constants.
         layout: Places of a step's arguments and results.
         step: ``HeldStep`` → ``AfterStep`` and ``StepEnergy``; a step takes ``dt_s`` where it is exact, else h seconds.
     """
@@ -182,18 +183,19 @@ class SampledPlant:
 
 
 def is_linear(system: System) -> bool:
-    """Return whether f is linear in (x, u) and g linear in x, both up to constants."""
+    """Return whether f is linear in (x, u), and g and the port's output linear in x, all up to constants."""
     z = ca.vertcat(system.x, system.u)
-    slopes = [ca.jacobian(system.f, z), ca.jacobian(system.y, system.x)]
+    outputs = (system.y, system.port_y)
+    slopes = [ca.jacobian(system.f, z), *(ca.jacobian(output, system.x) for output in outputs)]
     return not any(ca.symvar(ca.simplify(slope)) for slope in slopes)
 
 
 def held_flow(system: System, h: float | ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
     """Return (x after h seconds, ∫yᵀu dt, estimated local error of x) as expressions of the system's x and u.
 
-    Linear systems: the matrix exponential of [x, ∫y, u, 1], exact up to rounding (Van Loan 1978). Others: two half
-    steps of the classical fourth-order Runge–Kutta method, improved by Richardson's extrapolation against one
-    whole step, whose difference is the error estimate (Hairer, Nørsett & Wanner, II.4).
+    y and u are the port's here. Linear systems: the matrix exponential of [x, ∫y, u, 1], exact up to rounding (Van Loan
+    1978). Others: two half steps of the classical fourth-order Runge–Kutta method, improved by Richardson extrapolation
+    against one whole step, whose difference is the error estimate (Hairer, Nørsett & Wanner, II.4).
 
     Args:
         system: The plant.
@@ -201,29 +203,29 @@ def held_flow(system: System, h: float | ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
     """
     if is_linear(system):
         x_next, q = _linear_flow(system, float(h))
-        return x_next, ca.dot(q, system.u), ca.SX(0)
+        return x_next, ca.dot(q, system.port_u), ca.SX(0)
     x_next, q, error = _runge_kutta_flow(system, ca.SX(h))
-    return x_next, ca.dot(q, system.u), error
+    return x_next, ca.dot(q, system.port_u), error
 
 
 def _linear_flow(system: System, h: float) -> tuple[ca.SX, ca.SX]:
     """Return x and q = ∫y after h seconds: the flow of [ẋ; q̇; u̇; 1̇] = M [x; q; u; 1]."""
-    x, u, n, m = system.x, system.u, system.n, system.m
-    parts = [ca.jacobian(system.f, x), ca.jacobian(system.f, u), ca.jacobian(system.y, x)]
+    x, u, n, m, k = system.x, system.u, system.n, system.m, system.port_y.numel()
+    parts = [ca.jacobian(system.f, x), ca.jacobian(system.f, u), ca.jacobian(system.port_y, x)]
     A, B, C = (ca.DM(ca.simplify(part)).full() for part in parts)
-    rest = ca.Function("rest", [x, u], [system.f, system.y])
+    rest = ca.Function("rest", [x, u], [system.f, system.port_y])
     f0, y0 = (value.full().ravel() for value in rest(ca.DM.zeros(n), ca.DM.zeros(m)))
-    M = np.zeros((n + 2 * m + 1,) * 2)
-    M[:n, :n], M[:n, n + m : n + 2 * m], M[:n, -1] = A, B, f0
-    M[n : n + m, :n], M[n : n + m, -1] = C, y0
-    after = ca.DM(expm(M * h)) @ ca.vertcat(x, ca.DM.zeros(m), u, 1)
-    return after[:n], after[n : n + m]
+    M = np.zeros((n + k + m + 1,) * 2)
+    M[:n, :n], M[:n, n + k : n + k + m], M[:n, -1] = A, B, f0
+    M[n : n + k, :n], M[n : n + k, -1] = C, y0
+    after = ca.DM(expm(M * h)) @ ca.vertcat(x, ca.DM.zeros(k), u, 1)
+    return after[:n], after[n : n + k]
 
 
 def _runge_kutta_flow(system: System, h: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
     """Return x, q = ∫y and the error estimate of x after h seconds."""
     n = system.n
-    rate = ca.Function("rate", [system.x, system.u], [ca.vertcat(system.f, system.y)])
+    rate = ca.Function("rate", [system.x, system.u], [ca.vertcat(system.f, system.port_y)])
 
     def step(s: ca.SX, h: ca.SX) -> ca.SX:
         k1 = rate(s[:n], system.u)
@@ -232,7 +234,7 @@ def _runge_kutta_flow(system: System, h: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
         k4 = rate((s + h * k3)[:n], system.u)
         return s + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
 
-    start = ca.vertcat(system.x, ca.SX.zeros(system.m))
+    start = ca.vertcat(system.x, ca.SX.zeros(system.port_y.numel()))
     whole = step(start, h)
     halves = step(step(start, h / 2), h / 2)
     correction = (halves - whole) / 15
@@ -240,5 +242,5 @@ def _runge_kutta_flow(system: System, h: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
     return (
         (halves + correction)[:n],
         (halves + correction)[n:],
-        ca.norm_2(ca.vertcat(correction[:n], correction[n:] * system.u)),
+        ca.norm_2(ca.vertcat(correction[:n], correction[n:] * system.port_u)),
     )

@@ -10,18 +10,21 @@ from passafe.expressions import as_column
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class System:
-    """A plant ẋ = f(x, u), y = g(x) with as many outputs as inputs (paper, equation 1).
+    """A plant ẋ = f(x, u), y = g(x) with a port through which it is driven (paper, equation 1).
 
-    Each part may also be given as a sequence of scalars, which makes a column.
+    A port is a pair of as many outputs as inputs, whose product is the power that is supplied: yᵀu, unless ``port_y``
+    and ``port_u`` say which. Each part may also be given as a sequence of scalars, which makes a column.
 
     Attributes:
         x: State symbol, shape (n, 1).
         u: Input symbol, shape (m, 1).
         f: ẋ as an expression of x and u, shape (n, 1), state units per second.
-        y: Output g(x), shape (m, 1); yᵀu is the power that the input supplies.
+        y: Output g(x), a column of m rows; of any number where a port is given.
         t: Time symbol, s: safe sets may move, the plant itself does not change with time.
+        port_y: The port's output, expression of x, shape (k, 1); y if not given.
+        port_u: The port's input, expression of u, shape (k, 1); u if not given.
         n: Number of states.
-        m: Number of inputs, and of outputs.
+        m: Number of inputs.
     """
 
     x: ca.SX
@@ -29,12 +32,14 @@ class System:
     f: ca.SX
     y: ca.SX
     t: ca.SX = field(default_factory=lambda: ca.SX.sym("t"))
+    port_y: ca.SX = field(default_factory=lambda: ca.SX(0, 0))
+    port_u: ca.SX = field(default_factory=lambda: ca.SX(0, 0))
     n: int = field(init=False)
     m: int = field(init=False)
 
     def __post_init__(self) -> None:
         """Refuse shapes that do not fit and expressions with other symbols."""
-        for part in ("x", "u", "f", "y", "t"):
+        for part in ("x", "u", "f", "y", "t", "port_y", "port_u"):
             object.__setattr__(self, part, as_column(f"system {part}", getattr(self, part)))
         for part in ("x", "u"):
             symbol = getattr(self, part)
@@ -43,7 +48,22 @@ class System:
         object.__setattr__(self, "n", int(self.x.numel()))
         object.__setattr__(self, "m", int(self.u.numel()))
         self._require("f", self.f, self.n, symbols=ca.vertcat(self.x, self.u))
-        self._require("y", self.y, self.m, symbols=self.x)
+        self._take_port()
+
+    def _take_port(self) -> None:
+        is_given = {part: getattr(self, part).shape != (0, 0) for part in ("port_y", "port_u")}
+        rows = max(int(self.y.numel()), 1) if any(is_given.values()) else self.m
+        self._require("y", self.y, rows, symbols=self.x)
+        for part, instead in (("port_y", self.y), ("port_u", self.u)):
+            object.__setattr__(self, part, getattr(self, part) if is_given[part] else instead)
+        rows = int(self.port_u.numel())
+        self._require("port_u", self.port_u, max(rows, 1), symbols=self.u)
+        self._require("port_y", self.port_y, rows, symbols=self.x)
+
+    @property
+    def power(self) -> ca.SX:
+        """Return the power that the input supplies through the port, expression of x and u, W."""
+        return ca.dot(self.port_y, self.port_u)
 
     def require_state_function(self, part: str, expression: ca.SX, rows: int, *, may_move: bool = False) -> None:
         """Refuse an expression that is no column of ``rows`` functions of x alone, or of x and t if it ``may_move``.
