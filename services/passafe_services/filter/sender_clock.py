@@ -1,4 +1,4 @@
-"""Estimates the operator's clock from message arrivals, for the time between commands, not for their age."""
+"""Estimates a sender's clock from message arrivals, up to the least delay, which cannot be seen from one side."""
 
 from typing import Final
 

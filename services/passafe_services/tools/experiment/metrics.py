@@ -48,9 +48,9 @@ class Metrics(SweepRecord):
         inputs_refused: Inputs that the plant refused.
         input_lead_ms_p50: By how much the newest input came before its time, median over the plant's samples, ms.
         input_lead_ms_min: The same, smallest.
-        command_age_ms_p50: Age of the newest command at a filter tick, since it arrived, median, ms.
+        command_age_ms_p50: Age of the newest command at a filter tick, time on the way included, median, ms.
         command_age_ms_p99: The same, 99th percentile.
-        state_age_ms_p50: Age of the newest plant state at a filter tick, since it arrived, median, ms.
+        state_age_ms_p50: Age of the newest plant state at a filter tick, time on the way included, median, ms.
         state_age_ms_p99: The same, 99th percentile.
         tracking_rms: Distance from where the robot is at the same time without injected links, root mean square.
         tracking_max: The same, largest.
