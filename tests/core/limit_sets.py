@@ -22,7 +22,11 @@ LIMIT_SETS: dict[str, dict[str, object]] = {
     },
     "norms of parts": {
         "input_bound": 20.0,
-        "input_norms": (NormBound(axes=(1,), bound=5.0), NormBound(axes=(0, 1), bound=9.0)),
+        "input_norms": (
+            NormBound(axes=(1,), bound=5.0),
+            NormBound(axes=(0, 1), bound=9.0),
+            NormBound(axes=(0,), bound=8.5),
+        ),
     },
     "everything": {
         "input_bound": None,

@@ -14,7 +14,6 @@ from passafe_services.tools.feasibility.batch_rows import StateRows
 from passafe_services.tools.feasibility.largest_margin import largest_margin_inputs
 
 from passafe.admissible_shapes import HalfSpace, NormBound
-from passafe.errors import ShapeError
 from passafe.limits import Limits
 from passafe.models.damped_point import damped_point
 
@@ -112,8 +111,15 @@ def test_what_is_no_limit_is_named(keys: dict[str, object], message: str) -> Non
 def test_lists_have_one_number_for_each_axis() -> None:
     scenario = arm(input_bound=[1.0, 2.0])
 
-    with pytest.raises(ShapeError, match="input_bound: got 2 numbers, allowed one number, or 3"):
+    with pytest.raises(ScenarioError, match=r"filter\.input_bound: got 2 numbers, allowed one number, or 3"):
         design_of(scenario, robot_of(scenario))
+
+
+def test_limits_leave_some_input() -> None:
+    scenario = arm(input_low=4.0, input_norm_bound=5.0)
+
+    with pytest.raises(ScenarioError, match=r"filter\.input limits: got a set of inputs without an interior"):
+        limits_of(scenario, robot_of(scenario))
 
 
 LIMITS = Limits.of(

@@ -4,6 +4,7 @@ import casadi as ca
 
 from passafe.barrier_chain import Barrier
 from passafe.design import FilterDesign, Law, Mode
+from passafe.errors import DesignError
 from passafe.limits import Limits
 from passafe.models.joint_chain import MOST_JOINTS
 from passafe.models.robot import Robot
@@ -96,8 +97,10 @@ def design_of(scenario: Scenario, robot: Robot) -> FilterDesign:
     """Return the design of the scenario's filter.
 
     Raises:
+        ScenarioError: As for ``limits_of``.
         DesignError: Parts of the design do not fit together, for example a barrier without relative degree.
     """
+    limits_of(scenario, robot)  # what it refuses is named as the file has it
     config = scenario.filter
     passivity = config.passivity
     return FilterDesign(
@@ -130,8 +133,15 @@ def design_of(scenario: Scenario, robot: Robot) -> FilterDesign:
 
 
 def limits_of(scenario: Scenario, robot: Robot) -> Limits:
-    """Return the scenario's input limits."""
-    return scenario.filter.limits(robot.system.m)
+    """Return the scenario's input limits.
+
+    Raises:
+        ScenarioError: Lists of another number of axes than the robot has, or limits that leave no input.
+    """
+    try:
+        return scenario.filter.limits(robot.system.m)
+    except DesignError as error:
+        raise ScenarioError(scenario.name, f"filter.{error.field}", str(error.got), error.allowed) from error
 
 
 def sampled_plant_of(scenario: Scenario, robot: Robot) -> SampledPlant:
