@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import reduce
+from functools import lru_cache, reduce
 from math import sqrt
 from typing import Final
 
@@ -191,8 +191,7 @@ class Limits:
             high: Largest u⁺, shape (m,).
         """
         given = (ca.DM(np.nan_to_num(each, posinf=LARGEST, neginf=-LARGEST)) for each in (u_plus, u, low, high))
-        symbols = [ca.SX.sym(name, len(u)) for name in ("u_plus", "u", "low", "high")]
-        return np.asarray(ca.Function("clip", symbols, [self.clip(*symbols)])(*given).full().ravel())
+        return np.asarray(_clip_function(self)(*given).full().ravel())
 
     def excess(self, u: Array, before: Array | None = None, dt_s: float = 0.0) -> Array:
         """Return by how much inputs exceed the limit that they exceed most, shape (…), units of u; ≤ 0 within all.
@@ -224,6 +223,12 @@ class Limits:
         for half_space in self.half_spaces:
             held.append(ca.dot(ca.DM(list(half_space.weights)), u) <= half_space.bound + ROUNDING * self.reach)
         return reduce(ca.logic_and, held)
+
+
+@lru_cache(maxsize=64)
+def _clip_function(limits: Limits) -> ca.Function:
+    symbols = [ca.SX.sym(name, len(limits.low)) for name in ("u_plus", "u", "low", "high")]
+    return ca.Function("clip", symbols, [limits.clip(*symbols)])
 
 
 def _to_sphere(norm: NormBound, origin: ca.SX, way: ca.SX, end: ca.SX) -> tuple[ca.SX, ca.SX]:
