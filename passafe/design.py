@@ -84,6 +84,7 @@ class FilterDesign:
         hold_s: How long an input may stay in force where no other follows, s; one period if not given. The margin
             between samples covers all of it.
         tolerance: Residuals up to which an answer is accepted.
+        limits: Limits of the actuators that all bounds amount to.
     """
 
     system: System
@@ -107,12 +108,13 @@ class FilterDesign:
     between_samples: bool = True
     hold_s: float | None = None
     tolerance: Tolerance = field(default_factory=Tolerance)
+    limits: Limits = field(init=False)
 
     def __post_init__(self) -> None:
         """Take parts in every form that is allowed, and refuse what does not fit together."""
         self._take_parts()
         self._take_numbers()
-        _ = self.limits  # refuses bounds that cannot be used
+        object.__setattr__(self, "limits", self._limits())
         names = [barrier.name for barrier in self.barriers]
         if len(set(names)) != len(names):
             raise DesignError("barriers", f"the names {names}", "each name once")
@@ -156,9 +158,7 @@ class FilterDesign:
         if self.hold_s is not None and not 0.0 <= one_number("hold_s", self.hold_s) < inf:
             raise DesignError("hold_s", self.hold_s, "a finite number, zero or more")
 
-    @property
-    def limits(self) -> Limits:
-        """Limits of the actuators that all bounds amount to."""
+    def _limits(self) -> Limits:
         return Limits.of(
             self.system.m,
             self.input_bound,
