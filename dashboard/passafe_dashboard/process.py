@@ -40,6 +40,7 @@ def serve(
     *,
     host: str = LOOPBACK,
     scenario: Scenario | None = None,
+    epoch: int | None = None,
     lifeline: bool = False,
     frame_hz: float = FRAME_HZ,
 ) -> StopReason | None:
@@ -50,6 +51,7 @@ def serve(
         port: TCP port of the page; 0 takes a free one, which is printed.
         host: Address of the page; other than loopback, other hosts reach it too, without access control.
         scenario: Configuration until a ScenarioInfo arrives.
+        epoch: Session number of the published messages; the wall clock in ns if not given.
         lifeline: Whether standard input is a lifeline (see ``passafe_services.loop.stop``).
         frame_hz: Frames a second for each page, at most.
 
@@ -64,7 +66,7 @@ def serve(
     with stop_requests(lifeline=lifeline) as stop, listening_socket(host, port) as listener:
         feed = Feed(scenario)
         with open_bus(endpoint) as bus:
-            outlet = Outlet(bus, NAME, time.time_ns())
+            outlet = Outlet(bus, NAME, time.time_ns() if epoch is None else epoch)
             reader = BusReader(bus, feed, outlet)
             broadcast = Broadcast(feed, read=reader.read, clock=time.monotonic_ns, frame_hz=frame_hz)
             links = LinkRequests(broadcast, partial(_request_settings, outlet))
@@ -115,4 +117,11 @@ def _print_address(listener: socket.socket) -> None:
 
 def start(options: ProcessOptions) -> None:
     """Serve the live page until asked to stop."""
-    serve(options.endpoint, options.port, host=options.host, scenario=options.scenario, lifeline=options.lifeline)
+    serve(
+        options.endpoint,
+        options.port,
+        host=options.host,
+        scenario=options.scenario,
+        epoch=options.epoch,
+        lifeline=options.lifeline,
+    )

@@ -38,7 +38,7 @@ from passafe_services.recorder.process import run_recorder
 from passafe_services.loop.router_endpoint import RouterEndpoint
 metadata = run_metadata(scenario_json=sys.argv[3], versions={}, driver="live")
 try:
-    run_recorder(RouterEndpoint(port=int(sys.argv[1])), Path(sys.argv[2]), metadata, lifeline=True)
+    run_recorder(RouterEndpoint(port=int(sys.argv[1])), Path(sys.argv[2]), metadata, epoch=1, lifeline=True)
 except LogFileError as error:
     sys.exit(str(error))
 """

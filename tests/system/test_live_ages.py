@@ -50,6 +50,16 @@ def test_processes_of_one_host_name_one_clock(slow: tuple[RunLog, str]) -> None:
     assert clocks == {monotonic_clock_id()}
 
 
+def test_supervisor_gives_epochs_in_the_order_of_the_starts(slow: tuple[RunLog, str]) -> None:
+    log, _ = slow
+    started = (OperatorCommand, FilterTick, PlantState)
+    sessions = [{sent.header.epoch for sent in log.of(kind)} for kind in started]
+
+    assert [len(epochs) for epochs in sessions] == [1, 1, 1]
+    operator, core, plant = (min(epochs) for epochs in sessions)
+    assert operator < core < plant
+
+
 def test_late_commands_replay_to_the_last_bit(slow: tuple[RunLog, str]) -> None:
     result = replay_filter(slow[0])
 

@@ -55,6 +55,7 @@ def demo_processes(
         ProcessSpec(
             name=name,
             argv=(sys.executable, "-P", *_MODULE, name, *common, *own),
+            epoch_option="--epoch",
             grace_s=_RECORDER_GRACE_S if name is ProcessName.RECORDER else GRACE_S,
             restarts=RestartPolicy() if restart and name in RESTARTED else None,
         )

@@ -1,5 +1,6 @@
 """``passafe run``: run one process of the system, for containers, other hosts and a person at a keyboard."""
 
+import time
 from importlib import import_module
 from pathlib import Path
 from typing import Annotated
@@ -25,6 +26,15 @@ def run(
     ),
     port: Annotated[int, typer.Option(metavar="PORT", min=1, max=65535, help="Dashboard: port of its page.")] = 8080,
     host: Annotated[str, typer.Option(metavar="ADDRESS", help="Dashboard: address of its page.")] = "127.0.0.1",
+    epoch: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N",
+            min=1,
+            max=2**63 - 1,
+            help="Epoch of its session, larger than that of every earlier one; the wall clock in ns if not given.",
+        ),
+    ] = None,
     lifeline: Annotated[
         bool, typer.Option("--lifeline", help="End when standard input is closed; `passafe demo` uses this.")
     ] = False,
@@ -46,6 +56,7 @@ def run(
         out=out,
         port=port,
         host=host,
+        epoch=time.time_ns() if epoch is None else epoch,
         lifeline=lifeline,
     )
     package = "passafe_dashboard" if process is ProcessName.DASHBOARD else f"passafe_services.{process}"

@@ -55,12 +55,13 @@ class ChildProcess(asyncio.SubprocessProtocol):
         self._prioritized = False
 
     @classmethod
-    async def start(cls, spec: ProcessSpec, relay: RelayLine) -> "ChildProcess":
+    async def start(cls, spec: ProcessSpec, relay: RelayLine, *, epoch: int = 0) -> "ChildProcess":
         """Start a process.
 
         Args:
             spec: The process.
             relay: Called with its name and each line that it prints.
+            epoch: Epoch of its session.
 
         Raises:
             OSError: The process cannot be started.
@@ -68,7 +69,7 @@ class ChildProcess(asyncio.SubprocessProtocol):
         loop = asyncio.get_running_loop()
         child = cls(spec, relay, loop)
         await loop.subprocess_exec(
-            lambda: child, *spec.argv, stdin=PIPE, stdout=PIPE, stderr=PIPE, start_new_session=True
+            lambda: child, *spec.command(epoch), stdin=PIPE, stdout=PIPE, stderr=PIPE, start_new_session=True
         )
         return child
 

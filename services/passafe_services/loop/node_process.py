@@ -12,15 +12,13 @@ def run_node(
     node: Node,
     options: ProcessOptions,
     *,
-    epoch: int | None = None,
     finished: Callable[[], bool] | None = None,
 ) -> None:
     """Step a node in real time until it is stopped.
 
     Args:
         node: The node.
-        options: Scenario, endpoint and lifeline.
-        epoch: Session number, if the node needs it.
+        options: Scenario, endpoint, epoch and lifeline.
         finished: Called before each step; true ends the run.
     """
     run_live(
@@ -29,7 +27,7 @@ def run_node(
         endpoint=options.endpoint,
         links=link_settings(options.scenario),
         link_changes=link_changes(options.scenario),
-        epoch=epoch,
+        epoch=options.epoch,
         lifeline=options.lifeline,
         finished=finished,
     )

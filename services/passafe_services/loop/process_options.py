@@ -38,6 +38,7 @@ class ProcessOptions:
         out: Recorder: log to write.
         port: Dashboard: port of its page.
         host: Dashboard: address of its page.
+        epoch: Epoch of its session, larger than those of all earlier ones of this process.
         lifeline: Whether to end when standard input closes.
     """
 
@@ -48,4 +49,5 @@ class ProcessOptions:
     out: Path
     port: int
     host: str
+    epoch: int
     lifeline: bool

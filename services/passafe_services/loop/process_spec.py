@@ -30,11 +30,17 @@ class ProcessSpec:
     Attributes:
         name: Its name, unique in a run; prefix of every line that it prints.
         argv: The program and its arguments.
+        epoch_option: Option that tells it the epoch of its session; empty: it has none.
         grace_s: Time that it may take to end before it is killed, s.
         restarts: Policy for restarts when it dies; ``None``: its death ends the run.
     """
 
     name: str
     argv: tuple[str, ...]
+    epoch_option: str = ""
     grace_s: float = GRACE_S
     restarts: RestartPolicy | None = None
+
+    def command(self, epoch: int) -> tuple[str, ...]:
+        """Return the program and its arguments for a session of this epoch."""
+        return (*self.argv, self.epoch_option, str(epoch)) if self.epoch_option else self.argv

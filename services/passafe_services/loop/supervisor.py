@@ -12,6 +12,7 @@ from typing import Any, Final
 from passafe_services.loop.child_process import ChildProcess
 from passafe_services.loop.process_exit import Exit, ExitCause, RunOutcome
 from passafe_services.loop.process_spec import ProcessSpec
+from passafe_services.loop.session_epochs import SessionEpochs
 
 READY_TIMEOUT_S: Final = 20.0
 _SIGNALS: Final = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
@@ -26,6 +27,7 @@ def supervise(
     on_ready: Callable[[], None] | None = None,
     emit: PrintLine | None = None,
     ready_timeout_s: float = READY_TIMEOUT_S,
+    epochs: SessionEpochs | None = None,
 ) -> RunOutcome:
     """Run processes until one ends, the duration is over or a signal requests the end; main thread only.
 
@@ -41,21 +43,19 @@ def supervise(
         emit: Called with each line to print; standard output if not given.
         ready_timeout_s: Time that a process may take to be ready, s; a restarted one that takes longer is killed,
             which counts as its death.
+        epochs: Epochs of the sessions; from the wall clock if not given.
 
     Returns:
         Cause of the end and exit of each process.
     """
-    return asyncio.run(_supervise(specs, duration_s, on_ready, emit or _print, ready_timeout_s))
+    width = max((len(spec.name) for spec in specs), default=0)
+    run = _Run(emit or _print, width, ready_timeout_s, epochs or SessionEpochs())
+    return asyncio.run(_supervise(specs, duration_s, on_ready, run))
 
 
 async def _supervise(
-    specs: Sequence[ProcessSpec],
-    duration_s: float | None,
-    on_ready: Callable[[], None] | None,
-    emit: PrintLine,
-    ready_timeout_s: float,
+    specs: Sequence[ProcessSpec], duration_s: float | None, on_ready: Callable[[], None] | None, run: "_Run"
 ) -> RunOutcome:
-    run = _Run(emit, max((len(spec.name) for spec in specs), default=0), ready_timeout_s)
     with run.signals(asyncio.get_running_loop()):
         try:
             end = await run.start(specs)
@@ -80,10 +80,11 @@ class _End:
 class _Run:
     """One supervised run."""
 
-    def __init__(self, emit: PrintLine, width: int, ready_timeout_s: float) -> None:
+    def __init__(self, emit: PrintLine, width: int, ready_timeout_s: float, epochs: SessionEpochs) -> None:
         self._emit = emit
         self._width = width  # of the longest name
         self._ready_timeout_s = ready_timeout_s
+        self._epochs = epochs
         self._children: list[ChildProcess] = []
         self._ended: list[ChildProcess] = []
         self._restarted_s: dict[str, list[float]] = {}  # times of restarts by name
@@ -150,7 +151,7 @@ class _Run:
 
     async def _start(self, spec: ProcessSpec) -> ChildProcess | _End:
         try:
-            child = await ChildProcess.start(spec, self._relay)
+            child = await ChildProcess.start(spec, self._relay, epoch=self._epochs.next())
         except OSError as error:
             return self._report_end(ExitCause.NOT_STARTED, spec.name, f"{spec.name} cannot be started: {error}")
         child.prioritize_startup()

@@ -1,6 +1,5 @@
 """Operator process: a script, or a person at the keyboard of this terminal."""
 
-import time
 from contextlib import ExitStack
 
 from passafe_services.loop.node_process import run_node
@@ -15,13 +14,12 @@ from passafe_services.scenarios.source_schema import KeyboardSource
 
 def start(options: ProcessOptions) -> None:
     """Drive until stopped, or until the person quits."""
-    epoch = time.time_ns()
     with ExitStack() as stack:
         if options.device is Device.KEYBOARD:
             terminal = stack.enter_context(Terminal())
             m = robot_of(options.scenario).system.m
             source = build_source(KeyboardSource(kind="keyboard"), m, keys=terminal.poll)
-            node = OperatorNode(source, epoch=epoch, show=terminal.show)
+            node = OperatorNode(source, epoch=options.epoch, show=terminal.show)
         else:
-            node = operator_node(options.scenario, epoch)
-        run_node(node, options, epoch=epoch, finished=lambda: node.finished)
+            node = operator_node(options.scenario, options.epoch)
+        run_node(node, options, finished=lambda: node.finished)

@@ -1,6 +1,5 @@
 """Recorder process: opens the log and the bus, and records until it is stopped."""
 
-import time
 from pathlib import Path
 from typing import Final
 
@@ -23,7 +22,7 @@ NAME: Final = "recorder"
 
 
 def run_recorder(
-    endpoint: RouterEndpoint, path: Path, metadata: RunMetadata, *, lifeline: bool = False
+    endpoint: RouterEndpoint, path: Path, metadata: RunMetadata, *, epoch: int, lifeline: bool = False
 ) -> MessageRecorder:
     """Record all messages on the bus until stopped; main thread only.
 
@@ -34,6 +33,7 @@ def run_recorder(
         endpoint: Address of the router.
         path: The log to write.
         metadata: Metadata records of the log, see ``run_metadata``.
+        epoch: Session number of the published messages.
         lifeline: Whether standard input is a lifeline (see ``passafe_services.loop.stop``).
 
     Returns:
@@ -50,7 +50,7 @@ def run_recorder(
         open_bus(endpoint) as bus,
     ):
         reader = bus.recording_reader()
-        outlet = Outlet(bus, NAME, time.time_ns())
+        outlet = Outlet(bus, NAME, epoch)
 
         def publish(topic: Topic, body: Message, now_ns: int) -> None:
             outlet.publish(topic, body, scheduled_ns=now_ns, started_ns=now_ns)
@@ -62,4 +62,4 @@ def run_recorder(
 def start(options: ProcessOptions) -> None:
     """Record until stopped."""
     metadata = run_metadata(scenario_json=options.scenario.model_dump_json(), versions=versions(), driver="live")
-    run_recorder(options.endpoint, options.out, metadata, lifeline=options.lifeline)
+    run_recorder(options.endpoint, options.out, metadata, epoch=options.epoch, lifeline=options.lifeline)
