@@ -196,25 +196,30 @@ class Limits:
     def excess(self, u: Array, before: Array | None = None, dt_s: float = 0.0) -> Array:
         """Return by how much inputs exceed the limit that they exceed most, shape (…), units of u; ≤ 0 within all.
 
+        A NaN stays one.
+
         Args:
             u: Inputs, shape (m, …).
             before: Inputs before, for the rates, shape (m, …); without them rates do not count.
             dt_s: Time between them, s.
         """
-        axes = (len(self.low),) + (1,) * (u.ndim - 1)
-        found = [np.reshape(self.low, axes) - u, u - np.reshape(self.high, axes)]
-        if before is not None and self.fall_per_s is not None and self.rise_per_s is not None:
-            step = u - before
-            found += [-step - dt_s * np.reshape(self.fall_per_s, axes), step - dt_s * np.reshape(self.rise_per_s, axes)]
-        largest: Array = np.max(np.maximum.reduce(found), axis=0)
-        for norm in self.norms:
-            part = u[list(norm.axes)]
-            with np.errstate(over="ignore"):  # infinite is too long, too
+        with np.errstate(over="ignore", invalid="ignore"):  # infinite and NaN are beyond every limit
+            axes = (len(self.low),) + (1,) * (u.ndim - 1)
+            found = [np.reshape(self.low, axes) - u, u - np.reshape(self.high, axes)]
+            if before is not None and self.fall_per_s is not None and self.rise_per_s is not None:
+                step = u - before
+                found += [
+                    -step - dt_s * np.reshape(self.fall_per_s, axes),
+                    step - dt_s * np.reshape(self.rise_per_s, axes),
+                ]
+            largest: Array = np.max(np.maximum.reduce(found), axis=0)
+            for norm in self.norms:
+                part = u[list(norm.axes)]
                 length = np.sqrt((part * part).sum(axis=0))
-            largest = np.maximum(largest, length - norm.bound)
-        for half_space in self.half_spaces:
-            largest = np.maximum(largest, np.tensordot(half_space.weights, u, axes=1) - half_space.bound)
-        return largest
+                largest = np.maximum(largest, length - norm.bound)
+            for half_space in self.half_spaces:
+                largest = np.maximum(largest, np.tensordot(half_space.weights, u, axes=1) - half_space.bound)
+            return largest
 
     def _holds(self, u: ca.SX | ca.DM) -> ca.SX:
         """Return whether an input keeps all limits but the rates, scalar; false for a NaN."""

@@ -250,3 +250,12 @@ def test_a_correction_slides_along_a_plane() -> None:
 
     assert found == pytest.approx([5.0, 2.0], abs=1e-5)
     assert found[1] <= 2.0
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("name", LIMIT_SETS)
+def test_what_is_not_finite_is_not_within(name: str) -> None:
+    limits = limited(paper_design(), name).limits
+    for strange in ((nan, 0.0), (0.0, inf), (-inf, inf), (inf, inf)):
+        u = np.array(strange)
+        assert not limits.excess(u, u, 1e-3) <= 0

@@ -155,6 +155,21 @@ def test_an_input_beyond_one_of_many_limits_fails(
     assert bounded.requirement.startswith("input sent or applied beyond a limit by ≤ ")
 
 
+def test_rates_are_judged_within_an_input_sequence(tmp_path: Path) -> None:
+    limits = {"input_rate_low_per_s": -20.0, "input_rate_high_per_s": 10.0}
+    run = coasting(Run(scenario(mode="off", **limits)))
+    sent = run.indices(PlantInput)
+    for k, place in enumerate(sent):
+        run.replace(place, u=(0.009 * k, -0.019 * k), input_sequence_start_ns=0)
+    assert judged(run, tmp_path).properties["bounded"].holds
+    run.replace(sent[5], u=(0.06, -0.019 * 5))
+    assert not judged(run, tmp_path).properties["bounded"].holds
+    for place in sent[5:]:
+        run.replace(place, input_sequence_start_ns=5_000_000)  # another sequence may begin with a jump
+    run.replace(sent[6], u=(0.06, -0.019 * 6))
+    assert judged(run, tmp_path).properties["bounded"].holds
+
+
 def test_an_input_of_another_shape_is_beyond_every_bound(tmp_path: Path) -> None:
     run = coasting(Run(scenario(mode="off")))
     run.replace(run.indices(PlantInput)[7], u=(0.0, 0.0, 0.0))

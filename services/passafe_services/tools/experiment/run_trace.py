@@ -70,7 +70,7 @@ class RunTrace:
         self._until_ns: int | None = None
         n, m = (system.n,), (system.m,)
         self._states = _Rows("plant_ns", "phase", "lead_ns", energy_in_j=(), energy_stored_j=(), x=n, u=m)
-        self._sent = _Rows("at_ns", u=m)
+        self._sent = _Rows("at_ns", "sequence_start_ns", u=m)
         self._answered = _Rows("status", "at_ns", "state_age_ns", "command_age_ns", "decided", residuals=(3,))
         self.taps: Mapping[Topic, Tap] = {STATE: self._keep_state, INPUT: self._keep_input, TICK: self._answer}
         self._asked: list[tuple[int, Decision]] = []
@@ -124,7 +124,8 @@ class RunTrace:
     def inputs(self) -> SentInputs:
         """Return the inputs that the filter sent."""
         rows = self._up_to_the_end(self._sent)
-        return SentInputs(u=np.array(rows["u"]).T, at_ns=np.array(rows["at_ns"]))
+        starts = np.array(rows["sequence_start_ns"])
+        return SentInputs(u=np.array(rows["u"]).T, at_ns=np.array(rows["at_ns"]), sequence_start_ns=starts)
 
     def answers(self) -> Decisions:
         """Return the ticks of the filter."""
@@ -163,7 +164,7 @@ class RunTrace:
             )
 
     def _keep_input(self, sent: PlantInput) -> None:
-        self._sent.packed += self._sent.pack(sent.effective_plant_ns, *sent.u)
+        self._sent.packed += self._sent.pack(sent.effective_plant_ns, sent.input_sequence_start_ns, *sent.u)
 
     def _answer(self, record: TickRecord) -> None:
         decision = record.decision

@@ -7,11 +7,13 @@ from typing import Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from passafe_protocol.messages import FilterStatus, FilterTick, PlantInput
+from passafe_protocol.messages import UNSEQUENCED, FilterStatus, FilterTick, PlantInput
 
 from passafe_services.tools.review.plant_evaluator import FloatArray
 
 IntArray = NDArray[np.int64]
+
+NS_PER_S: Final = 1e9
 
 ANSWERED: Final = (FilterStatus.PASSED, FilterStatus.MODIFIED, FilterStatus.RELAXED)
 """Statuses that claim a certified solution; every other one is a defined fallback."""
@@ -24,10 +26,12 @@ class SentInputs:
     Attributes:
         u: The inputs, shape (m, K); infinite where a message held another number of axes.
         at_ns: Plant time at which each takes effect, ns, shape (K,).
+        sequence_start_ns: Start of each one's input sequence, ns, shape (K,).
     """
 
     u: FloatArray
     at_ns: IntArray
+    sequence_start_ns: IntArray
 
     @classmethod
     def of(cls, sent: Iterable[PlantInput], m: int) -> Self:
@@ -37,7 +41,21 @@ class SentInputs:
         return cls(
             u=np.array(vectors, dtype=np.float64).reshape(len(inputs), m).T,
             at_ns=np.array([one.effective_plant_ns for one in inputs], dtype=np.int64),
+            sequence_start_ns=np.array([one.input_sequence_start_ns for one in inputs], dtype=np.int64),
         )
+
+    def follows(self, period_s: float) -> NDArray[np.bool_]:
+        """Return which inputs follow the one before in their input sequence, shape (K − 1,).
+
+        Those were decided with that one in force, so that the limits of the rates hold between the two.
+
+        Args:
+            period_s: The filter's period, s.
+        """
+        starts = self.sequence_start_ns
+        in_turn = np.abs(np.diff(self.at_ns) - period_s * NS_PER_S) <= 1.0  # times are whole nanoseconds
+        same: NDArray[np.bool_] = (starts[1:] == starts[:-1]) & (starts[1:] != UNSEQUENCED)
+        return same & in_turn
 
 
 @dataclass(frozen=True, kw_only=True)

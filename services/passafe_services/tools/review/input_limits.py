@@ -1,4 +1,4 @@
-"""The property that no input was beyond its limits: axes, sides, norms and half-spaces."""
+"""The property that no input was beyond its limits: axes, sides, norms, half-spaces and rates."""
 
 import numpy as np
 
@@ -13,7 +13,9 @@ from passafe_services.tools.review.trajectory import NS_PER_S, Trajectory
 
 
 def judge_inputs(inputs: SentInputs, trajectory: Trajectory, scenario: Scenario, tolerance: float) -> Property:
-    """Return the property that every input that was sent or applied is within the limits; rates do not count here.
+    """Return the property that every input that was sent or applied is within the limits.
+
+    Rates count between inputs that follow one another in an input sequence; the fail-safe begins with a jump.
 
     Args:
         inputs: Inputs that the filter sent.
@@ -27,6 +29,10 @@ def judge_inputs(inputs: SentInputs, trajectory: Trajectory, scenario: Scenario,
         found.append(Extremum.highest(_used(trajectory.u, limits), trajectory.t_s))
     if inputs.at_ns.size:
         found.append(Extremum.highest(_used(inputs.u, limits), inputs.at_ns / NS_PER_S))
+    follows = inputs.follows(scenario.dt_s)
+    if limits.rise_per_s is not None and follows.any():
+        excess = limits.excess(inputs.u[:, 1:], inputs.u[:, :-1], scenario.dt_s)[follows]
+        found.append(Extremum.highest(excess, inputs.at_ns[1:][follows] / NS_PER_S))
     worst = max(found, key=lambda extremum: extremum.value, default=None)
     bound = max(limits.magnitude)
     if _is_one_bound(limits):
@@ -35,7 +41,9 @@ def judge_inputs(inputs: SentInputs, trajectory: Trajectory, scenario: Scenario,
 
 
 def _is_one_bound(limits: Limits) -> bool:
-    return limits.has_only_axes and {*limits.high, *(-low for low in limits.low)} == {max(limits.magnitude)}
+    if limits.rise_per_s is not None or not limits.has_only_axes:
+        return False
+    return {*limits.high, *(-low for low in limits.low)} == {max(limits.magnitude)}
 
 
 def _used(u: FloatArray, limits: Limits) -> FloatArray:
