@@ -28,6 +28,7 @@ if TYPE_CHECKING:  # imported under their own names: exported, for type checkers
     from passafe.barrier_chain import Barrier as Barrier
     from passafe.barrier_chain import BarrierChain as BarrierChain
     from passafe.barrier_chain import derive_chain as derive_chain
+    from passafe.barrier_chain import derive_chains as derive_chains
     from passafe.barriers import box as box
     from passafe.barriers import circular_motion as circular_motion
     from passafe.barriers import disk_keep_in as disk_keep_in
@@ -75,7 +76,7 @@ if TYPE_CHECKING:  # imported under their own names: exported, for type checkers
 
 _NAMES_OF: Final = {
     "passafe.admissible_shapes": ("HalfSpace", "NormBound"),
-    "passafe.barrier_chain": ("Barrier", "BarrierChain", "derive_chain"),
+    "passafe.barrier_chain": ("Barrier", "BarrierChain", "derive_chain", "derive_chains"),
     "passafe.barriers": (
         "box",
         "circular_motion",

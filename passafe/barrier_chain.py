@@ -3,13 +3,19 @@
 Paper, section 3.1 and remark 2; high-order control barrier functions as in Xiao & Belta (2019).
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import reduce
 
 import casadi as ca
 
 from passafe.class_k import ClassK, class_k_functions
 from passafe.errors import DesignError, RelativeDegreeError
 from passafe.expressions import as_column
+from passafe.jumps import require_no_jumps
+from passafe.norms import without_singular_points
+from passafe.slopes import broken_at
+from passafe.smooth_parts import smooth_parts
 from passafe.system import System
 
 ROUNDING = 1e-12
@@ -40,17 +46,20 @@ class Barrier:
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class BarrierChain:
-    """The chain of one barrier on one system.
+    """The chain of one barrier on one system, or of one of the parts that its minima are made of.
 
-    ψ₀ = h, ψᵢ = ψ̇ᵢ₋₁ + γᵢ(ψᵢ₋₁); ψ_r is the first to contain u.
+    ψ₀ = h, ψᵢ = ψ̇ᵢ₋₁ + γᵢ(ψᵢ₋₁); ψ_r is the first to contain u. Of a maximum it is the chain of the branch that
+    holds best: whose least of ψ₀ … ψ_{r−1} is the largest.
 
     Attributes:
-        barrier: Where it comes from.
+        barrier: Where it comes from; a part is numbered, for example ``room[2]``.
         psi: ψ₀(x, t) … ψ_r(x, u, t), scalar expressions.
+        alternatives: Chains of all branches of a maximum; none where there is nothing to choose.
     """
 
     barrier: Barrier
     psi: tuple[ca.SX, ...]
+    alternatives: tuple["BarrierChain", ...] = ()
 
     @property
     def relative_degree(self) -> int:
@@ -62,30 +71,106 @@ class BarrierChain:
         """γ_{r+1}, which the continuous law puts on ψ_r."""
         return self.barrier.class_k[self.relative_degree]
 
+    @property
+    def branches(self) -> tuple["BarrierChain", ...]:
+        """Chains of smooth functions: the alternatives, or itself alone."""
+        return self.alternatives or (self,)
 
-def derive_chain(system: System, barrier: Barrier) -> BarrierChain:
-    """Find the relative degree of a barrier and derive its chain.
+    def chosen(self, values: Sequence[ca.SX]) -> ca.SX:
+        """Return the value that belongs to the branch which holds best at x and t, scalar.
+
+        Args:
+            values: One for each of the branches, scalars.
+        """
+        return chosen_of(self.branches, values)
+
+
+def chosen_of(branches: Sequence[BarrierChain], values: Sequence[ca.SX]) -> ca.SX:
+    """Return the value of the branch whose least of ψ₀ … ψ_{r−1} is the largest, the first of equals, scalar."""
+    levels = [reduce(ca.fmin, branch.psi[:-1]) for branch in branches]
+    best, value = levels[0], values[0]
+    for level, other in zip(levels[1:], values[1:], strict=True):
+        value = ca.if_else(level > best, other, value)
+        best = ca.fmax(best, level)
+    return value
+
+
+def derive_chains(system: System, barrier: Barrier) -> tuple[BarrierChain, ...]:
+    """Find the relative degree of a barrier and derive its chains: one, or one for each part of a minimum.
 
     Args:
         system: The plant.
-        barrier: h and its class-K functions.
+        barrier: h and its class-K functions, which all parts share.
 
     Returns:
-        The chain, with as many ψ as the relative degree asks for, plus ψ₀.
+        The chains, each with as many ψ as its relative degree asks for, plus ψ₀. Parts that are positive numbers have
+        none.
 
     Raises:
         ShapeError: h is not a scalar.
         RelativeDegreeError: u does not appear within n derivatives.
-        DesignError: The number of class-K functions is not r + 1.
+        DesignError: The number of class-K functions is not r + 1, or there is a kink where a slope is needed.
     """
+    part = f"barrier {barrier.name!r} h"
+    system.require_state_function(part, barrier.h, 1, may_move=True)
+    require_no_jumps(part, barrier.h)
+    rows = smooth_parts(part, barrier.h)
+    if len(rows) > 1 or len(rows[0]) > 1:
+        rows = tuple(row for row in (_undecided(part, row) for row in rows) if row)
+    if not rows:
+        raise DesignError(part, f"{barrier.h}, which is never negative", "a function that is negative somewhere")
+    if len(rows) == 1:
+        return (_chain_of_row(system, barrier, rows[0]),)
+    return tuple(
+        _chain_of_row(system, replace(barrier, name=f"{barrier.name}[{i}]"), row) for i, row in enumerate(rows, 1)
+    )
+
+
+def derive_chain(system: System, barrier: Barrier) -> BarrierChain:
+    """Derive the chain of a barrier that has one, as ``derive_chains`` does.
+
+    Raises:
+        DesignError: h is a minimum of several parts, or anything that ``derive_chains`` refuses.
+    """
+    chains = derive_chains(system, barrier)
+    if len(chains) > 1:
+        raise DesignError(f"barrier {barrier.name!r} h", f"{len(chains)} parts", "one; derive_chains derives all parts")
+    return chains[0]
+
+
+def _undecided(part: str, row: Sequence[ca.SX]) -> tuple[ca.SX, ...]:
+    """Return the branches of a row that may hold or not; none where one always holds."""
+    numbers = [float(branch) for branch in row if branch.is_constant()]
+    if any(number >= 0.0 for number in numbers):
+        return ()
+    if len(numbers) == len(row):
+        raise DesignError(part, f"a part that is {max(numbers):g} everywhere", "a function that is positive somewhere")
+    return tuple(branch for branch in row if not branch.is_constant())
+
+
+def _chain_of_row(system: System, barrier: Barrier, row: Sequence[ca.SX]) -> BarrierChain:
+    """Return the chain of a maximum of smooth branches."""
+    smooth = [without_singular_points(branch) for branch in row]
+    whole = barrier if smooth[0] is barrier.h else replace(barrier, h=reduce(ca.fmax, smooth))
+    branches = tuple(_derive(system, replace(whole, h=h) if len(smooth) > 1 else whole) for h in smooth)
+    if len(branches) == 1:
+        return branches[0]
+    # All have the same relative degree: they share their class-K functions, whose number follows from it.
+    levels = range(branches[0].relative_degree + 1)
+    psi = tuple(chosen_of(branches, [branch.psi[k] for branch in branches]) for k in levels)
+    return BarrierChain(barrier=whole, psi=psi, alternatives=branches)
+
+
+def _derive(system: System, barrier: Barrier) -> BarrierChain:
+    """Return the chain of a smooth h."""
     part = f"barrier {barrier.name!r}"
-    system.require_state_function(f"{part} h", barrier.h, 1, may_move=True)
     psi = [barrier.h]
     unshaped = barrier.h
     gammas = iter(barrier.class_k)
     while len(psi) == 1 or not _depends_on_input(system, unshaped):
         if len(psi) > system.n:
             raise RelativeDegreeError(barrier.name, system.n)
+        _require_slope(part, unshaped, len(psi) - 1)
         gamma = next(gammas, None)
         rate = system.rate(psi[-1])
         unshaped = system.rate(unshaped)
@@ -98,6 +183,17 @@ def derive_chain(system: System, barrier: Barrier) -> BarrierChain:
             f"{wanted}: relative degree {wanted - 1} and one more",
         )
     return BarrierChain(barrier=barrier, psi=tuple(psi))
+
+
+def _require_slope(part: str, derivative: ca.SX, order: int) -> None:
+    """Refuse a time derivative of h at whose kink a held input would bend the chain without bound."""
+    broken = broken_at(derivative) if order else None
+    if broken is not None:
+        raise DesignError(
+            part,
+            f"{broken.text} of the dynamics in derivative {order} of h, which has no slope there",
+            "a slope before u appears; write tanh for a saturation, sqrt(v**2 + 0.01) for fabs(v)",
+        )
 
 
 def _depends_on_input(system: System, expression: ca.SX) -> bool:

@@ -1,7 +1,7 @@
 """Expressions as graphs: their operations in the order of evaluation, each with what it is made from."""
 
-from collections.abc import Sequence
-from typing import Final, NamedTuple
+from collections.abc import Callable, Mapping, Sequence
+from typing import Final, NamedTuple, TypeAlias
 
 import casadi as ca
 
@@ -34,6 +34,10 @@ class Graph(NamedTuple):
 
     operations: tuple[Operation, ...]
     outputs: tuple[int, ...]
+
+
+Rule: TypeAlias = Callable[[Sequence[ca.SX]], ca.SX]
+"""From an operation's arguments, as they have become, to what stands for it."""
 
 
 def graph_of(expression: ca.SX) -> Graph:
@@ -71,3 +75,21 @@ def _applied(number: int, arguments: Sequence[ca.SX]) -> ca.SX:
     if number == ca.OP_CALL:
         return ca.SX.sym(f"function({', '.join(str(argument) for argument in arguments)})")
     return ca.SX.unary(number, *arguments) if len(arguments) == 1 else ca.SX.binary(number, *arguments)
+
+
+def rebuilt(graph: Graph, instead: Mapping[int, ca.SX | Rule]) -> ca.SX:
+    """Return a scalar's expression with some of its operations replaced.
+
+    Args:
+        graph: Of a scalar.
+        instead: What stands for an operation, by its place.
+    """
+    expressions: list[ca.SX] = []
+    for place, operation in enumerate(graph.operations):
+        arguments = [expressions[i] for i in operation.arguments]
+        other = instead.get(place)
+        if other is None:
+            expressions.append(_applied(operation.number, arguments) if arguments else operation.expression)
+        else:
+            expressions.append(other(arguments) if callable(other) else other)
+    return expressions[graph.outputs[0]]

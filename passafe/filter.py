@@ -17,7 +17,7 @@ from typing import Final
 import numpy as np
 
 from passafe.arguments import one_number, vectors
-from passafe.barrier_chain import derive_chain
+from passafe.barrier_chain import derive_chains
 from passafe.certificate import accepts
 from passafe.decision import Attempt, Decision, Status
 from passafe.decision_block import DecisionBlock
@@ -70,7 +70,7 @@ class SafetyPassivityFilter:
             DesignError: Some part of the design cannot be used.
         """
         self.design = design
-        self.chains = tuple(derive_chain(design.system, barrier) for barrier in design.barriers)
+        self.chains = tuple(chain for barrier in design.barriers for chain in derive_chains(design.system, barrier))
         self.derivation = derivation = Derivation.of(design, self.chains)
         self._block = block = DecisionBlock(derivation.layout)
         self._functions: DecisionFunctions[Callable[[], None]] = DecisionFunctions.of(

@@ -51,6 +51,11 @@ def signed_like(a: Ball, b: Ball) -> Ball:
     return Ball(centre, ca.if_else(apart, size.radius, size.centre + size.radius), within_range(b))
 
 
+def step(a: Ball) -> Ball:
+    """Return the present step, a point: only steps that cancel stand in a design that was not refused."""
+    return Ball(ca.floor(a.centre), ca.SX(0), within_range(a))
+
+
 def _compare(function: Callable[[ca.SX, ca.SX], ca.SX]) -> Callable[[Ball, Ball], Ball]:
     """Return a truth value, 0 or 1; where it may be either, all from 0 to 1."""
 
@@ -122,6 +127,7 @@ RULES: Final[Mapping[int, Callable[..., Ball]]] = {
     ca.OP_FMIN: minimum,
     ca.OP_FMAX: maximum,
     ca.OP_SIGN: sign,
+    ca.OP_FLOOR: step,
     ca.OP_COPYSIGN: signed_like,
     ca.OP_LT: _compare(ca.lt),
     ca.OP_LE: _compare(ca.le),
