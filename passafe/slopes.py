@@ -1,4 +1,4 @@
-"""Whether an expression with kinks has a slope at all of them: sought where its kinks are, by numbers.
+"""Search for kinks at which an expression has no slope, by numbers.
 
 A kink of a part need not be one of the whole: v·|v| has a slope everywhere, and the largest exponent that logsumexp
 subtracts cancels. So points on every kink are found by Newton's method from many starts, and value and gradient are

@@ -36,7 +36,7 @@ def test_value_and_slope_stay_and_nothing_overflows(e: ca.SX, largest: float) ->
             assert after == pytest.approx(before, rel=1e-11, abs=1e-9)
 
 
-def test_what_is_known_of_its_slope_is_as_narrow_as_without_shift() -> None:
+def test_what_is_known_is_as_narrow_as_without_a_shift() -> None:
     radius, at = ca.SX(np.full(3, 0.01)), np.zeros(3)
     sizes = []
     for e in (without_removable_kinks(ca.logsumexp(SIDES)), ca.log(ca.sum1(ca.exp(SIDES))), ca.logsumexp(SIDES)):
