@@ -31,6 +31,7 @@ from passafe_services.log.log_writer import LogWriter, run_metadata
 from passafe_services.scenarios.schema import Scenario
 
 SIGMA = 1.0
+GAIN = 10.0
 PERIOD_NS = 1_000_000
 WALL_NS = 1_763_800_000_000_000_000
 PAPER = Path(__file__).parents[2] / "services" / "passafe_services" / "scenarios" / "notomista-cai-2020.toml"
@@ -54,6 +55,22 @@ class DampedPoint:
     def h(self, x: Array, _t_s: Array) -> Array:
         """‖x₁‖² − 1."""
         return np.sum(x[:2] ** 2, axis=0, keepdims=True) - 1
+
+    def h_error(self, x: Array, _t_s: Array, x_error: Array) -> Array:
+        """Four roundings of ‖x₁‖² and 1, and 2‖x₁‖₁ times the error of a coordinate."""
+        error: Array = 4e-16 * (np.sum(x[:2] ** 2, axis=0) + 1) + 2 * np.abs(x[:2]).sum(axis=0) * x_error
+        return error[None]
+
+    protected = ("ψ0 of disk", "ψ1 of disk")
+
+    def psi(self, x: Array, t_s: Array) -> Array:
+        """h, and ḣ + 10 h."""
+        h = self.h(x, t_s)
+        return np.vstack([h, 2 * np.sum(x[:2] * x[2:], axis=0) + GAIN * h])
+
+    def flow_error(self, x: Array, _u: Array, _duration_s: float) -> Array:
+        """Zero: the flow is exact."""
+        return np.zeros(x.shape[1])
 
     def power_margin(self, x: Array, u: Array) -> Array:
         """X₂ᵀu − V̇ with V̇ = 2x₁ᵀx₂ + 2x₂ᵀ(−σx₂ + u)."""

@@ -61,3 +61,30 @@ def test_a_nonlinear_plant_flows_within_its_stated_accuracy(samples: tuple[np.nd
 
         truth = solve_ivp(rate, (0, 1e-3), x[:, k], rtol=1e-12, atol=1e-14).y[:, -1]
         assert reached[:, k] == pytest.approx(truth, abs=1e-10)
+
+
+def test_protected_values_are_those_that_the_rows_assume(samples: tuple[np.ndarray, np.ndarray]) -> None:
+    core, closed = CoreEvaluator(scenario()), DampedPoint()
+    x, _ = samples
+    assert [name.partition(" ")[0] for name in core.protected] == ["ψ0", "ψ1"]
+    assert core.psi(x, T_S) == pytest.approx(closed.psi(x, T_S), abs=1e-9)
+    assert CoreEvaluator(scenario(barriers=[])).protected == ()
+
+
+def test_errors_of_h_are_tiny_and_grow_with_those_of_the_state(samples: tuple[np.ndarray, np.ndarray]) -> None:
+    core = CoreEvaluator(scenario())
+    x, u = samples
+    exact, wrong = (core.h_error(x, T_S, np.full(SAMPLES, error)) for error in (0.0, 1e-6))
+    assert (exact > 0).all()
+    assert (exact < 1e-13).all()
+    assert wrong - exact == pytest.approx(2e-6 * np.abs(x[:2]).sum(axis=0, keepdims=True), rel=1e-6)
+    assert not core.flow_error(x, u, 1e-3).any()
+
+
+def test_a_nonlinear_flow_has_an_error_within_the_plants(samples: tuple[np.ndarray, np.ndarray]) -> None:
+    content: dict[str, Any] = scenario().model_dump()
+    content["plant"] |= {"model": "drag-point", "parameters": {"sigma": 0.5, "drag": 0.5}}
+    error = CoreEvaluator(Scenario.model_validate(content)).flow_error(*samples, 1e-3)
+    assert error.shape == (SAMPLES,)
+    assert (error > 0).all()
+    assert (error <= 1e-10).all()

@@ -207,17 +207,36 @@ def test_an_answer_needs_a_certificate_and_a_fallback_does_not(
     assert verdict.verdict == "fails"
 
 
-@pytest.mark.parametrize(("below", "holds"), [(0.0009, True), (0.0011, False)])
-def test_safety_has_a_tolerance(tmp_path: Path, below: float, *, holds: bool) -> None:
+@pytest.mark.parametrize(("below", "holds"), [(2e-16, True), (1e-12, False), (0.0009, False)])
+def test_h_may_be_below_zero_by_its_rounding_alone(tmp_path: Path, below: float, *, holds: bool) -> None:
     run = Run()
     run.add(header("plant", 0), state(0, (math.sqrt(1 - below), 0.0, 0.0, 0.0), REST))
     verdict = judged(run, tmp_path)
-    assert verdict.h_min == pytest.approx(-below)
-    assert verdict.properties["safe"].holds is holds
-    assert verdict.properties["safe"].requirement.endswith("≥ -0.001")
+    safe = verdict.properties["safe"]
+    assert verdict.h_min == pytest.approx(-below, abs=3e-16)
+    assert safe.holds is holds
+    assert safe.allowed.startswith("≥ -")
+    assert float(safe.allowed.removeprefix("≥ ")) == pytest.approx(-8e-15, rel=0.2)  # 16 units of x₁, and its square's
     generous = Verdict.of(RunLog.read(tmp_path / "run.mcap"), DampedPoint(), tolerances=Tolerances(h=0.01))
     assert generous.properties["safe"].holds is True
     assert generous.tolerances.h == 0.01
+
+
+def test_a_start_outside_of_the_protected_set_is_said(tmp_path: Path) -> None:
+    run = Run(scenario(mode="safe"))
+    # At 1.2 with speed −2: h = 0.44 and ψ₁ = −4.8 + 4.4. The robot stops by itself, far inside.
+    rollout(run, x0=(1.2, 0.0, -2.0, 0.0), u=lambda _: REST, steps=20)
+    verdict = judged(run, tmp_path)
+    start = verdict.properties["protected-start"]
+    assert (start.holds, start.required, start.worst, start.at_s) == (False, False, pytest.approx(-0.4), 0.0)
+    assert verdict.words == "holds: the start was outside of the protected set: ψ1 of disk was -0.4"
+    assert judged(coasting(Run(scenario(mode="safe"))), tmp_path).words == "holds: violated but not required: passive"
+
+
+def test_a_mode_that_promises_no_safety_says_nothing_of_its_start(tmp_path: Path) -> None:
+    run = Run(scenario(mode="off"))
+    rollout(run, x0=(1.2, 0.0, -2.0, 0.0), u=lambda _: REST, steps=5)
+    assert judged(run, tmp_path).properties["protected-start"].note == ""
 
 
 @pytest.mark.parametrize(("below", "holds"), [(0.049, True), (0.051, False)])
@@ -351,7 +370,7 @@ def test_the_json_holds_what_the_command_line_promises(tmp_path: Path) -> None:
     )
     assert set(promised.split()) <= set(content)
     assert set(content["properties"]["safe"]) >= {"holds", "worst", "at_s"}
-    assert content["tolerances"]["h"] == 1e-3
+    assert content["tolerances"]["h"] == 0.0
     assert content["tolerances"]["power_margin_w"] == 0.05
 
 

@@ -4,7 +4,7 @@ from typing import Final, NamedTuple
 
 from passafe_protocol.topics import LINKS
 from passafe_services.scenarios.schema import Scenario
-from passafe_services.tools.review.properties import Tolerances
+from passafe_services.tools.review.verdict_so_far import TOLERANCES
 
 from passafe_dashboard.barrier_values import BarrierValues
 from passafe_dashboard.charts.live_charts import ROBOT, STATES, TICKS, LiveCharts, live_charts
@@ -103,7 +103,7 @@ class LivePage:
             "columns": columns,
             "moved_m": moved,
             "rows": self._feed.capacity,
-            "tolerances": Tolerances().model_dump(),
+            "tolerances": TOLERANCES.model_dump(),
         }
 
     def _charts_of(self, scenario: Scenario | None) -> LiveCharts:

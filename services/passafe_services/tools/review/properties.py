@@ -1,6 +1,7 @@
 """Properties that a run must have: safe, passive, bounded, certified, consistent and complete."""
 
 from collections.abc import Iterable, Sequence
+from math import isfinite
 from typing import Final
 
 from passafe_protocol.messages import FilterStatus, PlantPhase, PlantState
@@ -21,14 +22,18 @@ from passafe_services.tools.review.trajectory import NS_PER_S, Trajectory
 CONTROL_TOPICS: Final = (COMMAND, INPUT, STATE, TICK)
 
 
+START_ROUNDING: Final = 1e-9
+"""How far below 0 a value of the start may be: one on the boundary of the protected set counts as in it."""
+
+
 class Tolerances(BaseModel):
     """Tolerances of the recomputed values.
 
-    They cover the errors of the recomputation (rounding, the sampled law's margin between samples), are the same for
-    every scenario and mode, and are printed with the verdict.
+    They are the same for every scenario and mode, and are printed with the verdict.
 
     Attributes:
-        h: Barrier value, in the unit of the barrier.
+        h: Barrier value, in the unit of the barrier, beyond the errors of rounding and integration that are bounded for
+            every value on its own.
         power_margin_w: Power margin, W.
         tank_j: Energy of the tank, J.
         input_relative: Bound of the input, relative.
@@ -38,7 +43,7 @@ class Tolerances(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    h: float = 1e-3
+    h: float = 0.0
     power_margin_w: float = 0.05
     tank_j: float = 1e-9
     input_relative: float = 1e-9
@@ -97,8 +102,12 @@ def judge_properties(
 
 
 def judge_margins(margins: RecomputedMargins, scenario: Scenario, tolerances: Tolerances) -> dict[str, Property]:
-    """Return the properties that the filter is there for, by name."""
-    return {"safe": _safe(margins, scenario, tolerances), "passive": _passive(margins, scenario, tolerances)}
+    """Return the properties that the filter is there for, by name, and whether the start allowed to promise safety."""
+    return {
+        "safe": _safe(margins, scenario, tolerances),
+        "protected-start": _protected_start(margins, scenario),
+        "passive": _passive(margins, scenario, tolerances),
+    }
 
 
 def judge_completeness(log: RunLog, trajectory: Trajectory) -> Property:
@@ -115,12 +124,34 @@ def judge_completeness(log: RunLog, trajectory: Trajectory) -> Property:
 
 
 def _safe(margins: RecomputedMargins, scenario: Scenario, tolerances: Tolerances) -> Property:
-    return at_least(
-        margins.h_min,
-        -tolerances.h,
-        required=scenario.filter.mode in ("safe", "both") and bool(scenario.filter.barriers),
-        what="smallest barrier value h(x), also between samples",
+    """Judge the smallest value of any barrier; it may be below 0 by its own error, and by no more."""
+    lowest, kept = margins.h_min, margins.h_kept
+    error = 0.0 if lowest is None or kept is None or not isfinite(lowest.value) else kept.value - lowest.value
+    judged = at_least(
+        lowest,
+        -tolerances.h - error,
+        required=_asks_for_safety(scenario),
+        what="smallest barrier value h(x), also between samples, but for rounding and integration,",
     )
+    return judged if kept is None else judged.model_copy(update={"holds": kept.value >= -tolerances.h})
+
+
+def _asks_for_safety(scenario: Scenario) -> bool:
+    return scenario.filter.mode in ("safe", "both") and bool(scenario.filter.barriers)
+
+
+def _protected_start(margins: RecomputedMargins, scenario: Scenario) -> Property:
+    """Judge whether the plant started in the set that the filter protects; if not, the verdict says so in words."""
+    judged = at_least(
+        margins.start_psi,
+        -START_ROUNDING,
+        required=False,
+        what="smallest of ψ₀ … ψ_{r−1} of all barriers where the plant started",
+    )
+    if judged.holds is not False or not _asks_for_safety(scenario):
+        return judged
+    where = f"{margins.start_level} was {judged.worst:.3g}"
+    return judged.model_copy(update={"note": f"the start was outside of the protected set: {where}"})
 
 
 def _passive(margins: RecomputedMargins, scenario: Scenario, tolerances: Tolerances) -> Property:

@@ -21,11 +21,13 @@ class Instants(NamedTuple):
         t_s: Plant time, s, shape (K,).
         x: State, shape (n, K).
         u: Input in force, shape (m, K).
+        after_s: Time since the sample before, s.
     """
 
     t_s: FloatArray
     x: FloatArray
     u: FloatArray
+    after_s: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,7 +115,7 @@ class Trajectory:
             t_s, x, u = self.t_s[begun], self.x[:, begun], self.u[:, begun]
             for j in range(1, points + 1):
                 offset_s = float(period_s) * j / points
-                yield Instants(t_s + offset_s, evaluator.flow(x, u, offset_s), u)
+                yield Instants(t_s + offset_s, evaluator.flow(x, u, offset_s), u, offset_s)
 
     def mismatch(self, evaluator: PlantEvaluator) -> tuple[FloatArray, FloatArray]:
         """Return the distance between each logged state and the model's prediction from the previous one.

@@ -1,11 +1,16 @@
 """The verdict on a run that is not over, from what a page has counted: the review's properties, the review's words."""
 
+from typing import Final
+
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.review.between_samples import Extremum, RecomputedMargins
 from passafe_services.tools.review.drive_record import DriveRecord
 from passafe_services.tools.review.fallback_record import FallbackRecord
 from passafe_services.tools.review.properties import Tolerances, judge_margins
 from passafe_services.tools.review.property import Property
+
+TOLERANCES: Final = Tolerances(h=1e-12)
+"""Those of a page: it does not bound the rounding of every value of a barrier, which is far below this."""
 
 
 def properties_so_far(
@@ -29,4 +34,4 @@ def properties_so_far(
     """
     margins = RecomputedMargins(h_min=h_min, power_margin_min=power_margin_min, tank_min_j=tank_min_j)
     driving = {"no-fallback": fallbacks.property(), "driven": drive.property()}
-    return driving | judge_margins(margins, scenario, Tolerances())
+    return driving | judge_margins(margins, scenario, TOLERANCES)

@@ -26,7 +26,9 @@ def in_words(properties: Mapping[str, Property]) -> str:
     """
     against = [_reason(name, entry) for name, entry in properties.items() if _is_against(entry)]
     notes = [entry.note for entry in properties.values() if entry.note and not _is_against(entry)]
-    unasked = [name for name, entry in properties.items() if entry.holds is False and not entry.required]
+    unasked = [
+        name for name, entry in properties.items() if entry.holds is False and not entry.required and not entry.note
+    ]
     if unasked:
         notes.append(f"violated but not required: {', '.join(unasked)}")
     said = "; ".join((*against, *notes))
