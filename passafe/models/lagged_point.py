@@ -2,12 +2,16 @@
 
 import casadi as ca
 
+from passafe.models.fail_safe_scope import FailSafeScope
+from passafe.models.held_lagged_braking import HeldLaggedBraking, LaggedGains, held_gains
 from passafe.models.robot import Robot
 from passafe.ranges import require_not_negative, require_positive
 from passafe.system import System
 
 
-def lagged_point(*, sigma: float = 1.0, lag_s: float = 0.05, gamma_1: float = 0.0, gamma_2: float = 0.0) -> Robot:
+def lagged_point(
+    *, sigma: float = 1.0, lag_s: float = 0.05, gamma_1: float = 0.0, gamma_2: float = 0.0, dt_s: float = 0.0
+) -> Robot:
     """Return ẋ₁ = x₂, ẋ₂ = −σx₂ + x₃, ẋ₃ = (u − x₃)/T, y = x₂, all in the plane.
 
     Positions have relative degree 3, velocities 2. yᵀu is the power of the commanded force, not of the one that acts:
@@ -28,13 +32,15 @@ def lagged_point(*, sigma: float = 1.0, lag_s: float = 0.05, gamma_1: float = 0.
       still acting may carry the robot across a curved boundary, by no more than h ≥ −x₂ᵀ∇²h x₂/(κ₁κ₂);
     * if {x₁ : h ≥ 0} is convex, as a disk to stay in is, where the three points are in it.
 
-    All this is for the law in continuous time; held over periods dt it is true up to the order of dt.
+    All this is for the law in continuous time. With inputs that are each held for dt the gains are chosen so that the
+    first two points still hold, though not the triangle: ``passafe.models.held_lagged_braking``.
 
     Args:
         sigma: Damping σ, 1/s, positive.
         lag_s: T, s, positive.
         gamma_1: Largest gain of the first class-K function among the barriers of the position, 1/s.
         gamma_2: Largest gain of the second one, 1/s.
+        dt_s: How long each input of the fail-safe is held, s; 0 for a law that is followed at every instant.
 
     Raises:
         DesignError: Numbers that make no such robot.
@@ -43,25 +49,37 @@ def lagged_point(*, sigma: float = 1.0, lag_s: float = 0.05, gamma_1: float = 0.
     require_positive("lagged point lag_s", lag_s, "s")
     require_not_negative("lagged point gamma_1", gamma_1, "1/s")
     require_not_negative("lagged point gamma_2", gamma_2, "1/s")
+    require_not_negative("lagged point dt_s", dt_s, "s")
     x, u = ca.SX.sym("x", 6), ca.SX.sym("u", 2)
     position, velocity, force = x[:2], x[2:4], x[4:]
     acceleration = force - sigma * velocity
     slow, fast = sorted((sigma, 1 / lag_s))
     k_1, k_2 = max(gamma_1, slow), max(gamma_1, gamma_2, fast)
     # ȧ = (u − x₃)/T − σa is to be −(κ₁ + κ₂)a − κ₁κ₂x₂; written so that nothing is left where κ₁, κ₂ are its own.
-    gain, on_force = lag_s * (k_1 - sigma) * (k_2 - sigma), 1 + lag_s * (sigma - k_1 - k_2)
+    gains = LaggedGains(on_velocity=lag_s * (k_1 - sigma) * (k_2 - sigma), on_force=1 + lag_s * (sigma - k_1 - k_2))
+    is_kept = True
+    if dt_s:
+        held = HeldLaggedBraking(sigma=sigma, lag_s=lag_s, gamma_1=k_1, gamma_2=k_2, dt_s=dt_s)
+        gains, is_kept = held_gains(held, k_1, k_2, gains)
     at_rest = position + ((k_1 + k_2) * velocity + acceleration) / (k_1 * k_2)
     return Robot(
         system=System(x=x, u=u, f=ca.vertcat(velocity, acceleration, (u - force) / lag_s), y=velocity),
         position=position,
         velocity=velocity,
         points=1,
-        fail_safe=-gain * velocity + on_force * force,
-        fail_safe_gain=gain,
+        fail_safe=-gains.on_velocity * velocity + gains.on_force * force,
+        fail_safe_gain=gains.on_velocity,
+        fail_safe_scope=FailSafeScope(dt_s=dt_s, kept_gains=(k_1, k_2) if is_kept else (0.0, 0.0)),
         stopping_hull=(position, position + velocity / k_1, at_rest),
-        fail_safe_condition=(
-            f"h, ψ₁, ψ₂ ≥ 0 with linear γ₁ ≤ {k_1:g}/s and γ₁, γ₂ ≤ {k_2:g}/s, and h affine in the position, or convex "
-            "with ψ₂ ≥ x₂ᵀ∇²h x₂; for a convex set to stay in, position, position + velocity/κ₁ and the place of rest "
-            "in it; no bound on u in the way, no obstacle that moves by itself"
-        ),
+        fail_safe_condition=_condition(k_1, k_2, dt_s) if is_kept else "none: held so long it keeps no barrier",
+    )
+
+
+def _condition(k_1: float, k_2: float, dt_s: float) -> str:
+    """Return the condition under which the fail-safe keeps a barrier of the position, in words."""
+    return (
+        f"h, ψ₁, ψ₂ ≥ 0 with linear γ₁ ≤ {k_1:g}/s and γ₁, γ₂ ≤ {k_2:g}/s, and h affine in the position, or convex "
+        "with ψ₂ ≥ x₂ᵀ∇²h x₂; for a convex set to stay in, position, position + velocity/κ₁ and the place of rest "
+        "in it; no bound on u in the way, no obstacle that moves by itself; "
+        + (f"each of its inputs held for {dt_s:.4g} s" if dt_s else "followed at every instant")
     )

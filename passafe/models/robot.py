@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from passafe.models.fail_safe_scope import FailSafeScope
 from passafe.system import System
 
 
@@ -20,6 +21,7 @@ class Robot:
         points: How many points in the plane the position is made of; 0 where it is no place, as with joints.
         fail_safe: Law u(x) that the robot applies when no input comes, shape (m, 1).
         fail_safe_gain: K, by which that law multiplies −velocity, 1/s or equivalent.
+        fail_safe_scope: The barriers that law keeps, in numbers.
         stopping_hull: Positions as expressions of x, each of shape (k, 1). While that law is in force the position
             never leaves their convex hull, under ``fail_safe_condition``.
         fail_safe_condition: The condition under which that law keeps a barrier, in words.
@@ -31,6 +33,7 @@ class Robot:
     points: int
     fail_safe: ca.SX
     fail_safe_gain: float
+    fail_safe_scope: FailSafeScope
     stopping_hull: tuple[ca.SX, ...]
     fail_safe_condition: str
 

@@ -18,7 +18,7 @@ from passafe_services.suggestion import suggestion
 
 
 def robot_of(scenario: Scenario) -> Robot:
-    """Return the scenario's robot, its fail-safe set to the gains of the barriers of its position.
+    """Return the scenario's robot, its fail-safe set to the gains of the barriers of its position and to its period.
 
     Raises:
         ScenarioError: A parameter that the model does not have, or an x0 of the wrong length.
@@ -29,7 +29,7 @@ def robot_of(scenario: Scenario) -> Robot:
     if unknown:
         allowed = ", ".join(model.parameters) + suggestion(unknown[0], model.parameters)
         raise ScenarioError(scenario.name, "plant.parameters", ", ".join(unknown), allowed)
-    extra: dict[str, float] = {"gamma_1": _largest_gain(scenario, 0)}
+    extra: dict[str, float] = {"gamma_1": _largest_gain(scenario, 0), "dt_s": scenario.dt_s}
     if model.name == "lagged-point":
         extra["gamma_2"] = _largest_gain(scenario, 1)
     if model.name == "joint-chain":
