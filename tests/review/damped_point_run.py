@@ -72,6 +72,12 @@ class DampedPoint:
         """Zero: the flow is exact."""
         return np.zeros(x.shape[1])
 
+    def energy_gain(self, x: Array, u: Array, duration_s: float) -> Array:
+        """∫x₂ᵀu − ΔV: the way times the input, and ‖x‖² before minus after."""
+        after = self.flow(x, u, duration_s)
+        gain: Array = np.sum((after[:2] - x[:2]) * u, axis=0) + np.sum(x * x, axis=0) - np.sum(after * after, axis=0)
+        return gain
+
     def power_margin(self, x: Array, u: Array) -> Array:
         """X₂ᵀu − V̇ with V̇ = 2x₁ᵀx₂ + 2x₂ᵀ(−σx₂ + u)."""
         p, q = x[:2], x[2:]

@@ -7,8 +7,10 @@ import pytest
 from damped_point_run import DampedPoint, header, scenario, state
 from hypothesis import given
 from hypothesis import strategies as st
-from passafe_services.tools.review.between_samples import Extremum, RecomputedMargins, tank_ledger
+from passafe_services.tools.review.between_samples import RecomputedMargins
 from passafe_services.tools.review.continuity import LoggedMessage
+from passafe_services.tools.review.energy_account import logged_gain, tank_ledger
+from passafe_services.tools.review.extremum import Extremum
 from passafe_services.tools.review.trajectory import Trajectory
 
 T = np.array([0.0, 1.0, 2.0])
@@ -41,7 +43,8 @@ energies = st.lists(st.tuples(st.floats(-100, 100), st.floats(0, 100)), min_size
 def test_the_ledger_is_the_sum_as_long_as_the_tank_is_not_full(energies: list[tuple[float, float]]) -> None:
     gained_j, stored_j = map(list, zip(*energies, strict=True))
     passivity = scenario().filter.passivity.model_copy(update={"tank_max_j": 1e6})
-    ledger = tank_ledger(trajectory_of_energies(gained_j, stored_j), passivity)
+    trajectory = trajectory_of_energies(gained_j, stored_j)
+    ledger = tank_ledger(logged_gain(trajectory), trajectory.session, passivity)
     expected = 1.0 + (np.array(gained_j) - gained_j[0]) - (np.array(stored_j) - stored_j[0])
     assert ledger == pytest.approx(expected, abs=1e-9)
 
@@ -52,7 +55,8 @@ def test_tank_stays_below_its_maximum_and_gains_no_extra_energy(
 ) -> None:
     gained_j, stored_j = map(list, zip(*energies, strict=True))
     passivity = scenario().filter.passivity
-    ledger = tank_ledger(trajectory_of_energies(gained_j, stored_j), passivity)
+    trajectory = trajectory_of_energies(gained_j, stored_j)
+    ledger = tank_ledger(logged_gain(trajectory), trajectory.session, passivity)
     assert ledger.max() <= passivity.tank_max_j
     given_j = np.diff(gained_j) - np.diff(stored_j)
     assert (np.diff(ledger) <= given_j + 1e-9).all()

@@ -122,8 +122,8 @@ def test_passivity_by_tank_is_judged_by_the_ledger(tmp_path: Path) -> None:
 def test_the_tank_forgets_what_is_above_its_maximum(tmp_path: Path) -> None:
     passivity = {"tank_initial_j": 1.0, "tank_reserve_j": 0.0, "tank_max_j": 1.5}
     run = Run(scenario(passivity=passivity))
-    for k, stored_j in enumerate((4.0, 2.0, 3.0)):  # +2 is cut to +0.5, then −1
-        run.add(header("plant", k), state(k, (2.0, 0.0, 0.0, 0.0), REST, energy_stored_j=stored_j))
+    for k, stored_j in enumerate((4.0, 2.0, 3.0)):  # +2 is cut to +0.5, then −1; every other state is missing
+        run.add(header("plant", 2 * k), state(k, (2.0, 0.0, 0.0, 0.0), REST, energy_stored_j=stored_j))
     assert judged(run, tmp_path).tank_min_j == pytest.approx(0.5)
 
 

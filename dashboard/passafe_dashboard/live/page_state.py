@@ -11,7 +11,7 @@ from passafe_protocol.link_effect import LinkCounts
 from passafe_protocol.messages import FilterTick, PlantState
 from passafe_protocol.shapes import as_dict
 from passafe_protocol.topics import HEALTH, LINKS, PROCESSES, STATE, TICK, TOPIC_OF_NAME
-from passafe_services.tools.review.between_samples import Extremum
+from passafe_services.tools.review.extremum import Extremum
 from passafe_services.tools.review.verdict_so_far import properties_so_far
 from passafe_services.tools.review.verdict_words import decide, in_words
 

@@ -9,7 +9,8 @@ from passafe_protocol.messages import PlantPhase
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.experiment.run_trace import RunTrace
 from passafe_services.tools.experiment.tracking import Motion, Tracking
-from passafe_services.tools.review.between_samples import Extremum, RecomputedMargins
+from passafe_services.tools.review.between_samples import RecomputedMargins
+from passafe_services.tools.review.extremum import Extremum
 from passafe_services.tools.review.filter_claims import IntArray
 from passafe_services.tools.review.plant_evaluator import PlantEvaluator
 from passafe_services.tools.review.properties import Tolerances, judge_driving, judge_properties
@@ -136,8 +137,9 @@ def metrics_of(
         reference: Where the robot is without injected links, if that is asked for.
     """
     trajectory = trace.trajectory()
-    margins = RecomputedMargins.of(trajectory, evaluator, scenario.filter.passivity, POINTS_PER_PERIOD)
     answers = trace.answers()
+    passivity = scenario.filter.passivity
+    margins = RecomputedMargins.of(trajectory, evaluator, passivity, POINTS_PER_PERIOD, answers)
     phases = trace.phases()
     properties = judge_driving(answers, trace.running_states(), scenario.dt_s)
     properties |= judge_properties(scenario, trace.inputs(), answers, trajectory, margins, Tolerances())

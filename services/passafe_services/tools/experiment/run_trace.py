@@ -71,7 +71,9 @@ class RunTrace:
         n, m = (system.n,), (system.m,)
         self._states = _Rows("plant_ns", "phase", "lead_ns", energy_in_j=(), energy_stored_j=(), x=n, u=m)
         self._sent = _Rows("at_ns", "sequence_start_ns", u=m)
-        self._answered = _Rows("status", "at_ns", "state_age_ns", "command_age_ns", "decided", residuals=(3,))
+        self._answered = _Rows(
+            "status", "at_ns", "state_age_ns", "command_age_ns", "decided", residuals=(3,), slack_w=()
+        )
         self.taps: Mapping[Topic, Tap] = {STATE: self._keep_state, INPUT: self._keep_input, TICK: self._answer}
         self._asked: list[tuple[int, Decision]] = []
         if steered:
@@ -104,6 +106,7 @@ class RunTrace:
             plant_ns=np.array(rows["plant_ns"]),
             x=np.array(rows["x"]).T,
             u=np.array(rows["u"]).T,
+            runs=rows["phase"] == PlantPhase.RUNNING,
             energy_in_j=np.array(rows["energy_in_j"]),
             energy_stored_j=np.array(rows["energy_stored_j"]),
         )
@@ -135,6 +138,7 @@ class RunTrace:
             status=np.array(rows["status"]),
             residual=np.where(accepted, rows["residuals"].max(axis=1), np.inf),
             at_ns=np.array(rows["at_ns"]),
+            slack_w=np.array(rows["slack_w"]),
             command_age_ns=np.array(rows["command_age_ns"]),
             state_age_ns=np.array(rows["state_age_ns"]),
         )
@@ -178,6 +182,7 @@ class RunTrace:
             assessment.primal,
             assessment.dual,
             assessment.gap,
+            assessment.slack,
         )
 
     def _ask_and_answer(self, record: TickRecord) -> None:

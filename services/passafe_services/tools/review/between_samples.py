@@ -7,31 +7,14 @@ from typing import Final, NamedTuple, Self
 import numpy as np
 
 from passafe_services.scenarios.schema import PassivityConfig
+from passafe_services.tools.review.energy_account import account_of
+from passafe_services.tools.review.extremum import Extremum
+from passafe_services.tools.review.filter_claims import Decisions
 from passafe_services.tools.review.plant_evaluator import FloatArray, PlantEvaluator
 from passafe_services.tools.review.trajectory import Trajectory
 
 STATE_ROUNDING: Final = 16 * float_info.epsilon
 """Rounding of a state after one step, relative to its largest number."""
-
-
-class Extremum(NamedTuple):
-    """Extreme value and the plant time, s, at which it occurred."""
-
-    value: float
-    at_s: float
-
-    @classmethod
-    def lowest(cls, values: FloatArray, t_s: FloatArray) -> Self:
-        """Return the smallest of at least one value; a NaN counts as −∞."""
-        known = np.where(np.isnan(values), -np.inf, values)
-        where = int(np.argmin(known))
-        return cls(float(known[where]), float(t_s[where]))
-
-    @classmethod
-    def highest(cls, values: FloatArray, t_s: FloatArray) -> Self:
-        """Return the largest of at least one value; a NaN counts as +∞."""
-        lowest = cls.lowest(-values, t_s)
-        return cls(-lowest.value, lowest.at_s)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,7 +30,8 @@ class RecomputedMargins:
         start_level: Its name.
         power_margin_min: Smallest power margin h_u(x, u), W, at samples and between them.
         power_margin_min_at_samples: Smallest power margin at samples only, W.
-        tank_min_j: Smallest energy of the tank, J, at samples.
+        tank_min_j: Smallest energy of the tank, J, at samples and between them.
+        energy_kept_j: Smallest E − E_r + ∫δ dt, J; see ``EnergyAccount``.
         u_norm_max: Largest ‖u‖₂ in force.
         mismatch_max: Largest ``Trajectory.mismatch``.
     """
@@ -61,12 +45,28 @@ class RecomputedMargins:
     power_margin_min: Extremum | None = None
     power_margin_min_at_samples: Extremum | None = None
     tank_min_j: Extremum | None = None
+    energy_kept_j: Extremum | None = None
     u_norm_max: Extremum | None = None
     mismatch_max: Extremum | None = None
 
     @classmethod
-    def of(cls, trajectory: Trajectory, evaluator: PlantEvaluator, passivity: PassivityConfig, points: int) -> Self:
-        """Recompute the extrema, with ``points`` instants per period between samples."""
+    def of(
+        cls,
+        trajectory: Trajectory,
+        evaluator: PlantEvaluator,
+        passivity: PassivityConfig,
+        points: int,
+        decisions: Decisions | None = None,
+    ) -> Self:
+        """Recompute the extrema.
+
+        Args:
+            trajectory: Motion of the plant.
+            evaluator: Functions of the scenario.
+            passivity: The tank.
+            points: Instants to evaluate per period, its end included.
+            decisions: Decisions of the filter, for the slack that they granted; nothing else is taken from them.
+        """
         if trajectory.samples == 0:
             return cls()
         t_s, x, u = trajectory.t_s, trajectory.x, trajectory.u
@@ -77,6 +77,7 @@ class RecomputedMargins:
             power = Extremum.lowest(evaluator.power_margin(x, u), t_s)
             lowest, power_between = _between(trajectory, evaluator, points, at_samples)
             start, level = _start(trajectory, evaluator)
+            energy = account_of(trajectory, evaluator, passivity, points, decisions)
             mismatch, mismatch_t_s = trajectory.mismatch(evaluator)
             norms = np.linalg.norm(u, axis=0)
         return cls(
@@ -88,7 +89,8 @@ class RecomputedMargins:
             start_level=level,
             power_margin_min=_smaller(power_between, power),
             power_margin_min_at_samples=power,
-            tank_min_j=Extremum.lowest(tank_ledger(trajectory, passivity), t_s),
+            tank_min_j=energy.tank_min_j,
+            energy_kept_j=energy.kept_min_j,
             u_norm_max=Extremum.highest(norms, t_s),
             mismatch_max=Extremum.highest(mismatch, mismatch_t_s) if mismatch.size else None,
         )
@@ -103,25 +105,6 @@ def _start(trajectory: Trajectory, evaluator: PlantEvaluator) -> tuple[Extremum 
     lowest = [Extremum.lowest(values, t_s) for values in evaluator.psi(trajectory.x[:, starts], t_s)]
     where = min(range(len(lowest)), key=lowest.__getitem__)
     return lowest[where], evaluator.protected[where]
-
-
-def tank_ledger(trajectory: Trajectory, passivity: PassivityConfig) -> FloatArray:
-    """Return the energy of the tank at every sample, J, from the plant's measured energies.
-
-    E ← min(E + ∫yᵀu − ΔV, E_max) from one sample to the next, starting at ``tank_initial_j``. Across missing messages
-    the sum is added at once.
-    """
-    gained = np.diff(trajectory.energy_in_j, prepend=0.0) - np.diff(trajectory.energy_stored_j, prepend=0.0)
-    ledger: list[float] = []
-    session: int | None = None
-    energy_j, initial_j, max_j = 0.0, passivity.tank_initial_j, passivity.tank_max_j
-    for gain_j, its_session in zip(gained.tolist(), trajectory.session.tolist(), strict=True):
-        if its_session != session:
-            session, energy_j = its_session, initial_j
-        else:
-            energy_j = min(energy_j + gain_j, max_j)
-        ledger.append(energy_j)
-    return np.array(ledger, dtype=np.float64)
 
 
 class _Lowest(NamedTuple):

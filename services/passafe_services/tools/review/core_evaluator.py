@@ -39,9 +39,11 @@ class CoreEvaluator:
         self._h = _evaluator("h", [system.x, system.t], h)
         self._h_error = cache(lambda: _h_error(system, h))
         self._levels = cache(lambda: _protected_levels(system, barriers))
-        margin = power_margin(system, storage_of(scenario, robot))
+        self._V = storage_of(scenario, robot)
+        margin = power_margin(system, self._V)
         self._margin = _evaluator("power_margin", [system.x, system.u], margin)
         self._flow, self._flow_error = cache(self._derive_flow), cache(self._derive_flow_error)
+        self._energy_gain = cache(self._derive_energy_gain)
 
     def h(self, x: FloatArray, t_s: FloatArray) -> FloatArray:
         """Return barrier values, shape (barriers, N), for x of shape (n, N) and plant time t_s, s, of shape (N,)."""
@@ -72,6 +74,10 @@ class CoreEvaluator:
         """Return h_u(x, u), W, shape (N,), for x of shape (n, N) and u of shape (m, N)."""
         return self._margin(x, u)[0].reshape(-1)
 
+    def energy_gain(self, x: FloatArray, u: FloatArray, duration_s: float) -> FloatArray:
+        """Return ∫yᵀu dt − ΔV, J, shape (N,), over ``duration_s`` after x (n, N) with u (m, N) held."""
+        return self._energy_gain(duration_s)(x, u)[0].reshape(-1)
+
     def flow(self, x: FloatArray, u: FloatArray, duration_s: float) -> FloatArray:
         """Return the state ``duration_s`` after x with u held, shape (n, N), for x (n, N) and u (m, N)."""
         return self._flow(duration_s)(x, u)[0]
@@ -80,6 +86,11 @@ class CoreEvaluator:
         """Return the estimated error of ``flow``, shape (N,), at most what the plant tolerates of its own."""
         estimated = self._flow_error(duration_s)(x, u)[0].reshape(-1)
         return np.minimum(np.nan_to_num(estimated, nan=LOCAL_TOLERANCE), LOCAL_TOLERANCE)
+
+    def _derive_energy_gain(self, duration_s: float) -> BatchFunction:
+        x_next, energy, _ = held_flow(self._system, duration_s)
+        gain = energy - (ca.substitute(self._V, self._system.x, x_next) - self._V)
+        return _evaluator("energy_gain", [self._system.x, self._system.u], gain)
 
     def _derive_flow_error(self, duration_s: float) -> BatchFunction:
         _, _, error = held_flow(self._system, duration_s)

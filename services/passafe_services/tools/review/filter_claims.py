@@ -66,6 +66,7 @@ class Decisions:
         status: Status, shape (K,).
         residual: Largest of the certificate's residuals and gap; +∞ if the certificate was not accepted; shape (K,).
         at_ns: Plant time of the decision, ns, shape (K,).
+        slack_w: Slack of the passivity row, W, shape (K,).
         command_age_ns: Age of the newest command, ns, −1 without one; shape (K,).
         state_age_ns: Age of the newest state, ns, −1 without one; shape (K,).
     """
@@ -73,6 +74,7 @@ class Decisions:
     status: IntArray
     residual: FloatArray
     at_ns: IntArray
+    slack_w: FloatArray
     command_age_ns: IntArray
     state_age_ns: IntArray
 
@@ -83,6 +85,7 @@ class Decisions:
             status=np.array([tick.status for tick in ticks], dtype=np.int64),
             residual=np.array([_residual(tick) for tick in ticks], dtype=np.float64),
             at_ns=np.array([tick.effective_plant_ns for tick in ticks], dtype=np.int64),
+            slack_w=np.array([tick.slack for tick in ticks], dtype=np.float64),
             command_age_ns=np.array([tick.command_age_ns for tick in ticks], dtype=np.int64),
             state_age_ns=np.array([tick.state_age_ns for tick in ticks], dtype=np.int64),
         )

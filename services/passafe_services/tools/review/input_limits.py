@@ -5,7 +5,7 @@ import numpy as np
 from passafe.limits import Limits
 from passafe_services.scenarios.design import limits_of, robot_of
 from passafe_services.scenarios.schema import Scenario
-from passafe_services.tools.review.between_samples import Extremum
+from passafe_services.tools.review.extremum import Extremum
 from passafe_services.tools.review.filter_claims import SentInputs
 from passafe_services.tools.review.plant_evaluator import FloatArray
 from passafe_services.tools.review.property import Property, at_most

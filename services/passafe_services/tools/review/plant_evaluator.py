@@ -33,6 +33,10 @@ class PlantEvaluator(Protocol):
         """Return the power margin h_u(x, u) = yᵀu − L_fV(x, u), shape (N,), for x (n, N) and u (m, N)."""
         ...
 
+    def energy_gain(self, x: FloatArray, u: FloatArray, duration_s: float) -> FloatArray:
+        """Return ∫h_u dt over ``duration_s`` after x with u held, J, shape (N,), for x (n, N) and u (m, N)."""
+        ...
+
     def flow(self, x: FloatArray, u: FloatArray, duration_s: float) -> FloatArray:
         """Return the state ``duration_s`` after x with u held, shape (n, N), for x (n, N) and u (m, N)."""
         ...

@@ -90,6 +90,7 @@ def judge_properties(
         tolerances: Tolerances of the recomputed values.
     """
     return judge_margins(margins, scenario, tolerances) | {
+        "energy": _energy(margins, scenario, tolerances),
         "bounded": judge_inputs(inputs, trajectory, scenario, tolerances.input_relative),
         "certified": _certified(decisions, tolerances.certificate, required=scenario.filter.mode != "off"),
         "consistent": at_most(
@@ -157,12 +158,24 @@ def _protected_start(margins: RecomputedMargins, scenario: Scenario) -> Property
 def _passive(margins: RecomputedMargins, scenario: Scenario, tolerances: Tolerances) -> Property:
     required = scenario.filter.mode in ("passive", "both")
     if scenario.filter.passivity.kind == "tank":
-        return at_least(margins.tank_min_j, -tolerances.tank_j, required=required, what="energy of the tank, J,")
+        what = "energy of the tank, J, also between samples,"
+        return at_least(margins.tank_min_j, -tolerances.tank_j, required=required, what=what)
     return at_least(
         margins.power_margin_min,
         -tolerances.power_margin_w,
         required=required,
         what="power margin h_u(x, u), W, also between samples",
+    )
+
+
+def _energy(margins: RecomputedMargins, scenario: Scenario, tolerances: Tolerances) -> Property:
+    """Judge E(t) ≥ E_r − ∫δ dt: whatever the tank lost below its reserve was granted, and reported, as slack."""
+    asks = scenario.filter
+    return at_least(
+        margins.energy_kept_j,
+        -tolerances.tank_j,
+        required=asks.mode in ("passive", "both") and asks.law == "sampled" and asks.passivity.kind == "tank",
+        what="energy of the tank above its reserve, with the slack that was granted since the start, J,",
     )
 
 

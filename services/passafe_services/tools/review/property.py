@@ -2,7 +2,7 @@
 
 from pydantic import BaseModel, ConfigDict
 
-from passafe_services.tools.review.between_samples import Extremum
+from passafe_services.tools.review.extremum import Extremum
 
 
 class Property(BaseModel):

@@ -38,6 +38,7 @@ class Trajectory:
         t_s: Plant time, s, shape (N,).
         x: State, shape (n, N).
         u: Input in force from this sample until the next, shape (m, N).
+        runs: Whether that is an input of the filter, in its time; shape (N,).
         energy_in_j: ∫ yᵀu dt since plant time 0, J, shape (N,).
         energy_stored_j: V(x), J, shape (N,).
         session: Number of the plant's session, shape (N,).
@@ -47,6 +48,7 @@ class Trajectory:
     t_s: FloatArray
     x: FloatArray
     u: FloatArray
+    runs: NDArray[np.bool_]
     energy_in_j: FloatArray
     energy_stored_j: FloatArray
     session: NDArray[np.int64]
@@ -65,6 +67,7 @@ class Trajectory:
             plant_ns=np.array([state.plant_ns for state in bodies], dtype=np.int64),
             x=_columns([state.x for state in bodies]),
             u=_columns([state.u for state in bodies]),
+            runs=np.array([state.phase is PlantPhase.RUNNING for state in bodies], dtype=np.bool_),
             energy_in_j=np.array([state.energy_in_j for state in bodies], dtype=np.float64),
             energy_stored_j=np.array([state.energy_stored_j for state in bodies], dtype=np.float64),
         )
@@ -77,6 +80,7 @@ class Trajectory:
         plant_ns: NDArray[np.int64],
         x: FloatArray,
         u: FloatArray,
+        runs: NDArray[np.bool_],
         energy_in_j: FloatArray,
         energy_stored_j: FloatArray,
     ) -> Self:
@@ -86,6 +90,7 @@ class Trajectory:
             plant_ns: Plant time, ns, shape (N,).
             x: State, shape (n, N).
             u: Input in force from each sample until the next, shape (m, N).
+            runs: Whether that is an input of the filter, in its time; shape (N,).
             energy_in_j: ∫ yᵀu dt since plant time 0, J, shape (N,).
             energy_stored_j: V(x), J, shape (N,).
         """
@@ -93,6 +98,7 @@ class Trajectory:
             t_s=np.asarray(plant_ns / NS_PER_S, dtype=np.float64),
             x=x,
             u=u,
+            runs=runs,
             energy_in_j=energy_in_j,
             energy_stored_j=energy_stored_j,
             session=np.zeros(len(plant_ns), dtype=np.int64),

@@ -8,9 +8,10 @@ from pydantic import BaseModel, ConfigDict
 
 from passafe_services.scenarios.design import robot_of
 from passafe_services.scenarios.schema import Scenario
-from passafe_services.tools.review.between_samples import Extremum, RecomputedMargins
+from passafe_services.tools.review.between_samples import RecomputedMargins
 from passafe_services.tools.review.command_use import CommandUse
 from passafe_services.tools.review.errors import MismatchedLogError
+from passafe_services.tools.review.extremum import Extremum
 from passafe_services.tools.review.filter_claims import Decisions, SentInputs
 from passafe_services.tools.review.link_accounts import LinkAccount, link_accounts
 from passafe_services.tools.review.plant_evaluator import PlantEvaluator
@@ -64,7 +65,7 @@ class Verdict(BaseModel):
         h_min_at_samples: Smallest barrier value at samples only.
         power_margin_min: Smallest power margin h_u(x, u), W.
         power_margin_min_at_samples: Smallest power margin at samples only, W.
-        tank_min_j: Smallest energy of the tank, J, at samples.
+        tank_min_j: Smallest energy of the tank, J, at samples and between them.
         u_norm_max: Largest ‖u‖₂ in force.
         status_counts: Number of ticks by status of the filter.
         solve_us_p50: Time from the beginning of a filter step until its input is sent, decoding and certificate
@@ -151,10 +152,11 @@ class Verdict(BaseModel):
         scenario = log.identity.scenario
         tolerances = Tolerances() if tolerances is None else tolerances
         trajectory = trajectory_of(log)
-        margins = RecomputedMargins.of(trajectory, evaluator, scenario.filter.passivity, points_per_period)
         ticks = log.of(FilterTick)
         inputs = SentInputs.of((sent.body for sent in log.of(PlantInput)), robot_of(scenario).system.m)
         decisions = Decisions.of([tick.body for tick in ticks])
+        passivity = scenario.filter.passivity
+        margins = RecomputedMargins.of(trajectory, evaluator, passivity, points_per_period, decisions)
         properties = judge_driving(decisions, running_states(log.of(PlantState)), scenario.dt_s)
         properties |= judge_properties(scenario, inputs, decisions, trajectory, margins, tolerances)
         properties["complete"] = judge_completeness(log, trajectory)

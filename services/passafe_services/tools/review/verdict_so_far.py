@@ -3,8 +3,9 @@
 from typing import Final
 
 from passafe_services.scenarios.schema import Scenario
-from passafe_services.tools.review.between_samples import Extremum, RecomputedMargins
+from passafe_services.tools.review.between_samples import RecomputedMargins
 from passafe_services.tools.review.drive_record import DriveRecord
+from passafe_services.tools.review.extremum import Extremum
 from passafe_services.tools.review.fallback_record import FallbackRecord
 from passafe_services.tools.review.properties import Tolerances, judge_margins
 from passafe_services.tools.review.property import Property
