@@ -155,11 +155,13 @@ class Run:
     Attributes:
         scenario: The scenario.
         driver: live or lockstep.
+        planned_s: Plant time that it is to last, s.
         sent: Header and body of each message, in the order in which it was sent.
     """
 
     scenario: Scenario = field(default_factory=scenario)
     driver: str = "live"
+    planned_s: float | None = None
     sent: list[tuple[Header, Message]] = field(default_factory=list)
 
     def add(self, head: Header, body: Message) -> None:
@@ -181,6 +183,7 @@ class Run:
             scenario_json=self.scenario.model_dump_json(),
             versions={"passafe": "0.1.0"},
             driver="live" if self.driver == "live" else "lockstep",
+            planned_s=self.planned_s,
         )
         with LogWriter(path, metadata) as log:
             for head, body in self.sent:

@@ -130,6 +130,20 @@ def test_of_two_plants_the_one_that_ended_last_counts(tmp_path: Path) -> None:
     assert verdict.properties["driven"].note.endswith("for the last 2.5 s")
 
 
+@pytest.mark.parametrize(
+    ("planned_s", "words"), [(None, "holds"), (0.101, "holds"), (0.102, "unproven"), (8.0, "unproven")]
+)
+def test_a_run_that_ended_before_its_time_is_not_whole(tmp_path: Path, planned_s: float | None, words: str) -> None:
+    run = Run(planned_s=planned_s)
+    rollout(run, x0=(2.0, 0.0, -0.5, 0.0), u=lambda _: REST, steps=100)
+    verdict = Verdict.of(RunLog.read(run.write(tmp_path / "run.mcap")), DampedPoint())
+    said = (
+        "" if planned_s is None or words == "holds" else f": not a whole run: it ended after 0.099 s of {planned_s} s"
+    )
+
+    assert verdict.words == words + said.replace("8.0", "8")
+
+
 def test_words_name_what_is_unknown_and_what_was_not_asked() -> None:
     def entry(*, holds: bool | None, required: bool = True, **keys: object) -> Property:
         return Property.model_validate(

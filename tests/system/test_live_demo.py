@@ -1,6 +1,7 @@
 """The whole system as processes over Zenoh, as a user runs it."""
 
 import os
+import re
 import signal
 import time
 from pathlib import Path
@@ -113,3 +114,15 @@ def test_nothing_outlives_a_killed_supervisor(tmp_path: Path) -> None:
         demo.process.send_signal(signal.SIGKILL)
 
         assert all_gone(pids, 15.0)
+
+
+def test_a_filter_that_leaves_before_the_end_leaves_no_whole_run(tmp_path: Path) -> None:
+    with running_demo(tmp_path, "--duration", "30", "--rate", "200", "--headless") as demo:
+        demo.wait_for("running for 30 s")
+        os.kill(demo.children()["filter"], signal.SIGTERM)
+        code = demo.end()
+
+    text = "".join(demo.lines)
+    assert code == 3
+    assert "filter ended: exit code 0" in text
+    assert re.search(r"verdict   unproven: .*not a whole run: it ended after [\d.]+ s of 30 s", text)

@@ -7,6 +7,7 @@ from rich.console import Console
 
 from passafe_services.cli.verdict import exit_code, print_verdict
 from passafe_services.loop.process_exit import ExitCause, RunOutcome
+from passafe_services.loop.process_options import ProcessName
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.recover import recover
 from passafe_services.tools.review.core_evaluator import CoreEvaluator
@@ -26,8 +27,10 @@ def report_outcome(outcome: RunOutcome, log: Path, scenario: Scenario, console: 
         scenario: The effective scenario.
         console: Where to print.
     """
-    too_long = outcome.cause is ExitCause.DURATION  # a run in order is ended by the plant
-    if not outcome.clean or too_long:
+    too_long = outcome.cause is ExitCause.DURATION  # a run in order is ended by the plant, or by a signal
+    deserted = outcome.cause is ExitCause.LEFT and outcome.culprit != ProcessName.PLANT
+    in_order = outcome.clean and not too_long and not deserted
+    if not in_order:
         console.print(f"[bold red]{outcome.detail}{', and the plant has not come to its end' if too_long else ''}[/]")
     if outcome.restarts:
         counts = ", ".join(f"{name} {count}" for name, count in outcome.restarts.items())
@@ -42,4 +45,4 @@ def report_outcome(outcome: RunOutcome, log: Path, scenario: Scenario, console: 
         console.print(f"the recorder did not finish its log; {kept.messages} messages were recovered from {torn}")
     verdict = Verdict.of(read, CoreEvaluator(scenario))
     print_verdict(verdict, log)
-    return exit_code(verdict) if outcome.clean and not too_long else DIED
+    return exit_code(verdict) if in_order else DIED

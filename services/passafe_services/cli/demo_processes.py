@@ -40,13 +40,14 @@ def demo_processes(
         duration_s: Plant time after which the plant ends, s; ``None``: never.
         restart: Whether those of ``RESTARTED`` are started again when they die.
     """
+    duration = [] if duration_s is None else ["--duration", str(duration_s)]
     arguments: dict[ProcessName, list[str]] = {
         ProcessName.ROUTER: [],
-        ProcessName.RECORDER: ["--out", str(log)],
+        ProcessName.RECORDER: ["--out", str(log), *duration],
         ProcessName.DASHBOARD: ["--port", str(page_port)],
         ProcessName.OPERATOR: [],
         ProcessName.FILTER: [],
-        ProcessName.PLANT: [] if duration_s is None else ["--duration", str(duration_s)],
+        ProcessName.PLANT: duration,
     }
     if page_port is None:
         del arguments[ProcessName.DASHBOARD]

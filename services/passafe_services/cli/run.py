@@ -19,7 +19,8 @@ def run(
     router: RouterOption = DEFAULT_ROUTER,
     device: Annotated[Device, typer.Option(help="Operator: the scenario's script, or a keyboard.")] = Device.SCRIPT,
     duration: Annotated[
-        float | None, typer.Option(metavar="SECONDS", min=0.0, help="Plant: plant time after which it ends.")
+        float | None,
+        typer.Option(metavar="SECONDS", min=0.0, help="Plant and recorder: plant time after which the plant ends."),
     ] = None,
     out: Annotated[Path, typer.Option("--out", "-o", metavar="FILE", help="Recorder: MCAP log to write.")] = Path(
         "run.mcap"

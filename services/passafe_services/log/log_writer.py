@@ -19,7 +19,7 @@ SCENARIO_RECORD: Final = "scenario"
 VERSIONS_RECORD: Final = "versions"
 """Metadata record with the versions of passafe and its numerical dependencies, by name."""
 DRIVER_RECORD: Final = "driver"
-"""Metadata record with ``kind``: live or lockstep."""
+"""Metadata record with ``kind``: live or lockstep, and ``planned_s`` if the run was to last for so long."""
 
 SEQUENCE_MODULUS: Final = 2**32
 TIME_LIMIT_NS: Final = 2**64
@@ -30,14 +30,25 @@ RunMetadata = Mapping[str, Mapping[str, str]]
 
 
 def run_metadata(
-    *, scenario_json: str, versions: Mapping[str, str], driver: Literal["live", "lockstep"]
+    *,
+    scenario_json: str,
+    versions: Mapping[str, str],
+    driver: Literal["live", "lockstep"],
+    planned_s: float | None = None,
 ) -> dict[str, dict[str, str]]:
-    """Return the metadata records of a run, for ``LogWriter``."""
+    """Return the metadata records of a run, for ``LogWriter``.
+
+    Args:
+        scenario_json: Effective configuration.
+        versions: Versions of passafe and its numerical dependencies, by name.
+        driver: What drives the nodes.
+        planned_s: Plant time that the run is to last, s; ``None`` if it lasts until it is stopped.
+    """
     json.loads(scenario_json)  # a log with an unreadable scenario would be useless
     return {
         SCENARIO_RECORD: {"json": scenario_json},
         VERSIONS_RECORD: dict(versions),
-        DRIVER_RECORD: {"kind": driver},
+        DRIVER_RECORD: {"kind": driver} | ({} if planned_s is None else {"planned_s": repr(planned_s)}),
     }
 
 

@@ -34,7 +34,7 @@ class ProcessOptions:
         scenario: Effective scenario, the same for all processes of a system.
         endpoint: Address of the router.
         device: Operator: input device.
-        duration_s: Plant: plant time after which it ends, s; ``None``: never.
+        duration_s: Plant and recorder: plant time after which the plant ends, s; ``None``: never.
         out: Recorder: log to write.
         port: Dashboard: port of its page.
         host: Dashboard: address of its page.

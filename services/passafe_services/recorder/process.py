@@ -61,5 +61,10 @@ def run_recorder(
 
 def start(options: ProcessOptions) -> None:
     """Record until stopped."""
-    metadata = run_metadata(scenario_json=options.scenario.model_dump_json(), versions=versions(), driver="live")
+    metadata = run_metadata(
+        scenario_json=options.scenario.model_dump_json(),
+        versions=versions(),
+        driver="live",
+        planned_s=options.duration_s,
+    )
     run_recorder(options.endpoint, options.out, metadata, epoch=options.epoch, lifeline=options.lifeline)

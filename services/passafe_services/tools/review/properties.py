@@ -26,6 +26,10 @@ START_ROUNDING: Final = 1e-9
 """How far below 0 a value of the start may be: one on the boundary of the protected set counts as in it."""
 
 
+END_PERIODS: Final = 2
+"""Periods by which the last state of a whole run may come before its end."""
+
+
 class Tolerances(BaseModel):
     """Tolerances of the recomputed values.
 
@@ -114,13 +118,15 @@ def judge_margins(margins: RecomputedMargins, scenario: Scenario, tolerances: To
 def judge_completeness(log: RunLog, trajectory: Trajectory) -> Property:
     """Return the property that the log contains the whole run."""
     missing = sum(log.counts[topic.name].gaps for topic in CONTROL_TOPICS)
+    cut_short = _cut_short(log, trajectory)
     return Property(
-        holds=missing == 0 and log.finished and _shows_the_start(log, trajectory),
+        holds=missing == 0 and log.finished and _shows_the_start(log, trajectory) and not cut_short,
         required=True,
         worst=float(missing),
         at_s=_first_gap_s(log),
         requirement="messages of command, input, state and tick missing = 0, from the first state to the end",
         allowed="= 0",
+        note=cut_short,
     )
 
 
@@ -207,6 +213,15 @@ def judge_links(accounts: Sequence[LinkAccount]) -> Property:
         requirement="differences between the states, the events and the logged messages of a link = 0",
         allowed="= 0",
     )
+
+
+def _cut_short(log: RunLog, trajectory: Trajectory) -> str:
+    """Return in words that the run ended before its time; empty if it did not, or was to last until it was stopped."""
+    planned_s, period_s = log.identity.planned_s, log.identity.scenario.dt_s
+    lasted_s = float(trajectory.t_s[-1]) if trajectory.samples else 0.0
+    if planned_s is None or lasted_s >= planned_s - END_PERIODS * period_s:
+        return ""
+    return f"not a whole run: it ended after {lasted_s:.3f} s of {planned_s:g} s"
 
 
 def _shows_the_start(log: RunLog, trajectory: Trajectory) -> bool:

@@ -3,10 +3,10 @@
 import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
 
 from passafe_protocol.messages import ScenarioInfo
-from pydantic import BaseModel, ConfigDict, Json, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, Json, ValidationError
 
 from passafe_services.log.log_writer import DRIVER_RECORD, SCENARIO_RECORD, VERSIONS_RECORD
 from passafe_services.scenarios.schema import Scenario
@@ -22,6 +22,7 @@ class RunIdentity(BaseModel):
         scenario: Effective scenario.
         driver: Driver of the nodes.
         versions: Versions of passafe and its numerical dependencies, by name.
+        planned_s: Plant time that the run was to last, s; ``None`` if it was to last until it was stopped.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -29,6 +30,7 @@ class RunIdentity(BaseModel):
     scenario: Json[Scenario]
     driver: DriverName
     versions: Json[dict[str, str]]
+    planned_s: Annotated[float | None, Field(allow_inf_nan=False)] = None
 
 
 def identify(path: Path, metadata: Mapping[str, Mapping[str, str]], info: ScenarioInfo | None) -> RunIdentity:
@@ -47,6 +49,7 @@ def identify(path: Path, metadata: Mapping[str, Mapping[str, str]], info: Scenar
             "scenario": metadata[SCENARIO_RECORD].get("json", ""),
             "driver": metadata.get(DRIVER_RECORD, {}).get("kind", ""),
             "versions": json.dumps(dict(metadata.get(VERSIONS_RECORD, {}))),
+            "planned_s": metadata.get(DRIVER_RECORD, {}).get("planned_s"),
         }
     elif info is not None:
         fields = {"scenario": info.scenario_json, "driver": info.driver, "versions": info.versions_json}
