@@ -9,7 +9,7 @@ DEMO ?=
 PYTHONS ?= python3.12 python3.13
 CAMPAIGN ?= $(basename $(notdir $(wildcard services/passafe_services/scenarios/*.toml)))
 
-.PHONY: help demo test check fast proto lock docs site pictures bench campaign atlas delay-atlas worker-kills mutation wheel wheel-test clean
+.PHONY: help demo test check fast proto lock docs site pictures bench campaign generated-campaign atlas delay-atlas worker-kills mutation wheel wheel-test clean
 
 help:  ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 13
@@ -64,6 +64,9 @@ bench: $(STAMP)  ## docs/benchmarks.md: ratios of every benchmark; some 10 minut
 
 campaign: $(STAMP)  ## 10,000 adversarial rollouts of every shipped scenario; about an hour; resumes where it was interrupted
 	$(BIN)/passafe campaign $(CAMPAIGN) --rollouts 10000 --out runs/campaign
+
+generated-campaign: $(STAMP)  ## 20,000 closed loops of systems made from seeds; about an hour; resumes where it was interrupted
+	$(BIN)/passafe campaign --generated --rollouts 20000 --out runs/generated
 
 atlas: $(STAMP)  ## the pictures of docs/feasibility.md
 	@for gain in 10 1; do \

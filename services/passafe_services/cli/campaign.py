@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NoReturn
 
 import typer
 from rich.console import Console
@@ -10,6 +10,8 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from passafe.decision import FALLBACKS, Status
+from passafe_services.cli.errors import OptionError
+from passafe_services.cli.generated_campaign import generated_campaign
 from passafe_services.cli.options import WorkersOption, writable_folder
 from passafe_services.cli.sweep import exit_if_interrupted, workers_for
 from passafe_services.loop.realtime import available_processors
@@ -24,10 +26,14 @@ from passafe_services.tools.runs.sweep import FixedPlan, sweep
 
 
 def campaign(
-    scenarios: Annotated[
-        list[str], typer.Argument(metavar="SCENARIO", help="Shipped scenarios (`passafe scenarios`) or TOML files.")
-    ],
     out: Annotated[Path, typer.Option("--out", "-o", metavar="FOLDER", help="Folder for results and summaries.")],
+    scenarios: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="SCENARIO", help="Shipped scenarios (`passafe scenarios`) or TOML files."),
+    ] = None,
+    generated: Annotated[
+        bool, typer.Option("--generated", help="Run systems made from seeds instead of scenarios.")
+    ] = False,
     rollouts: Annotated[
         int, typer.Option("--rollouts", "-n", metavar="N", min=1, help="Rollouts of each scenario.")
     ] = 100,
@@ -51,13 +57,26 @@ def campaign(
     interruption. Exits with 0 only if h and tank stayed at or above zero, every input within its limits and every
     answer certified or in a defined fallback.
 
+    With `--generated`, plants, barriers, limits and operators are drawn from the seed, four rollouts of each design;
+    how long they last follows from the design's rate, and inputs are lost at times. The summary has a line for each
+    family of plants. Wherever a fallback is entered, braking alone is rolled out for comparison.
+
     Example: `passafe campaign notomista-cai-2020 --rollouts 1000 --out runs/campaign`
     """
+    if generated == bool(scenarios):
+        raise OptionError("SCENARIO", "scenarios and --generated" if generated else "none", "scenarios, or --generated")
+    if generated:
+        generated_campaign(writable_folder(out), range(first_seed, first_seed + rollouts), workers)
+    _of_scenarios(scenarios or [], out, range(first_seed, first_seed + rollouts), duration, workers, scalar=scalar)
+
+
+def _of_scenarios(
+    scenarios: list[str], out: Path, seeds: range, duration: float, workers: int, *, scalar: bool
+) -> NoReturn:
     loaded = [load_scenario(name) for name in scenarios]
     for scenario in loaded:
         design_of(scenario, robot_of(scenario))  # refused before any worker starts
     folder = writable_folder(out)
-    seeds = range(first_seed, first_seed + rollouts)
     console = Console(highlight=False, soft_wrap=True)
     summaries = []
     lowest_h = TextColumn("h ≥ {task.fields[h]}")

@@ -1,0 +1,1 @@
+"""Families of random plants, one a module."""
