@@ -14,6 +14,7 @@
                 * ``UnknownExperimentError``: no experiment of that name and no such file
                 * ``UnreadableExperimentError``: a file that is no TOML
         * ``OptionError``: an option of a command
+        * ``UnusableScenarioError``: a scenario that a check refuses
         * ``SourceConfigError``: a setting of a source of commands
         * ``RecordingError``: a place in a recorded command series
         * ``TerminalError``: no terminal that a person could drive from

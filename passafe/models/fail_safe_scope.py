@@ -1,4 +1,4 @@
-"""What a robot's fail-safe law keeps, in numbers that a barrier can be held against."""
+"""Barriers that a robot's fail-safe law keeps, in numbers that a barrier can be held against."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -6,6 +6,7 @@ import typer
 
 from passafe_services.cli import (
     campaign,
+    check,
     demo,
     experiment,
     feasibility,
@@ -57,6 +58,7 @@ app.command("run", rich_help_panel=LIVE)(run.run)
 app.add_typer(link.app, name="link", rich_help_panel=LIVE)
 app.command("kill", rich_help_panel=LIVE)(kill.kill)
 app.command("scenarios", rich_help_panel=LIVE)(scenarios.scenarios)
+app.command("check", rich_help_panel=VIRTUAL)(check.check)
 app.command("simulate", rich_help_panel=VIRTUAL)(simulate.simulate)
 app.command("experiment", rich_help_panel=VIRTUAL)(experiment.experiment)
 app.command("campaign", rich_help_panel=VIRTUAL)(campaign.campaign)

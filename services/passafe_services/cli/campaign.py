@@ -10,13 +10,13 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from passafe.decision import FALLBACKS, Status
+from passafe_services.cli.check import warn_at_load
 from passafe_services.cli.errors import OptionError
 from passafe_services.cli.generated_campaign import generated_campaign
 from passafe_services.cli.options import WorkersOption, writable_folder
 from passafe_services.cli.sweep import exit_if_interrupted, workers_for
 from passafe_services.loop.realtime import available_processors
 from passafe_services.loop.stop import Stop, stop_requests
-from passafe_services.scenarios.design import design_of, robot_of
 from passafe_services.scenarios.load import load_scenario
 from passafe_services.tools.campaign.campaign_job import CampaignJob, campaign_results
 from passafe_services.tools.campaign.rollout_result import RolloutResult
@@ -75,7 +75,7 @@ def _of_scenarios(
 ) -> NoReturn:
     loaded = [load_scenario(name) for name in scenarios]
     for scenario in loaded:
-        design_of(scenario, robot_of(scenario))  # refused before any worker starts
+        warn_at_load(scenario)  # refused before any worker starts
     folder = writable_folder(out)
     console = Console(highlight=False, soft_wrap=True)
     summaries = []

@@ -8,6 +8,7 @@ import typer
 from passafe_dashboard.address import require_free_page_port
 from rich.console import Console
 
+from passafe_services.cli.check import warn_at_load
 from passafe_services.cli.demo_outcome import report_outcome
 from passafe_services.cli.demo_processes import demo_processes
 from passafe_services.cli.demo_rate import limited_beside_page
@@ -28,7 +29,6 @@ from passafe_services.loop.realtime import available_processors
 from passafe_services.loop.router_endpoint import DEFAULT_PORT, LOOPBACK, RouterEndpoint
 from passafe_services.loop.supervisor import supervise
 from passafe_services.router.port import require_free_router_port
-from passafe_services.scenarios.design import design_of, robot_of
 
 PATIENCE_S: Final = 60.0
 """How much longer than ``--duration`` a run may take by the clock: plant time begins with the filter's first input."""
@@ -89,7 +89,7 @@ def demo(
     chosen = scenario_from_options(scenario, mode=mode, law=law, duration_s=duration, rate_hz=rate, links=link or ())
     if rate is None and not headless:
         chosen = limited_beside_page(chosen, available_processors(), console.print)
-    design_of(chosen, robot_of(chosen))  # refused before any process starts
+    warn_at_load(chosen)  # refused before any process starts
     folder = writable_folder(out)
     endpoint = RouterEndpoint(host=LOOPBACK, port=router_port)
     require_free_router_port(endpoint)

@@ -8,6 +8,7 @@ import typer
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from passafe_services.cli.check import warn_at_load
 from passafe_services.cli.experiment_live import live_beside_lockstep, show_agreement
 from passafe_services.cli.experiment_report import show, show_kept, write_report
 from passafe_services.cli.options import WorkersOption, writable_folder
@@ -66,6 +67,7 @@ def experiment(
     """
     study = _study(file, seeds)
     check(study)
+    warn_at_load(study.scenario_with({}))
     folder = writable_folder(out)
     results_file = experiment_results(folder / "results.jsonl", study)
     plan = Plan(study.experiment, results_file.results)

@@ -60,6 +60,10 @@ def run(
         epoch=time.time_ns() if epoch is None else epoch,
         lifeline=lifeline,
     )
+    if process is ProcessName.FILTER and not lifeline:  # `passafe demo` has done so
+        from passafe_services.cli.check import warn_at_load  # noqa: PLC0415 - the other processes stay small
+
+        warn_at_load(options.scenario)
     package = "passafe_dashboard" if process is ProcessName.DASHBOARD else f"passafe_services.{process}"
     import_module(f"{package}.process").start(options)
 

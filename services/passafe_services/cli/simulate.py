@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 from rich.progress import Progress, TimeRemainingColumn
 
+from passafe_services.cli.check import warn_at_load
 from passafe_services.cli.options import (
     DEFAULT_SCENARIO,
     DurationOption,
@@ -46,6 +47,7 @@ def simulate(
     - `passafe simulate --mode safe --link plant-to-filter:delay=0.2,loss=0.1 --out runs/bad.mcap`
     """
     chosen = scenario_from_options(scenario, mode=mode, law=law, duration_s=duration, rate_hz=rate, links=link or ())
+    warn_at_load(chosen)
     metadata = run_metadata(scenario_json=chosen.model_dump_json(), versions=versions(), driver="lockstep")
     writable_folder(out.parent)
     steps = steps_of(chosen)

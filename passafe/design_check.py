@@ -1,0 +1,121 @@
+"""Checks of a design before anything moves: what holds by its formulas alone, and what its start and its rates say."""
+
+from collections.abc import Sequence
+from typing import Final
+
+import casadi as ca
+import numpy as np
+
+from passafe.barrier_chain import BarrierChain
+from passafe.design import FilterDesign
+from passafe.finding import Finding, Severity
+from passafe.storage_sign import descent_of
+from passafe.workspace import Array
+
+NOTE, WARNING, REFUSED = Severity.NOTE, Severity.WARNING, Severity.REFUSED
+
+STIFFEST: Final = 50.0
+"""Longest hold times stiffness that the margins between samples are tried for."""
+
+STEEPEST: Final = 1.0
+"""Gain times hold above which ψ may be used up within one hold."""
+
+PROBES: Final = 64
+"""States at which the slope of f is looked at."""
+
+
+def formula_findings(
+    design: FilterDesign, chains: Sequence[BarrierChain], x0: Sequence[float] | None = None, t_s: float = 0.0
+) -> tuple[Finding, ...]:
+    """Return what the formulas of a design show, without a decision.
+
+    Args:
+        design: The design.
+        chains: The chains of its barriers.
+        x0: State at the start, n numbers, if it is known.
+        t_s: Plant time at the start, s.
+    """
+    degrees = (_degree(chain) for chain in chains)
+    start = () if x0 is None else (_start(design, chain, x0, t_s) for chain in chains)
+    steep = (finding for chain in chains if (finding := _steepness(design, chain)) is not None)
+    return (*degrees, *start, *steep, _storage(design), _stiffness(design, x0))
+
+
+def _degree(chain: BarrierChain) -> Finding:
+    found = f"{chain.relative_degree}: the input appears in derivative {chain.relative_degree} of h"
+    return Finding(severity=NOTE, topic="relative degree", subject=_name(chain), found=found)
+
+
+def _start(design: FilterDesign, chain: BarrierChain, x0: Sequence[float], t_s: float) -> Finding:
+    psi = ca.Function("psi", [design.system.x, design.system.t], [ca.densify(ca.vertcat(*chain.psi[:-1]))])
+    values = psi(ca.DM(list(x0)), t_s).full().ravel()
+    least = int(np.argmin(values))
+    found = ", ".join(f"ψ{_subscript(k)} = {value:.4g}" for k, value in enumerate(values))
+    if values[least] >= 0:
+        return Finding(severity=NOTE, topic="start", subject=_name(chain), found=found)
+    what = "h < 0" if values[0] < 0 else f"ψ{_subscript(least)} < 0"
+    return Finding(
+        severity=WARNING,
+        topic="start",
+        subject=_name(chain),
+        found=f"{found}: {what}, outside the set that the rows protect",
+        advice="start slower or further away, or raise the gain of the function before it: h may become negative",
+    )
+
+
+def _steepness(design: FilterDesign, chain: BarrierChain) -> Finding | None:
+    gain = max(gamma.gain for gamma in chain.barrier.class_k[: chain.relative_degree])
+    product = gain * design.held_s
+    if product <= STEEPEST:
+        return None
+    return Finding(
+        severity=NOTE,
+        topic="loop rate",
+        subject=_name(chain),
+        found=f"gain {gain:g}/s times the longest hold {design.held_s:g} s is {product:.3g}",
+        advice="below 1 the margins between samples are small; a higher rate, a shorter hold or a lower gain",
+    )
+
+
+def _storage(design: FilterDesign) -> Finding:
+    descent = descent_of(design.passivity.V, design.system.x)
+    if descent is None:
+        found = "no direction in which V falls without end"
+        return Finding(severity=NOTE, topic="storage", subject="V", found=found)
+    return Finding(
+        severity=REFUSED if design.mode.enforces_passivity else WARNING,
+        topic="storage",
+        subject="V",
+        found=f"not bounded from below: {descent}",
+        advice="a V ≥ 0: from any other, energy without end may be drawn and the passivity row means nothing",
+    )
+
+
+def _stiffness(design: FilterDesign, x0: Sequence[float] | None) -> Finding:
+    system = design.system
+    slope = ca.Function("slope", [system.x, system.u], [ca.densify(ca.jacobian(system.f, system.x))])
+    rng = np.random.default_rng(1)
+    about: Array = np.zeros(system.n) if x0 is None else np.asarray(x0, dtype=float)
+    centre = ca.DM(list(design.limits.centre))
+    states = [about, *(about + rng.normal(size=(PROBES, system.n)))]
+    slopes = (slope(x, centre).full() for x in states)
+    rate = max((float(np.abs(np.linalg.eigvals(A)).max()) for A in slopes if np.isfinite(A).all()), default=0.0)
+    product = rate * design.held_s
+    found = f"fastest rate {rate:.3g}/s times the longest hold {design.held_s:g} s is {product:.3g}"
+    if product <= STIFFEST:
+        return Finding(severity=NOTE, topic="stiffness", subject="dynamics", found=found)
+    return Finding(
+        severity=WARNING,
+        topic="stiffness",
+        subject="dynamics",
+        found=found,
+        advice=f"at most {STIFFEST:g} is tried: a higher rate, a shorter hold, or a model without so fast a part",
+    )
+
+
+def _name(chain: BarrierChain) -> str:
+    return f"barrier {chain.barrier.name!r}"
+
+
+def _subscript(k: int) -> str:
+    return str(k).translate(str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉"))
