@@ -88,6 +88,11 @@ def _other_of_a_tie(operations: Sequence[Operation], operation: Operation) -> in
     return other if both_compare and operations[chosen].arguments == operations[other].arguments[::-1] else None
 
 
+def is_tie(operations: Sequence[Operation], operation: Operation) -> bool:
+    """Return whether an operation is CasADi's derivative of a minimum or maximum, (a ≤ b)/((a ≤ b) + (b ≤ a))."""
+    return _other_of_a_tie(operations, operation) is not None
+
+
 def _guarded(balls: Sequence[Ball]) -> Enclosure:
     """Return an enclosure whose numbers are finite whatever overflows; bare symbols and numbers cannot."""
     made = [ball for ball in balls if not _is_given(ball)]

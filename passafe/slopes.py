@@ -28,24 +28,25 @@ ON_THE_KINK: Final = 1e-12
 KINKS: Final[Mapping[int, bool]] = {ca.OP_FMIN: True, ca.OP_FMAX: True, ca.OP_FABS: False}
 """Operations with a kink: where both arguments are equal, or where the only one is zero."""
 
-_BREAKS: Final[Mapping[int, bool]] = {**KINKS, ca.OP_LE: True, ca.OP_LT: True, ca.OP_SIGN: False, ca.OP_COPYSIGN: False}
+BREAKS: Final[Mapping[int, bool]] = {**KINKS, ca.OP_LE: True, ca.OP_LT: True, ca.OP_SIGN: False, ca.OP_COPYSIGN: False}
 """Operations with a kink or a jump, of which the derivatives of kinks are made."""
 
 
-def broken_at(expression: ca.SX, moving: ca.SX | None = None) -> Operation | None:
+def broken_at(expression: ca.SX, moving: ca.SX | None = None, *, by_value: bool = False) -> Operation | None:
     """Return the operation at whose kink an expression's value or slope jumps; None if it has a slope everywhere.
 
     Args:
         expression: Scalar.
         moving: Symbols in which it is differentiated; all that it has if not given. A kink in others does not count.
+        by_value: Whether only jumps of the value count.
     """
     graph = graph_of(expression)
-    breaks = [operation for operation in graph.operations if operation.number in _BREAKS]
+    breaks = [operation for operation in graph.operations if operation.number in BREAKS]
     if not breaks:
         return None
     symbols = ca.vertcat(*ca.symvar(expression))
     moving = symbols if moving is None else moving
-    seen = ca.vertcat(expression, ca.gradient(expression, moving))
+    seen = expression if by_value else ca.vertcat(expression, ca.gradient(expression, moving))
     sides = ca.Function("sides", [symbols], [ca.densify(seen)])
     moves = np.array([ca.depends_on(moving, symbol) for symbol in ca.vertsplit(symbols)], dtype=float)
     return next((one for one in breaks if _jumps(sides, _distance(graph, one), symbols, moves)), None)
@@ -54,7 +55,7 @@ def broken_at(expression: ca.SX, moving: ca.SX | None = None) -> Operation | Non
 def _distance(graph: Graph, operation: Operation) -> ca.SX:
     """Return what is zero at an operation's kink."""
     first = graph.operations[operation.arguments[0]].expression
-    if not _BREAKS[operation.number]:
+    if not BREAKS[operation.number]:
         return first
     return first - graph.operations[operation.arguments[1]].expression
 
