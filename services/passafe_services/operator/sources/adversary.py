@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 from passafe_protocol.messages import PlantState, Vector
 
-from passafe.barrier_chain import derive_chain
+from passafe.barrier_chain import derive_chains
 from passafe.passivity import power_margin
 from passafe.workspace import BlockLayout, Workspace, dense_function
 from passafe_services.operator.sources.command import Command
@@ -37,7 +37,8 @@ def adversary_of(config: AdversarySource, scenario: Scenario) -> CommandSource:
     if config.strategy == "against-the-tank":
         direction = against_the_tank(system, power_margin(system, storage_of(scenario, robot)))
     else:
-        direction = against_h(system, [derive_chain(system, barrier) for barrier in barriers_of(scenario, robot)])
+        barriers = barriers_of(scenario, robot)
+        direction = against_h(system, [chain for one in barriers for chain in derive_chains(system, one)])
     function = dense_function("push", [system.x, system.u, system.t], [config.strength * direction])
     period_s = bang_bang_period_s(rng) if config.strategy == "bang-bang" else None
     return AdversaryOperator(function, strength=config.strength, period_s=period_s)

@@ -7,7 +7,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from passafe.barrier_chain import derive_chain
+from passafe.barrier_chain import derive_chains
 from passafe.batch.batch_function import BatchFunction
 from passafe.decision_schema import Program
 from passafe.derivation import Derivation, first_tightening
@@ -77,7 +77,7 @@ class BatchRows:
         if design.law is not Law.SAMPLED:
             raise FeasibilityError("filter.law", design.law.value, "sampled: the other's rows need the input before")
         both = replace(design, mode=Mode.BOTH)
-        chains = tuple(derive_chain(design.system, barrier) for barrier in design.barriers)
+        chains = tuple(chain for one in design.barriers for chain in derive_chains(design.system, one))
         self._derivation = Derivation.of(both, chains)
         self.limits: Limits = design.limits
         self.least_trust: Array = LEAST_TRUST * np.array(design.limits.magnitude)

@@ -6,7 +6,7 @@ from functools import cache
 import casadi as ca
 import numpy as np
 
-from passafe.barrier_chain import Barrier, derive_chain
+from passafe.barrier_chain import Barrier, derive_chains
 from passafe.batch.batch_function import BatchFunction
 from passafe.passivity import power_margin
 from passafe.sampled_plant import LOCAL_TOLERANCE, held_flow
@@ -109,7 +109,7 @@ def _h_error(system: System, h: ca.SX) -> BatchFunction:
 
 def _protected_levels(system: System, barriers: Sequence[Barrier]) -> dict[str, ca.SX]:
     """Return ψ₀ … ψ_{r−1} of every barrier by name."""
-    chains = {barrier.name: derive_chain(system, barrier) for barrier in barriers}
+    chains = {chain.barrier.name: chain for barrier in barriers for chain in derive_chains(system, barrier)}
     return {f"ψ{level} of {name}": psi for name, chain in chains.items() for level, psi in enumerate(chain.psi[:-1])}
 
 
