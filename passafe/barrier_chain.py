@@ -170,6 +170,8 @@ def _derive(system: System, barrier: Barrier) -> BarrierChain:
     while len(psi) == 1 or not _depends_on_input(system, unshaped):
         if len(psi) > system.n:
             raise RelativeDegreeError(barrier.name, system.n)
+        if ca.depends_on(psi[-1], system.u):  # below the relative degree rounding alone is left of u
+            psi[-1], unshaped = ca.substitute([psi[-1], unshaped], [system.u], [ca.SX.zeros(system.m)])
         _require_slope(part, unshaped, len(psi) - 1)
         gamma = next(gammas, None)
         rate = system.rate(psi[-1])

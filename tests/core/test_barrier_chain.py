@@ -147,3 +147,17 @@ def test_time_belongs_to_barriers_alone() -> None:
         System(x=x, u=u, f=ca.vertcat(x[1], x[2], u + TRIPLE.t), y=x[1], t=TRIPLE.t)
     with pytest.raises(DesignError, match="symbols"):
         TRIPLE.require_state_function("V", TRIPLE.t * x[0], 1)
+
+
+def test_turned_coordinates_leave_no_rounding_of_u() -> None:
+    """ẋ = S(v, u) with Sᵀx = (p, v): h = 1 − p has degree 2, and ψ₁ = −v + 2(1 − p), however S rounds."""
+    x, u = ca.SX.sym("x", 2), ca.SX.sym("u", 1)
+    cosine, sine = ca.cos(ca.DM(0.3)), ca.sin(ca.DM(0.3))
+    turn = ca.vertcat(ca.horzcat(cosine, -sine), ca.horzcat(sine, cosine))
+    p, v = ca.vertsplit(turn.T @ x)
+    system = System(x=x, u=u, f=turn @ ca.vertcat(v, u), y=v)
+    chain = derive_chain(system, Barrier(name="wall", h=1 - p, class_k=(Linear(gain=2.0),) * 3))
+    psi_1 = ca.Function("psi_1", [x], [chain.psi[1]])  # refused if u were in it
+
+    assert chain.relative_degree == 2
+    assert float(psi_1(turn @ ca.DM([0.25, 0.5]))) == pytest.approx(1.0)

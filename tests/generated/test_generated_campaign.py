@@ -51,6 +51,15 @@ def test_the_slice_has_every_family_and_no_input_beyond_limits() -> None:
         assert result.ticks == sum(result.statuses.values())
 
 
+def test_without_a_fallback_h_and_tank_are_kept() -> None:
+    kept = [
+        result for result in slice_results() if result.started_inside and result.ticks and not result.fallback_ticks
+    ]
+
+    assert len(kept) > len(SLICE) / 4
+    assert [result.seed for result in kept if not (result.is_safe and result.is_solvent)] == []
+
+
 def test_a_seed_decides_everything() -> None:
     again = GeneratedJob().compile()([41, 9, 40])
 

@@ -79,7 +79,9 @@ class GeneratedDesign:
         )
         is_affine = plant.is_affine
         oracle = AdmissibleInput(plant.system, chains, plant.input_scale, affine=is_affine)
-        states = ProtectedSet(plant, chains).draw(rng)[0][:, : ORACLE_STATES[is_affine]]
+        protected = ProtectedSet(plant, chains)
+        everywhere, shrunk = protected.draw(rng, smallest=1.0)[0], protected.draw(rng)[0]
+        states = np.concatenate([everywhere, shrunk], axis=1)[:, : ORACLE_STATES[is_affine]]
         limits = _draw_limits(rng, plant, timing, oracle.demand(states) if is_affine else None)
         mode = Mode.BOTH if chance(rng, 0.4) else Mode.SAFE
         return cls(

@@ -11,7 +11,9 @@ import numpy as np
 
 from passafe.errors import DesignError
 from passafe.filter import SafetyPassivityFilter
+from passafe.finding import Severity
 from passafe.workspace import Array
+from passafe_services.tools.generated.accepted_design import check_warnings
 from passafe_services.tools.generated.closed_loop import ClosedLoop
 from passafe_services.tools.generated.generated_design import GeneratedDesign
 from passafe_services.tools.generated.loop_plan import LoopPlan
@@ -81,7 +83,12 @@ def loops_of(design: GeneratedDesign, seeds: Sequence[int]) -> list[LoopResult]:
         core = SafetyPassivityFilter(design.filter_design())
     except DesignError as error:
         return [known.model_copy(update={"seed": seed, "refusal": str(error)}) for seed in seeds]
-    loop, protected = ClosedLoop(design, core), ProtectedSet(design.plant, design.chains)
+    protected = ProtectedSet(design.plant, design.chains)
+    found = check_warnings(design, core, protected)
+    known = known.model_copy(update={"warnings": tuple(text for _, text in found)})
+    if any(severity is Severity.REFUSED for severity, _ in found):
+        return [known.model_copy(update={"seed": seed, "refusal": known.warnings[0]}) for seed in seeds]
+    loop = ClosedLoop(design, core)
     return [_result(known.model_copy(update={"seed": seed}), design, loop, protected) for seed in seeds]
 
 

@@ -80,14 +80,15 @@ class ProtectedSet:
         """Return the least h in one state at time zero."""
         return float(self._h(ca.DM(x), 0.0))
 
-    def draw(self, rng: np.random.Generator, count: int = DRAWS) -> tuple[Array, Array]:
+    def draw(self, rng: np.random.Generator, count: int = DRAWS, smallest: float = SMALLEST) -> tuple[Array, Array]:
         """Return random states inside and others outside, shapes (n, …).
 
         Args:
             rng: Source.
             count: How many states are drawn for both.
+            smallest: Least factor by which the box is shrunk; 1 for all of the box alike.
         """
-        shrink = np.exp(rng.uniform(np.log(SMALLEST), 0.0, count))
+        shrink = np.exp(rng.uniform(np.log(smallest), 0.0, count))
         reach = (self._high - self._low)[:, None] / 2
         states = self._middle[:, None] + shrink * reach * rng.uniform(-1.0, 1.0, (len(self._low), count))
         is_inside = self.depth(states) > INSIDE
