@@ -21,7 +21,7 @@ LARGEST: Final = 1e150
 """Finite stand-in for infinity, whose square is finite too."""
 
 ROUNDING: Final = 1e-12
-"""Distance beyond a half-space up to which an input before counts as in it, relative to the reach."""
+"""Distance beyond a half-space or norm up to which an input before counts as in it, relative to the reach or bound."""
 
 SWEEPS: Final = 3
 """How often a correction goes through the half-spaces, forth and back."""
@@ -222,9 +222,9 @@ class Limits:
             return largest
 
     def _holds(self, u: ca.SX | ca.DM) -> ca.SX:
-        """Return whether an input keeps all limits but the rates, scalar; false for a NaN."""
+        """Return whether an input keeps all limits but the rates up to rounding, scalar; false for a NaN."""
         held = [ca.mmin(ca.vertcat(u - ca.DM(list(self.low)), ca.DM(list(self.high)) - u)) >= 0]
-        held += [ca.sumsqr(u[list(norm.axes)]) <= norm.bound**2 for norm in self.norms]
+        held += [ca.sumsqr(u[list(norm.axes)]) <= (1 + ROUNDING) * norm.bound**2 for norm in self.norms]
         for half_space in self.half_spaces:
             held.append(ca.dot(ca.DM(list(half_space.weights)), u) <= half_space.bound + ROUNDING * self.reach)
         return reduce(ca.logic_and, held)
@@ -243,7 +243,7 @@ def _to_sphere(norm: NormBound, origin: ca.SX, way: ca.SX, end: ca.SX) -> tuple[
     is_beyond = ca.sumsqr(end[axes]) > norm.bound**2
     a, b, c = ca.sumsqr(step), ca.dot(start, step), ca.sumsqr(start) - norm.bound**2
     share = (ca.sqrt(ca.fmax(b * b - a * c, 0)) - b) / ca.fmax(a, LEAST_WAY)
-    return is_beyond, ca.if_else(is_beyond, share, 1)
+    return is_beyond, ca.if_else(is_beyond, ca.fmax(share, 0), 1)
 
 
 def _to_plane(half_space: HalfSpace, origin: ca.SX, way: ca.SX, end: ca.SX) -> tuple[ca.SX, ca.SX]:

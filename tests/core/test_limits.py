@@ -88,3 +88,20 @@ def test_what_is_no_number_becomes_the_nearest_to_zero() -> None:
 def test_the_reach_is_the_longest_way_within_the_limits() -> None:
     assert Limits.of(2, (3.0, 4.0), None, None).reach == 10.0
     assert Limits.of(2, (3.0, 4.0), 2.0, None).reach == 10.0  # what is wished for may be longer than the norm
+
+
+@pytest.mark.parametrize("beyond", [0.0, 4e-15])
+def test_a_hair_beyond_the_norm_does_not_cost_the_rate(beyond: float) -> None:
+    """Led towards zero, u⁺ = (2, 5) would become (1.86, 4.64), beyond the rate's low of 2; it goes towards u."""
+    limits = Limits.of(2, 10.0, 5.0, 1.0)
+    u_plus = clip(limits, [2.0, 5.0], [2.0, 3.0], [4.0, 5.0], [3.0, 4.0 + beyond])
+
+    assert 2.0 <= u_plus[0] <= 4.0
+    assert np.hypot(*u_plus) == pytest.approx(5.0, rel=1e-12)
+
+
+@pytest.mark.parametrize("beyond", [0.0, 4e-15])
+def test_away_from_the_norm_u_stays_where_it_is(beyond: float) -> None:
+    assert clip(Limits.of(2, 10.0, 5.0, 1.0), [4.0, 5.0], [2.0, 3.0], [4.0, 5.0], [3.0, 4.0 + beyond]) == pytest.approx(
+        [3.0, 4.0], rel=1e-12
+    )
