@@ -12,14 +12,12 @@ import casadi as ca
 from passafe.class_k import ClassK, class_k_functions
 from passafe.errors import DesignError, RelativeDegreeError
 from passafe.expressions import as_column
+from passafe.input_reach import InputReach, reach_of
 from passafe.jumps import require_no_jumps
 from passafe.norms import without_singular_points
 from passafe.slopes import broken_at
 from passafe.smooth_parts import smooth_parts
 from passafe.system import System
-
-ROUNDING = 1e-12
-"""Rounding error of a gradient that cancels, at arguments of the order of one."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -54,11 +52,13 @@ class BarrierChain:
     Attributes:
         barrier: Where it comes from; a part is numbered, for example ``room[2]``.
         psi: ψ₀(x, t) … ψ_r(x, u, t), scalar expressions.
+        reach: How the input reaches ψ_r.
         alternatives: Chains of all branches of a maximum; none where there is nothing to choose.
     """
 
     barrier: Barrier
     psi: tuple[ca.SX, ...]
+    reach: InputReach
     alternatives: tuple["BarrierChain", ...] = ()
 
     @property
@@ -158,7 +158,8 @@ def _chain_of_row(system: System, barrier: Barrier, row: Sequence[ca.SX]) -> Bar
     # All have the same relative degree: they share their class-K functions, whose number follows from it.
     levels = range(branches[0].relative_degree + 1)
     psi = tuple(chosen_of(branches, [branch.psi[k] for branch in branches]) for k in levels)
-    return BarrierChain(barrier=whole, psi=psi, alternatives=branches)
+    weakest = min((branch.reach for branch in branches), key=lambda reach: reach.ratio)
+    return BarrierChain(barrier=whole, psi=psi, reach=weakest, alternatives=branches)
 
 
 def _derive(system: System, barrier: Barrier) -> BarrierChain:
@@ -167,7 +168,8 @@ def _derive(system: System, barrier: Barrier) -> BarrierChain:
     psi = [barrier.h]
     unshaped = barrier.h
     gammas = iter(barrier.class_k)
-    while len(psi) == 1 or not _depends_on_input(system, unshaped):
+    reach: InputReach | None = None
+    while reach is None:
         if len(psi) > system.n:
             raise RelativeDegreeError(barrier.name, system.n)
         if ca.depends_on(psi[-1], system.u):  # below the relative degree rounding alone is left of u
@@ -177,6 +179,8 @@ def _derive(system: System, barrier: Barrier) -> BarrierChain:
         rate = system.rate(psi[-1])
         unshaped = system.rate(unshaped)
         psi.append(rate if gamma is None else rate + gamma(psi[-1]))
+        reach = reach_of(system, unshaped, len(psi) - 1, 1.0 if gamma is None else gamma.gain)
+    _require_effect(part, reach)
     wanted = len(psi)
     if len(barrier.class_k) != wanted:
         raise DesignError(
@@ -184,7 +188,18 @@ def _derive(system: System, barrier: Barrier) -> BarrierChain:
             f"{len(barrier.class_k)} functions",
             f"{wanted}: relative degree {wanted - 1} and one more",
         )
-    return BarrierChain(barrier=barrier, psi=tuple(psi))
+    return BarrierChain(barrier=barrier, psi=tuple(psi), reach=reach)
+
+
+def _require_effect(part: str, reach: InputReach) -> None:
+    """Refuse a relative degree that rests on an effect which the next derivative outweighs by orders of magnitude."""
+    if reach.is_too_weak:
+        raise DesignError(
+            part,
+            f"an input that reaches derivative {reach.degree} of h {reach.ratio:.2g} times as strongly as the next "
+            f"one within 1/γ: a relative degree of {reach.degree} by formula, of {reach.degree + 1} or more in effect",
+            "dynamics without so weak a path (leave the term out, and bound it as a disturbance), or one that counts",
+        )
 
 
 def _require_slope(part: str, derivative: ca.SX, order: int) -> None:
@@ -196,22 +211,3 @@ def _require_slope(part: str, derivative: ca.SX, order: int) -> None:
             f"{broken.text} of the dynamics in derivative {order} of h, which has no slope there",
             "a slope before u appears; write tanh for a saturation, sqrt(v**2 + 0.01) for fabs(v)",
         )
-
-
-def _depends_on_input(system: System, expression: ca.SX) -> bool:
-    """Return whether an expression depends on u, after cancellation.
-
-    Symbolic structure keeps terms such as 0·u; so the gradient is also evaluated, at states and inputs in
-    general position, and an identical zero does not count.
-    """
-    gradient = ca.jacobian(expression, system.u)
-    if gradient.nnz() == 0:
-        return False
-    evaluate = ca.Function("gradient", [system.x, system.u, system.t], [ca.densify(gradient)])
-    probes = [
-        scale * ca.DM([(0.37 + 0.11 * k + 0.29 * i) * (-1) ** (i + k) for i in range(system.n)])
-        for scale in (1, 10, 100)
-        for k in range(8)
-    ]
-    inputs = ca.DM([0.53 + 0.17 * j for j in range(system.m)])
-    return any(float(ca.norm_inf(evaluate(x, inputs, time))) > ROUNDING for time in (0.0, 0.71) for x in probes)

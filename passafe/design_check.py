@@ -42,8 +42,19 @@ def formula_findings(
 
 
 def _degree(chain: BarrierChain) -> Finding:
-    found = f"{chain.relative_degree}: the input appears in derivative {chain.relative_degree} of h"
-    return Finding(severity=NOTE, topic="relative degree", subject=_name(chain), found=found)
+    reach = chain.reach
+    found = (
+        f"{chain.relative_degree}: the input appears in derivative {chain.relative_degree} of h, found by {reach.how}"
+    )
+    if not reach.is_doubtful:
+        return Finding(severity=NOTE, topic="relative degree", subject=_name(chain), found=found)
+    return Finding(
+        severity=WARNING,
+        topic="relative degree",
+        subject=_name(chain),
+        found=f"{found}, but {reach.ratio:.2g} times as strongly as in the next one within 1/γ",
+        advice="leave so weak a path out of the dynamics: rows that rest on it ask for inputs out of all proportion",
+    )
 
 
 def _start(design: FilterDesign, chain: BarrierChain, x0: Sequence[float], t_s: float) -> Finding:

@@ -24,14 +24,14 @@ FASTER: Final = (1.0, 1.02, 1.05, 1.1, 1.2, 1.35, 1.5, 2.0, 3.0, 5.0)
 INSTANTS: Final = 16
 """Instants of each period at which h is looked at."""
 
-DOUBLINGS: Final = 9
-"""2⁹ periods are followed at once."""
-
-MOST_ROUNDS: Final = 2000
-"""Rounds of so many periods after which a trajectory counts as one that does not come to rest."""
+AT_ONCE: Final = 4096
+"""Periods that are followed at once, in the end; at first one, then ever more."""
 
 RESTS: Final = 1e-9
 """Velocity and force, relative to those at first, at which the trajectory counts as resting."""
+
+SLOWEST: Final = 1 - 1e-6
+"""Share of velocity and force left after a period beyond which the robot counts as one that does not come to rest."""
 
 MISSED: Final = 1e-9
 """By how much h may fall below zero, relative to the largest h of its trajectory: rounding."""
@@ -70,7 +70,7 @@ class HeldLaggedBraking:
 
     def placed(self, k_1: float, k_2: float) -> LaggedGains:
         """Return the gains with which velocity and force decay with e^{−κ₁dt} and e^{−κ₂dt} (Ackermann's formula)."""
-        step = self._flow(self.dt_s)
+        step = _flow(self.sigma, self.lag_s, self.dt_s)
         A, B = step[1:3, 1:3], step[1:3, 3]
         z_1, z_2 = np.exp(-np.array([k_1, k_2]) * self.dt_s)
         wanted = A @ A - (z_1 + z_2) * A + z_1 * z_2 * np.eye(2)
@@ -80,22 +80,20 @@ class HeldLaggedBraking:
     def keeps(self, gains: LaggedGains) -> bool:
         """Return whether h ≥ 0 from every state with h, ψ₁, ψ₂ ≥ 0, between samples too."""
         step = self._closed(gains, self.dt_s)
-        if np.abs(np.linalg.eigvals(step[1:, 1:])).max() >= 1.0:
+        if np.abs(np.linalg.eigvals(step[1:, 1:])).max() > SLOWEST:
             return False
         heights, jump = self._h_within(gains), step
-        for _ in range(DOUBLINGS):
-            heights, jump = np.concatenate((heights, heights @ jump)), jump @ jump
         state = self._rays()
         first, largest = np.abs(state[1:]).max(axis=0), np.zeros(3)
-        for _ in range(MOST_ROUNDS):
+        while (np.abs(state[1:]).max(axis=0) > RESTS * first).any():
             h = heights @ state
             largest = np.maximum(largest, np.abs(h).max(axis=0))
             if (h.min(axis=0) < -MISSED * largest).any():
                 return False
             state = jump @ state
-            if (np.abs(state[1:]).max(axis=0) <= RESTS * first).all():
-                return True
-        return False
+            if len(heights) < AT_ONCE * INSTANTS:
+                heights, jump = np.concatenate((heights, heights @ jump)), jump @ jump
+        return True
 
     def _rays(self) -> Array:
         """Return (h, ḣ, w) on the three extreme rays, as columns."""
@@ -105,16 +103,9 @@ class HeldLaggedBraking:
         rays: Array = force @ np.linalg.inv(psi)
         return rays
 
-    def _flow(self, seconds: float) -> Array:
-        """Return the flow of (h, ḣ, w, u) with u held."""
-        M = np.zeros((4, 4))
-        M[0, 1], M[1, 1:3] = 1.0, (-self.sigma, 1.0)
-        M[2, 2:] = -1 / self.lag_s, 1 / self.lag_s
-        return np.asarray(expm(M * seconds))
-
     def _closed(self, gains: LaggedGains, seconds: float) -> Array:
         """Return the map of (h, ḣ, w) that begins with a sample of the law and lasts for some seconds."""
-        flow, law = self._flow(seconds), np.array([0.0, -gains.on_velocity, gains.on_force])
+        flow, law = _flow(self.sigma, self.lag_s, seconds), np.array([0.0, -gains.on_velocity, gains.on_force])
         closed: Array = flow[:3, :3] + np.outer(flow[:3, 3], law)
         return closed
 
@@ -122,6 +113,15 @@ class HeldLaggedBraking:
         """Return the rows that give h at instants of a period from the sample at its beginning."""
         instants = np.linspace(0.0, self.dt_s, INSTANTS, endpoint=False)
         return np.stack([self._closed(gains, float(t))[0] for t in instants])
+
+
+@lru_cache(maxsize=64)
+def _flow(sigma: float, lag_s: float, seconds: float) -> Array:
+    """Return the flow of (h, ḣ, w, u) with u held."""
+    M = np.zeros((4, 4))
+    M[0, 1], M[1, 1:3] = 1.0, (-sigma, 1.0)
+    M[2, 2:] = -1 / lag_s, 1 / lag_s
+    return np.asarray(expm(M * seconds))
 
 
 @lru_cache(maxsize=64)  # a scenario's robot is built by many of its parts

@@ -161,3 +161,47 @@ def test_turned_coordinates_leave_no_rounding_of_u() -> None:
 
     assert chain.relative_degree == 2
     assert float(psi_1(turn @ ca.DM([0.25, 0.5]))) == pytest.approx(1.0)
+
+
+def two_paths(direct: float, actuator: float = 1.0) -> System:
+    """Return ẋ₀ = x₁ + direct·u, ẋ₁ = actuator·u."""
+    s, v = ca.SX.sym("s", 2), ca.SX.sym("v")
+    return System(x=s, u=v, f=ca.vertcat(s[1] + direct * v, actuator * v), y=s[1])
+
+
+@pytest.mark.parametrize("direct", [1e-9, -3e-11, 1e-12])
+@pytest.mark.parametrize("count", [2, 3])
+def test_a_degree_that_rests_on_next_to_nothing_is_refused(direct: float, count: int) -> None:
+    system = two_paths(direct)
+
+    with pytest.raises(DesignError, match="a relative degree of 1 by formula, of 2 or more in effect"):
+        derive_chain(system, Barrier(name="limit", h=system.x[0], class_k=gains(*(5.0,) * count)))
+
+
+@pytest.mark.parametrize("unit", [1e-12, 1.0, 1e12])
+def test_relative_degree_does_not_depend_on_units(unit: float) -> None:
+    weak, strong = two_paths(0.0, unit), two_paths(0.5 * unit, unit)
+
+    assert derive_chain(weak, Barrier(name="limit", h=weak.x[0] / unit, class_k=gains(5, 5, 5))).relative_degree == 2
+    assert derive_chain(strong, Barrier(name="limit", h=unit * strong.x[0], class_k=gains(5, 5))).relative_degree == 1
+
+
+def test_a_weak_path_that_is_not_nothing_is_in_doubt() -> None:
+    system = two_paths(1e-5)
+    reach = derive_chain(system, Barrier(name="limit", h=system.x[0], class_k=gains(5, 5))).reach
+
+    assert (reach.degree, reach.how, reach.is_doubtful, reach.is_too_weak) == (1, "structure", True, False)
+    assert reach.ratio == pytest.approx(2 * 5 * 1e-5)
+
+
+def test_numbers_that_do_not_cancel_to_the_last_bit_do_not_count() -> None:
+    system = two_paths(0.1 + 0.2 - 0.3)
+    assert ca.jacobian(system.f[0], system.u).nnz() == 1
+
+    assert derive_chain(system, Barrier(name="limit", h=system.x[0], class_k=gains(5, 5, 5))).relative_degree == 2
+
+
+def test_a_path_that_depends_on_the_state_is_found_by_values() -> None:
+    system = System(x=x, u=u, f=ca.vertcat(x[1] * u, x[2], u), y=x[1])
+
+    assert derive_chain(system, barrier(x[0], 2)).reach.how == "values"

@@ -55,6 +55,19 @@ def test_relative_degrees_are_named(build: Callable[[], FilterDesign], degree: i
     assert found.found.startswith(f"{degree}: the input appears in derivative {degree} of h")
 
 
+def test_a_doubtful_relative_degree_is_a_warning() -> None:
+    p, v, u = ca.SX.sym("p"), ca.SX.sym("v"), ca.SX.sym("u")
+    system = System(x=ca.vertcat(p, v), u=u, f=ca.vertcat(v + 1e-5 * u, u), y=v)
+    wall = Barrier(name="wall", h=1 - p, class_k=gains(5, 5))
+    passivity = Passivity(V=v**2)
+    none = ca.SX(0)
+    design = replace(walled(), system=system, u_fb=none, fail_safe=none, barriers=(wall,), passivity=passivity)
+
+    found = findings(design)["relative degree"]
+    assert found.severity is Severity.WARNING
+    assert "but 0.0001 times as strongly as in the next one" in found.found
+
+
 @pytest.mark.parametrize(
     ("x0", "severity", "words"),
     [

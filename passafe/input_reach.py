@@ -1,0 +1,128 @@
+"""Relative degrees: does the input reach a time derivative of h, by structure, by value, by scale?
+
+Structure alone keeps terms that cancel, such as (x + 1)u − xu − u; a single state and an absolute threshold mistake a
+weak effect for none, or rounding for an effect. So ∂/∂u of the derivative is simplified, then evaluated at many states
+in general position, each of them a few times with its last digits changed: rounding jumps about, an effect stays.
+
+An effect that is there may still be none to build on. ẋ₁ = x₂ + 1e-10·u, ẋ₂ = u has relative degree 1 for h = x₁, and
+only inputs of 1e10 keep a row in its first derivative. The direct effect g_k of each axis of u is therefore compared
+with that in the next derivative, g_{k+1}, over the time 1/γ that the chain itself gives: what matters is
+
+    (k + 1) γ |g_k| / |g_{k+1}|,
+
+which has no unit, whatever those of h, u and time are.
+"""
+
+from dataclasses import dataclass
+from math import inf
+from typing import Final
+
+import casadi as ca
+import numpy as np
+
+from passafe.system import System
+from passafe.workspace import Array
+
+ROUNDING: Final = 1e-13
+"""Ratio below which an effect counts as none: constants that do not cancel to the last bit."""
+
+TOO_WEAK: Final = 1e-6
+"""Ratio below which a direct effect is not one to build on."""
+
+DOUBTFUL: Final = 1e-3
+"""Ratio below which it is worth a warning."""
+
+SHIFTS: Final = 5
+SHIFT: Final = 1e-10
+"""Relative change of a state by which rounding is distinguished from an effect."""
+
+STEADY: Final = 0.1
+"""Spread of a gradient under such changes, relative to its size, up to which it is an effect."""
+
+FEWEST: Final = 0.2
+"""Share of the states with a finite gradient at which it has to be one."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class InputReach:
+    """Path of the input to the first derivative of h that contains it.
+
+    Attributes:
+        degree: Number of the derivative, the relative degree.
+        how: ``structure`` where u stands in it whatever the state; ``values`` where terms had to be evaluated.
+        ratio: Largest ratio of the direct effect to that of the next derivative; infinite where that has none.
+    """
+
+    degree: int
+    how: str
+    ratio: float
+
+    @property
+    def is_too_weak(self) -> bool:
+        """Return whether the direct effect is not one to build on."""
+        return self.ratio < TOO_WEAK
+
+    @property
+    def is_doubtful(self) -> bool:
+        """Return whether the direct effect is remarkably weak."""
+        return self.ratio < DOUBTFUL
+
+
+def reach_of(system: System, derivative: ca.SX, degree: int, rate_per_s: float) -> InputReach | None:
+    """Return how u reaches a time derivative of h, or ``None`` where it does not.
+
+    Args:
+        system: The plant.
+        derivative: Scalar expression of x, u and t.
+        degree: Which derivative it is.
+        rate_per_s: γ, the rate that the chain itself gives, 1/s.
+    """
+    gradient = ca.jacobian(derivative, system.u)
+    if gradient.nnz() == 0:
+        return None
+    gradient = ca.simplify(gradient)
+    here = _effects(system, gradient)
+    if not here.any():
+        return None
+    after = _effects(system, ca.jacobian(system.rate(derivative), system.u))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratios = np.where(here > 0, (degree + 1) * rate_per_s * here / after, 0.0)
+    ratio = float(np.nan_to_num(ratios, nan=inf, posinf=inf).max())
+    if ratio < ROUNDING:
+        return None
+    how = "structure" if not ca.symvar(gradient) else "values"
+    return InputReach(degree=degree, how=how, ratio=ratio)
+
+
+def _effects(system: System, gradient: ca.SX) -> Array:
+    """Return |∂/∂u| at the probes, shape (P, m): zero where it is rounding, or at no fair share of the probes more."""
+    evaluate = ca.Function("gradient", [system.x, system.u, system.t], [ca.densify(gradient)])
+    rng = np.random.default_rng(1)
+    found = np.array([_steady(evaluate, x, u, t, rng) for x, u, t in _probes(system)])
+    is_finite = np.isfinite(found).all(axis=1)
+    found = found[is_finite]
+    if not len(found) or not (found > 0).any(axis=1).mean() >= FEWEST:
+        return np.zeros((len(is_finite), system.m))
+    effects = np.zeros((len(is_finite), system.m))
+    effects[is_finite] = found
+    return effects
+
+
+def _steady(evaluate: ca.Function, x: Array, u: Array, t_s: float, rng: np.random.Generator) -> Array:
+    """Return the gradient's size at a state, each axis for itself, and zero where it does not stay."""
+    shifted = [x * (1 + SHIFT * k * rng.uniform(0.5, 1.0, len(x))) for k in range(SHIFTS)]
+    values = np.abs([evaluate(state, u, t_s).full().ravel() for state in shifted])
+    with np.errstate(invalid="ignore"):
+        spread: Array = values.max(axis=0) - values.min(axis=0)
+    return np.where(spread <= STEADY * values.max(axis=0), values[0], np.where(np.isfinite(spread), 0.0, np.nan))
+
+
+def _probes(system: System) -> list[tuple[Array, Array, float]]:
+    """Return states, inputs and times in general position, of several sizes."""
+    states = [
+        scale * np.array([(0.37 + 0.11 * k + 0.29 * i) * (-1) ** (i + k) for i in range(system.n)])
+        for scale in (1, 10, 100)
+        for k in range(8)
+    ]
+    u = np.array([0.53 + 0.17 * j for j in range(system.m)])
+    return [(x, u, t_s) for t_s in (0.0, 0.71) for x in states]
