@@ -50,6 +50,7 @@ if TYPE_CHECKING:  # imported under their own names: exported, for type checkers
     from passafe.design import FilterDesign as FilterDesign
     from passafe.design import Law as Law
     from passafe.design import Mode as Mode
+    from passafe.design_check import check_design as check_design
     from passafe.errors import DesignError as DesignError
     from passafe.errors import IntegrationError as IntegrationError
     from passafe.errors import NotAllowedError as NotAllowedError
@@ -57,6 +58,8 @@ if TYPE_CHECKING:  # imported under their own names: exported, for type checkers
     from passafe.errors import RelativeDegreeError as RelativeDegreeError
     from passafe.errors import ShapeError as ShapeError
     from passafe.filter import SafetyPassivityFilter as SafetyPassivityFilter
+    from passafe.finding import Finding as Finding
+    from passafe.finding import Severity as Severity
     from passafe.models.damped_point import damped_point as damped_point
     from passafe.models.drag_point import drag_point as drag_point
     from passafe.models.joint_chain import joint_chain as joint_chain
@@ -66,6 +69,7 @@ if TYPE_CHECKING:  # imported under their own names: exported, for type checkers
     from passafe.models.two_points import two_points as two_points
     from passafe.passivity import Passivity as Passivity
     from passafe.passivity import power_margin as power_margin
+    from passafe.row_share import StateBox as StateBox
     from passafe.sampled_plant import Sample as Sample
     from passafe.sampled_plant import SampledPlant as SampledPlant
     from passafe.storage import kinetic_energy as kinetic_energy
@@ -92,6 +96,9 @@ _NAMES_OF: Final = {
     ),
     "passafe.class_k": ("ClassK", "Cubic", "Linear", "Piecewise"),
     "passafe.decision": ("Decision", "Status"),
+    "passafe.design_check": ("check_design",),
+    "passafe.finding": ("Finding", "Severity"),
+    "passafe.row_share": ("StateBox",),
     "passafe.design": ("FilterDesign", "Law", "Mode"),
     "passafe.errors": (
         "DesignError",

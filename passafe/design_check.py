@@ -8,7 +8,9 @@ import numpy as np
 
 from passafe.barrier_chain import BarrierChain
 from passafe.design import FilterDesign
+from passafe.filter import SafetyPassivityFilter
 from passafe.finding import Finding, Severity
+from passafe.row_share import StateBox, row_findings
 from passafe.storage_sign import descent_of
 from passafe.workspace import Array
 
@@ -39,6 +41,20 @@ def formula_findings(
     start = () if x0 is None else (_start(design, chain, x0, t_s) for chain in chains)
     steep = (finding for chain in chains if (finding := _steepness(design, chain)) is not None)
     return (*degrees, *start, *steep, _storage(design), _stiffness(design, x0))
+
+
+def check_design(
+    core: SafetyPassivityFilter, box: StateBox, *, samples: int = 400, seed: int = 1
+) -> tuple[Finding, ...]:
+    """Return all findings of a filter before it is used: those of its formulas, and those that take decisions.
+
+    Args:
+        core: The filter.
+        box: Its start, and the box that random states are drawn from.
+        samples: Number of random states, and of states that random operators reach.
+        seed: Seed of both.
+    """
+    return (*formula_findings(core.design, core.chains, box.x0), *row_findings(core, box, samples, seed))
 
 
 def _degree(chain: BarrierChain) -> Finding:

@@ -12,6 +12,7 @@ from passafe.decision import Status
 from passafe.filter import SafetyPassivityFilter
 from passafe.finding import Finding, Severity
 from passafe.sampled_plant import SampledPlant
+from passafe.vanishing_effect import vanishing_effect
 from passafe.workspace import Array
 
 OPERATORS: Final = 8
@@ -43,7 +44,9 @@ class StateBox:
 
 
 def row_findings(core: SafetyPassivityFilter, box: StateBox, samples: int, seed: int) -> tuple[Finding, ...]:
-    """Return the shares of random and of reached states of the protected set in which the rows can be kept.
+    """Return what decisions show: shares of states in which rows can be kept, and where an input has no effect on one.
+
+    The states are random ones of the protected set, and those that random operators reach.
 
     Args:
         core: The filter.
@@ -56,7 +59,13 @@ def row_findings(core: SafetyPassivityFilter, box: StateBox, samples: int, seed:
         core.decide(x, zero, zero, zero, _tank_j(core), start=True).status for x in _random(core, box, samples, seed)
     )
     reached = Counter(_reached(core, box, samples, seed))
-    return (_share("random states", drawn), _share("states that operators reach from the start", reached))
+    low, high = np.array(box.low), np.array(box.high)
+    effects = (vanishing_effect(core.design, chain, low, high, seed) for chain in core.chains)
+    return (
+        *(finding for finding in effects if finding is not None),
+        _share("random states", drawn),
+        _share("states that operators reach from the start", reached),
+    )
 
 
 def _share(subject: str, statuses: Counter[Status]) -> Finding:

@@ -11,7 +11,7 @@ from core_designs import drag_design, gains, jerk_design
 from passafe.barrier_chain import Barrier, derive_chains
 from passafe.barriers import half_plane
 from passafe.design import FilterDesign, Mode
-from passafe.design_check import formula_findings
+from passafe.design_check import check_design, formula_findings
 from passafe.filter import SafetyPassivityFilter
 from passafe.finding import Finding, Severity, worst
 from passafe.models.damped_point import damped_point
@@ -21,6 +21,7 @@ from passafe.storage import kinetic_energy
 from passafe.storage_sign import descent_of
 from passafe.system import System
 from passafe.tank import Tank
+from passafe.vanishing_effect import vanishing_effect
 
 x = ca.SX.sym("x", 2)
 
@@ -178,3 +179,34 @@ def test_the_worst_of_no_findings_is_a_note() -> None:
     assert worst((one, replace(one, severity=Severity.NOTE))) is Severity.WARNING
     assert str(one) == "start, barrier 'a': ψ₁ = -1; slower"
     assert str(replace(one, advice="")) == "start, barrier 'a': ψ₁ = -1"
+
+
+def test_where_the_input_has_no_effect_on_a_row_is_said() -> None:
+    p, v, u = ca.SX.sym("p"), ca.SX.sym("v"), ca.SX.sym("u")
+    system = System(x=ca.vertcat(p, v), u=u, f=ca.vertcat(v, u), y=v)
+    none = ca.SX(0)
+    base = replace(walled(), system=system, u_fb=none, fail_safe=none, passivity=Passivity(V=v**2))
+    box = StateBox(x0=(0.0, 0.5), low=(-2.0, -2.0), high=(2.0, 2.0))
+    cases = {"kept": 4 - v**2, "lost": 1 - v**2 - p * v, "always": 3 - v}
+    found = {}
+    for name, h in cases.items():
+        design = replace(base, barriers=(Barrier(name=name, h=h, class_k=gains(0.01, 1)),))
+        said = check_design(SafetyPassivityFilter(design), box, samples=16)
+        found[name] = [one for one in said if "vanishes" in one.found]
+
+    assert [one.severity for one in found["kept"]] == [Severity.NOTE]
+    assert "ψ is 0.04 there" in found["kept"][0].found
+    assert [one.severity for one in found["lost"]] == [Severity.WARNING]
+    assert found["always"] == []
+
+
+def test_a_gradient_without_a_value_is_no_vanishing_effect() -> None:
+    p, v, u = ca.SX.sym("p"), ca.SX.sym("v"), ca.SX.sym("u")
+    system = System(x=ca.vertcat(p, v), u=u, f=ca.vertcat(v, u), y=v)
+    none = ca.SX(0)
+    wall = Barrier(name="log", h=ca.sqrt(3 - v), class_k=gains(1, 1))
+    design = replace(walled(), system=system, u_fb=none, fail_safe=none, passivity=Passivity(V=v**2), barriers=(wall,))
+    core = SafetyPassivityFilter(design)
+    low, high = np.array([-30.0, -2.0]), np.array([-20.0, 9.0])
+
+    assert vanishing_effect(design, core.chains[0], low, high, 1) is None
