@@ -49,16 +49,15 @@ def show(summary: GeneratedSummary, console: Console) -> None:
     columns: dict[str, Callable[[FamilySummary], str]] = {
         "family": lambda of: of.family,
         "loops": lambda of: f"{of.loops}",
-        "counted": lambda of: f"{of.counted}",
-        "h ≥ 0": lambda of: f"{of.safe}",
+        "h ≥ 0": lambda of: f"{of.safe}/{of.counted}",
         "worst h": lambda of: f"{of.h_worst:.2g}",
-        "worst tank": lambda of: "" if of.tank_worst is None else f"{of.tank_worst:.2g}",
+        "tank": lambda of: "" if of.tank_worst is None else f"{of.tank_worst:.2g}",
         "fallback": lambda of: f"{of.fallback_share:.2%}",
-        "feasible, accepted": lambda of: f"{of.feasible}, {of.feasible_accepted}",
-        "refused, warned": lambda of: f"{of.refused}, {of.warned}",
+        "accepted": lambda of: f"{of.feasible_accepted}/{of.feasible}",
         "holds": lambda of: "yes" if of.holds else "[bold red]NO[/]",
     }
-    table = Table(*columns, title="Accepted designs that started in the protected set", title_justify="left")
+    title = "Loops of accepted designs that started in the protected set; accepted of those with a feasible oracle"
+    table = Table(*columns, title=title, title_justify="left", box=None)
     for family in summary.families:
         table.add_row(*(text(family) for text in columns.values()))
     console.print(table)

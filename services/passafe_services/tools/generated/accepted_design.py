@@ -4,11 +4,11 @@ from typing import Final
 
 import numpy as np
 
-from passafe.design_check import formula_findings
+from passafe.design_check import check_design
 from passafe.errors import IntegrationError
 from passafe.filter import SafetyPassivityFilter
-from passafe.finding import Finding, Severity
-from passafe.row_share import StateBox, row_findings
+from passafe.finding import Severity
+from passafe.row_share import StateBox
 from passafe_services.tools.generated.generated_design import GeneratedDesign
 from passafe_services.tools.generated.protected_set import ProtectedSet
 
@@ -33,10 +33,9 @@ def check_warnings(
     if not inside.size:
         return ((Severity.WARNING, "no random state of the box is in the protected set"),)
     x0 = tuple(inside[:, 0].tolist())
-    findings: tuple[Finding, ...] = formula_findings(core.design, core.chains, x0)
+    box = StateBox(x0=x0, low=design.plant.low, high=design.plant.high)
     try:
-        box = StateBox(x0=x0, low=design.plant.low, high=design.plant.high)
-        findings += row_findings(core, box, SAMPLES, design.seed)
+        findings = check_design(core, box, samples=SAMPLES, seed=design.seed)
     except IntegrationError as error:
         return ((Severity.WARNING, str(error)),)
     return tuple((each.severity, str(each)) for each in findings if each.severity is not Severity.NOTE)
