@@ -62,6 +62,7 @@ if TYPE_CHECKING:  # imported under their own names: exported, for type checkers
     from passafe.finding import Severity as Severity
     from passafe.models.damped_point import damped_point as damped_point
     from passafe.models.drag_point import drag_point as drag_point
+    from passafe.models.fail_safe_scope import FailSafeScope as FailSafeScope
     from passafe.models.joint_chain import joint_chain as joint_chain
     from passafe.models.lagged_point import lagged_point as lagged_point
     from passafe.models.robot import Robot as Robot
@@ -111,6 +112,7 @@ _NAMES_OF: Final = {
     "passafe.filter": ("SafetyPassivityFilter",),
     "passafe.models.damped_point": ("damped_point",),
     "passafe.models.drag_point": ("drag_point",),
+    "passafe.models.fail_safe_scope": ("FailSafeScope",),
     "passafe.models.joint_chain": ("joint_chain",),
     "passafe.models.lagged_point": ("lagged_point",),
     "passafe.models.robot": ("Robot",),
