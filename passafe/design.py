@@ -19,6 +19,7 @@ from passafe.limit_arguments import PerAxis
 from passafe.limits import Limits
 from passafe.passivity import Passivity
 from passafe.ranges import require_positive
+from passafe.storage_sign import require_lower_bound
 from passafe.system import System
 
 Member = TypeVar("Member", bound=Enum)
@@ -119,6 +120,9 @@ class FilterDesign:
         if len(set(names)) != len(names):
             raise DesignError("barriers", f"the names {names}", "each name once")
         self._refuse_jumps()
+        if self.mode.enforces_passivity:
+            self.system.require_state_function("storage V", self.passivity.V, 1)
+            require_lower_bound(self.passivity.V, self.system.x)
 
     def _take_parts(self) -> None:
         for name, kind in (("system", System), ("passivity", Passivity), ("tolerance", Tolerance)):

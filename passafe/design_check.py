@@ -14,7 +14,7 @@ from passafe.row_share import StateBox, row_findings
 from passafe.storage_sign import descent_of
 from passafe.workspace import Array
 
-NOTE, WARNING, REFUSED = Severity.NOTE, Severity.WARNING, Severity.REFUSED
+NOTE, WARNING = Severity.NOTE, Severity.WARNING
 
 STIFFEST: Final = 50.0
 """Longest hold times stiffness that the margins between samples are tried for."""
@@ -110,7 +110,7 @@ def _storage(design: FilterDesign) -> Finding:
         found = "no direction in which V falls without end"
         return Finding(severity=NOTE, topic="storage", subject="V", found=found)
     return Finding(
-        severity=REFUSED if design.mode.enforces_passivity else WARNING,
+        severity=WARNING,
         topic="storage",
         subject="V",
         found=f"not bounded from below: {descent}",

@@ -12,6 +12,7 @@ from typing import Final
 import casadi as ca
 import numpy as np
 
+from passafe.errors import DesignError
 from passafe.workspace import Array
 
 ROUNDING: Final = 1e-9
@@ -47,10 +48,10 @@ def descent_of(V: ca.SX, x: ca.SX) -> Descent | None:
         V: Storage function, scalar expression of x.
         x: State symbol, shape (n, 1).
     """
-    hessian, slope = ca.hessian(V, x)
     value = ca.Function("V", [x], [V])
-    if not ca.symvar(ca.simplify(hessian)):
-        directions = _of_quadratic(np.asarray(ca.DM(ca.simplify(hessian)).full()), ca.Function("slope", [x], [slope]))
+    if ca.is_quadratic(V, x):
+        hessian, slope = (part.full() for part in ca.Function("bend", [x], ca.hessian(V, x))(0))
+        directions = _of_quadratic(hessian, slope.ravel())
     else:
         directions = np.random.default_rng(1).normal(size=(DIRECTIONS, x.numel()))
     descents = []
@@ -61,11 +62,26 @@ def descent_of(V: ca.SX, x: ca.SX) -> Descent | None:
     return min(descents, key=lambda descent: descent.values[-1], default=None)
 
 
-def _of_quadratic(hessian: Array, slope: ca.Function) -> Array:
+def require_lower_bound(V: ca.SX, x: ca.SX) -> None:
+    """Refuse a storage function that falls without end: energy without end may be drawn from it.
+
+    Args:
+        V: Storage function, scalar expression of x.
+        x: State symbol, shape (n, 1).
+
+    Raises:
+        DesignError: It does; the message has a direction and values of V along it.
+    """
+    descent = descent_of(V, x)
+    if descent is not None:
+        raise DesignError("passivity V", f"{descent}", "a V that is bounded from below, such as a sum of squares")
+
+
+def _of_quadratic(hessian: Array, slope: Array) -> Array:
     """Return the directions in which a quadratic V curves least, and in which it falls where it does not curve."""
     eigenvalues, vectors = np.linalg.eigh(hessian)
     flat = vectors[:, np.abs(eigenvalues) <= ROUNDING * max(float(np.abs(eigenvalues).max()), 1e-300)]
-    falling = -flat @ (flat.T @ slope(0).full().ravel())
+    falling = -flat @ (flat.T @ slope)
     directions = [vectors[:, 0], -vectors[:, 0]] if eigenvalues[0] < 0 else []
     if np.linalg.norm(falling) > 0:
         directions.append(falling)

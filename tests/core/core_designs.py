@@ -122,7 +122,7 @@ def row_filter(
     """Return a filter whose rows gᵢᵀu⁺ + cᵢ (+ δ) ≥ 0 are read from its state, so that any QP can be put to it.
 
     The state is (position, time, g₁, c₁, g₂, c₂, g₃, c₃), of which the rows do not change: hᵢ = gᵢᵀ·position + cᵢ has
-    relative degree 1 and ψ₁ = gᵢᵀu + cᵢ at position 0; y = g₃ and V = −c₃·time give h_u = g₃ᵀu + c₃.
+    relative degree 1 and ψ₁ = gᵢᵀu + cᵢ at position 0; y = g₃ and V = ½(time − c₃)² give h_u = g₃ᵀu + c₃ at time 0.
 
     Args:
         hard: How many of the first two rows are there.
@@ -141,7 +141,7 @@ def row_filter(
         u_fb=ca.SX.zeros(2),
         fail_safe=ca.SX.zeros(2),
         barriers=barriers,
-        passivity=Passivity(V=-rows[2][1] * x[2], slack_weight=slack_weight),
+        passivity=Passivity(V=(x[2] - rows[2][1]) ** 2 / 2, slack_weight=slack_weight),
         k_i=1.0,
         dt_s=1e-3,
         input_bound=input_bound,
