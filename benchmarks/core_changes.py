@@ -20,10 +20,10 @@ SWAPPED: Final = dict(_PAIRS) | {largest: least for least, largest in _PAIRS}
 
 _PROBES: Final = "the states and inputs at which a gradient is looked at are in general position either way"
 EQUIVALENT: Final[dict[tuple[str, str], str]] = {
-    ("_depends_on_input", "0.37 + 0.11 * k + 0.29 * i: -"): _PROBES,
-    ("_depends_on_input", "0.37 + 0.11 * k: -"): _PROBES,
-    ("_depends_on_input", "0.53 + 0.17 * j: -"): _PROBES,
-    ("_depends_on_input", "i + k: -"): "(−1)^(i−k) is (−1)^(i+k)",
+    ("_probes", "0.37 + 0.11 * k + 0.29 * i: -"): _PROBES,
+    ("_probes", "0.37 + 0.11 * k: -"): _PROBES,
+    ("_probes", "0.53 + 0.17 * j: -"): _PROBES,
+    ("_probes", "i + k: -"): "(−1)^(i−k) is (−1)^(i+k)",
     (
         "_within",
         "-inf: no minus",
