@@ -95,6 +95,7 @@ def test_least_gain_and_kept_gain_are_each_others_inverse() -> None:
         (1.0, 1.0, 5.0, 9.0, 0.1),
         (0.5, 0.5, 4.0, 4.0, 0.05),
         (30.0, 0.05, 6.0, 6.0, 0.1),
+        (0.05, 10.0, 0.2, 0.2, 0.001),
     ],
 )
 def test_a_held_lagged_fail_safe_keeps_walls(
