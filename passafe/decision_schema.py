@@ -7,8 +7,14 @@ Sizes: n states, m inputs, N rows of the whole program, C of them constraints, H
 soft row. Inputs are in units of u.
 """
 
+from typing import overload
+
+import numpy as np
+from numpy.typing import NDArray
+
 from passafe.certificate import Residuals
 from passafe.stage import Matrix, Stage, T
+from passafe.workspace import Array
 
 
 class Request(Stage[T], frozen=True, eq=False, gc=False):
@@ -40,11 +46,13 @@ class Linearization(Stage[T], frozen=True, eq=False, gc=False):
         u_lin: Input at which tangents touch, centre of the trust region, m.
         trust_asked: Radius of the trust region that is asked for, m; 0 to have it reach u_ref.
         tightening: Distance beyond ε by which constraints are kept, 1.
+        with_margins: 1 to keep rows with their margins between samples, 0 to leave these out, 1.
     """
 
     u_lin: T
     trust_asked: T
     tightening: T
+    with_margins: T
 
 
 class ReferenceInput(Stage[T], frozen=True, eq=False, gc=False):
@@ -72,7 +80,9 @@ class Program(ReferenceInput[T], frozen=True, eq=False, gc=False):
 
     Attributes:
         trust: Radius of the trust region in which margins are valid, m.
-        eps: Margin ε of every enforced barrier between samples.
+        deviation: Bound of what is unknown of every enforced barrier over a period, in the units of ψ_r.
+        power_deviation: The same of the power margin, W, 1; 0 where passivity is not enforced.
+        unbounded: Number of these that are not known, 1.
         G: Rows of the constraints, of unit length, shape (C, k).
         d: Their bounds, C.
         largest_bound: max d, 1; where it is not positive, z = 0 is optimal.
@@ -80,7 +90,9 @@ class Program(ReferenceInput[T], frozen=True, eq=False, gc=False):
     """
 
     trust: T
-    eps: T
+    deviation: T
+    power_deviation: T
+    unbounded: T
     G: Matrix[T]
     d: T
     largest_bound: T
@@ -123,6 +135,7 @@ class Evaluation(Stage[T], frozen=True, eq=False, gc=False):
         u_plus: u⁺, m.
         v: (u⁺ − u)/dt − φ, m, per second.
         psi: ψ₀ … ψ_r of every barrier at (x, u⁺), one barrier after the other.
+        eps: Margin ε of every enforced barrier between samples under u⁺, in the units of ψ_r.
         h_u: Power margin at (x, u⁺), W, 1.
     """
 
@@ -130,6 +143,7 @@ class Evaluation(Stage[T], frozen=True, eq=False, gc=False):
     u_plus: T
     v: T
     psi: T
+    eps: T
     h_u: T
 
 
@@ -140,12 +154,33 @@ class Assessment(Residuals[T], frozen=True, eq=False, gc=False):
 
     Attributes:
         norm_overreach: Length beyond the one asked for, of a norm or across a half-space; 0 without such limits.
-        slack: δ of the passivity row, W; 0 where there is none.
+        slack: δ with which u⁺ keeps the passivity row for the whole period, W; 0 where there is none.
+        extra_slack: Part of it that the program did not count, W.
         shortfall: Distance by which u⁺ violates a barrier's row with its margin; ≤ 0 if it keeps all.
         outside_trust_region: Distance of u⁺ from the trust region; ≤ 0 inside.
+        unknown_margins: Number of margins that the answer would need and that are not known.
+        lowest_psi: Smallest of ψ₀ … ψ_{r−1} of all enforced barriers; below 0 nothing is proven of h.
     """
 
     norm_overreach: T
     slack: T
+    extra_slack: T
     shortfall: T
     outside_trust_region: T
+    unknown_margins: T
+    lowest_psi: T
+
+
+@overload
+def keeps_barriers(assessment: Assessment[float]) -> bool: ...
+@overload
+def keeps_barriers(assessment: Assessment[Array]) -> NDArray[np.bool_]: ...
+def keeps_barriers(assessment: Assessment[float] | Assessment[Array]) -> bool | np.bool_ | NDArray[np.bool_]:
+    """Return whether margins and tangents of the hard rows suit the answer that was found with them.
+
+    Args:
+        assessment: Of one answer, or of every element of a batch.
+    """
+    return (
+        (assessment.shortfall <= 0.0) & (assessment.outside_trust_region <= 0.0) & (assessment.unknown_margins <= 0.0)
+    )

@@ -9,11 +9,12 @@ import casadi as ca
 from passafe.barrier_chain import BarrierChain
 from passafe.decision_functions import DecisionFunctions
 from passafe.decision_schema import Answer, Linearization, NormTangents, Program, Request
-from passafe.design import FilterDesign
+from passafe.design import FilterDesign, Law
 from passafe.stage import Stage
 from passafe.symbolic.conflict_proof import conflict
-from passafe.symbolic.constraint_program import constraint_program, constraint_rows
+from passafe.symbolic.constraint_program import Deviations, constraint_program, constraint_rows
 from passafe.symbolic.enforced_barriers import EnforcedBarriers
+from passafe.symbolic.enforced_passivity import EnforcedPassivity
 from passafe.symbolic.evaluation import evaluate
 from passafe.symbolic.reference_input import reference_input
 from passafe.symbolic.trust_region import trust_radius
@@ -33,13 +34,17 @@ class Derivation:
     Attributes:
         layout: Places and shapes of all parts.
         rows: The whole program's rows.
+        barriers: The enforced barriers.
         has_margins: Whether there are margins between samples.
+        is_affine: Whether the hard rows without margins are affine in u.
         functions: The compiled functions.
     """
 
     layout: BlockLayout
     rows: RowLayout
+    barriers: EnforcedBarriers
     has_margins: bool
+    is_affine: bool
     functions: DecisionFunctions[ca.Function]
 
     @classmethod
@@ -54,16 +59,19 @@ class Derivation:
         barriers = EnforcedBarriers.of(design, chains)
         reference = reference_input(design, request)
         trust = trust_radius(design.limits, linearization, reference.u_ref)
-        eps = barriers.margins(linearization.u_lin, trust)
-        constraints = constraint_rows(barriers, request, linearization, reference, eps)
-        program, root = constraint_program(design, constraints, request, reference, trust, eps)
+        passivity = EnforcedPassivity.of(design, request.tank)
+        deviations = Deviations.of(barriers, passivity, linearization.u_lin, trust)
+        constraints = constraint_rows(barriers, passivity, linearization, reference, deviations)
+        program, root = constraint_program(design, constraints, request, reference, trust, deviations)
         rows = RowLayout.of(constraints, design.limits)
 
         posed, tangents = symbols_like(program), NormTangents(ca.SX.sym("cuts", rows.tangents, design.system.m))
         sizes = {"z": rows.columns, "lam": len(rows.names), "relax": rows.hard, "conflict": 1}
         sizes["limit_weights"] = len(design.limits.half_spaces) + rows.tangents
         answer = Answer.of(lambda name: ca.SX.sym(name, sizes[name]))
-        evaluation, assessment = evaluate(chains, barriers, request, linearization, posed, tangents, answer, root)
+        evaluation, assessment = evaluate(
+            chains, barriers, passivity, request, linearization, posed, tangents, answer, root
+        )
         about_u, blank = _about_u(design, request), zeros_like(answer)
         first = expressions_by_name(about_u, NormTangents(first_cuts(design.limits)))
         usual = _usual(program, request, linearization, about_u)
@@ -88,7 +96,9 @@ class Derivation:
         return cls(
             layout=BlockLayout.of_stages(request, linearization, program, tangents, answer, evaluation, assessment),
             rows=rows,
-            has_margins=barriers.has_margins,
+            barriers=barriers,
+            has_margins=barriers.has_margins or (passivity is not None and passivity.has_margin),
+            is_affine=design.law is Law.CONTINUOUS or barriers.are_affine,
             functions=functions,
         )
 
@@ -126,7 +136,10 @@ def _request(design: FilterDesign) -> Request[ca.SX]:
 def _linearization(design: FilterDesign) -> Linearization[ca.SX]:
     m = design.system.m
     return Linearization(
-        u_lin=ca.SX.sym("u_lin", m), trust_asked=ca.SX.sym("trust_asked", m), tightening=ca.SX.sym("tightening")
+        u_lin=ca.SX.sym("u_lin", m),
+        trust_asked=ca.SX.sym("trust_asked", m),
+        tightening=ca.SX.sym("tightening"),
+        with_margins=ca.SX.sym("with_margins"),
     )
 
 
@@ -136,6 +149,7 @@ def _about_u(design: FilterDesign, request: Request[ca.SX]) -> Linearization[ca.
         u_lin=request.u,
         trust_asked=ca.SX.zeros(request.u.numel()),
         tightening=ca.SX(first_tightening(design)),
+        with_margins=ca.SX(1),
     )
 
 

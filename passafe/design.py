@@ -84,6 +84,8 @@ class FilterDesign:
         between_samples: Whether the sampled law's rows have the margin that keeps barriers between samples too.
         hold_s: How long an input may stay in force where no other follows, s; one period if not given. The margin
             between samples covers all of it.
+        gatekeeper: Whether an input is sent only if from where it leads the fail-safe law is proven to keep every
+            barrier; otherwise that law's own input is sent (``docs/theory.md``, section 8).
         tolerance: Residuals up to which an answer is accepted.
         limits: Limits of the actuators that all bounds amount to.
     """
@@ -108,6 +110,7 @@ class FilterDesign:
     mode: Mode = Mode.BOTH
     between_samples: bool = True
     hold_s: float | None = None
+    gatekeeper: bool = False
     tolerance: Tolerance = field(default_factory=Tolerance)
     limits: Limits = field(init=False)
 

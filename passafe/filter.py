@@ -14,44 +14,30 @@ from collections.abc import Callable, Sequence
 from itertools import chain
 from typing import Final
 
-import numpy as np
-
 from passafe.arguments import one_number, vectors
+from passafe.attempts import Attempts
 from passafe.barrier_chain import derive_chains
-from passafe.certificate import accepts
-from passafe.decision import Attempt, Decision, Status
+from passafe.decision import ANSWERS, Attempt, Decision, Status
 from passafe.decision_block import DecisionBlock
 from passafe.decision_functions import DecisionFunctions
 from passafe.derivation import Derivation
-from passafe.design import FilterDesign
-from passafe.quadratic_program import BY_INSPECTION, QuadraticProgram
-from passafe.solvers.solver import SOLVED
-from passafe.symbolic.trust_region import LEAST_TRUST
-from passafe.symbolic.whole_program import shape_tolerance
-from passafe.workspace import BlockLayout
+from passafe.design import FilterDesign, Law
+from passafe.fallback import Fallback
+from passafe.infeasibility import DistanceToInfeasibility
+from passafe.input_search import InputSearch
+from passafe.quadratic_program import QuadraticProgram
+from passafe.workspace import Array, BlockLayout
 
-ATTEMPTS: Final = 14
-"""Programs that are solved to settle margins and tangents, at most; the last margin is valid for every input."""
+UNPROTECTED: Final = -1e-9
+"""Value of a ψ below which the state counts as outside of the protected set."""
 
-FULL_STEPS: Final = 3
-SHORT_STEP: Final = 0.6
-"""After so many attempts they are moved only this share of the way to the answer: iterates may oscillate."""
+BACKUP: Final = "backup"
+"""Name of the solver where the input is the backup law's."""
 
-CLOSER: Final = 0.5
-NARROWER: Final = 0.1
-"""The next trust radius, as a share of the way to the answer, or of the radius before."""
-
-RELAXED_NORM: Final = 1e4
-"""Factor on the norm's tolerance where hard rows are relaxed: there shortening costs little more."""
+DEEPEST: Final = "deepest"
+"""Name of the solver where the input is the one that keeps the hard rows best."""
 
 _PLAIN: Final = (tuple, list)
-
-# Reaching a member through its enumeration takes 0.7 µs on Python 3.11, a tenth of a decision.
-_PASSED: Final = Status.PASSED
-_MODIFIED: Final = Status.MODIFIED
-_RELAXED: Final = Status.RELAXED
-_UNCERTIFIED: Final = Status.UNCERTIFIED
-_INFEASIBLE: Final = Status.INFEASIBLE
 
 
 class SafetyPassivityFilter:
@@ -61,6 +47,7 @@ class SafetyPassivityFilter:
         design: What it was derived from.
         chains: Barrier chains, in the order of the design.
         derivation: The functions that it evaluates.
+        compares_courses: Whether answers outside of the protected set are compared with the backup law.
     """
 
     def __init__(self, design: FilterDesign) -> None:
@@ -76,11 +63,16 @@ class SafetyPassivityFilter:
         self._functions: DecisionFunctions[Callable[[], None]] = DecisionFunctions.of(
             lambda name: block.space.bind(getattr(derivation.functions, name))
         )
-        self._program = QuadraticProgram(block, derivation.rows, design.limits)
-        self._tolerance = design.tolerance
-        self._relaxed_above = design.passivity.relaxed_above
+        program = QuadraticProgram(block, derivation.rows, design.limits)
+        self._attempts = Attempts(design, block, self._functions, program)
+        self._distance = DistanceToInfeasibility(design.limits, derivation.rows.hard)
+        enforced = derivation.barriers
+        self._input_search = None if derivation.is_affine else InputSearch(enforced)
+        has_rollout = bool(enforced.chains) and design.law is Law.SAMPLED
+        self._fallback = Fallback(design, enforced.chains) if has_rollout else None
+        self.compares_courses = enforced.has_margins and has_rollout
         self._sizes = (design.system.n, *(design.system.m,) * 3)
-        self._norm_tolerance = shape_tolerance(design.limits)
+        self._is_gated = design.gatekeeper
 
     @property
     def row_names(self) -> tuple[str, ...]:
@@ -147,13 +139,17 @@ class SafetyPassivityFilter:
             self._convert_request(x, u, u_h, u_h_rate, tank_j, t_s, start)
         if start:
             functions.linearize()
-        attempt = self._attempt(functions.prepare if start else functions.prepare_usual)
-        if attempt.status is _UNCERTIFIED:
-            attempt = self._fall_back(attempt)
-        elif not attempt.is_settled:
-            attempt = self._settle(attempt)
-            if attempt.status is _UNCERTIFIED:
-                attempt = self._fall_back(attempt)
+        attempt = self._attempts.first(functions.prepare if start else functions.prepare_usual)
+        if not attempt.is_settled:
+            attempt = self._attempts.settle(attempt)
+        if not attempt.is_settled:
+            attempt = self._resolve()
+        elif attempt.assessment.lowest_psi < UNPROTECTED or self._is_gated:
+            attempt = self._guard(attempt)
+        return self._decision(attempt)
+
+    def _decision(self, attempt: Attempt) -> Decision:
+        block = self._block
         return Decision(
             block.numbers.copy(),
             block.layout,
@@ -172,102 +168,99 @@ class SafetyPassivityFilter:
         numbers = chain.from_iterable(vectors(given, self._sizes))
         self._block.write_request(*numbers, *(one_number(field, value) for field, value in scalars.items()))
 
-    def _attempt(self, prepare: Callable[[], None]) -> Attempt:
-        """Derive the rows, solve over the constraints and certify; if that is refused, solve the whole program."""
-        block = self._block
-        prepare()
-        solver, outcome = self._program.solve_constraints()
-        self._functions.evaluate()
-        assessment = block.read_assessment()
-        is_accepted = outcome is SOLVED and accepts(self._tolerance, assessment)
-        if is_accepted and assessment.norm_overreach <= self._norm_tolerance:
-            if solver == BY_INSPECTION:
-                status = _PASSED
-            else:
-                status = _RELAXED if assessment.slack > self._relaxed_above else _MODIFIED
-            is_settled = assessment.shortfall <= 0.0 and assessment.outside_trust_region <= 0.0
-            return Attempt(status, solver, is_settled, assessment)
+    def _resolve(self) -> Attempt:
+        """Find out what the hard rows allow where no answer is known to keep them with their margins, and act on it."""
+        block, attempts = self._block, self._attempts
         if not block.program.nan_guard[0] <= 1.0:
-            return Attempt(_UNCERTIFIED, solver, False, assessment)
-        return self._attempt_whole()
+            return self._send_backup(Attempt(Status.UNCERTIFIED, BACKUP, False, block.read_assessment()))
+        at_samples = attempts.about(block.request.u, with_margins=False)
+        if at_samples.status is Status.INFEASIBLE and self._input_search is not None:
+            at_samples = self._search(at_samples, self._input_search)
+        if at_samples.status not in ANSWERS or not self.derivation.has_margins:
+            return self._choose(at_samples)
+        u_sample = block.evaluation.u_plus.copy()
+        for u_lin in (u_sample, self._deepest_input(at_samples), self._backup_input()):
+            again = attempts.about(u_lin, with_margins=True)
+            if again.is_settled:
+                return again
+        at_samples = attempts.about(u_sample, with_margins=False)
+        return self._choose(Attempt(Status.AT_SAMPLES, at_samples.solver, False, at_samples.assessment))
 
-    def _attempt_whole(self) -> Attempt:
-        """Solve over constraints and limits and certify; relax hard rows that conflict, as little as possible."""
-        block, program = self._block, self._program
-        program.add_limits()
-        solver = self._accepted_solver()
-        while solver is not None and not self._is_short_enough() and program.add_tangent():
-            solver = self._accepted_solver()
-        assessment = block.read_assessment()
-        if solver is None or not self._is_short_enough():
-            return Attempt(_UNCERTIFIED, solver or BY_INSPECTION, False, assessment)
-        if not block.answer.relax.any():
-            is_settled = assessment.shortfall <= 0.0 and assessment.outside_trust_region <= 0.0
-            status = _RELAXED if assessment.slack > self._relaxed_above else _MODIFIED
-            return Attempt(status, solver, is_settled, assessment)
-        self._functions.prove_conflict()
-        status = _INFEASIBLE if block.answer.conflict[0] > 0.0 else _UNCERTIFIED
-        return Attempt(status, solver, not self.derivation.has_margins, assessment)
+    def _search(self, attempt: Attempt, search: InputSearch) -> Attempt:
+        """Search all admissible inputs for one that keeps the hard rows, which are not affine in u.
 
-    def _accepted_solver(self) -> str | None:
-        """Return the solver whose answer to the whole program is accepted, relaxing the hard rows if there is none."""
-        solver = self._first_accepted()
-        if solver is None and self._program.relax_hard_rows():
-            solver = self._first_accepted()
-        return solver
-
-    def _first_accepted(self) -> str | None:
-        for solver, outcome in self._program.solve_whole():
-            self._functions.evaluate()
-            if outcome is SOLVED and accepts(self._tolerance, self._block.read_assessment()):
-                return solver
-        return None
-
-    def _is_short_enough(self) -> bool:
-        overreach = self._block.read_assessment().norm_overreach
-        return overreach <= self._norm_tolerance * (RELAXED_NORM if self._block.answer.relax.any() else 1.0)
-
-    def _settle(self, attempt: Attempt) -> Attempt:
-        """Solve again with margins and tangents moved to the answer, until they suit it.
-
-        Rows that conflict with a margin for a wide trust region, or with tangents far from the answer, need not
-        conflict with nearer ones: then the trust region is narrowed, down to its least radius, and the tangents move
-        half-way back.
+        Tangents that conflict prove nothing of the rows themselves. Where the search neither finds an input nor proves
+        that there is none, nothing is claimed.
         """
-        linearization, least = self._block.linearization, LEAST_TRUST * np.array(self.design.limits.magnitude)
-        u_lin, trust, u_plus = linearization.u_lin, linearization.trust_asked, self._block.evaluation.u_plus
-        trust[:], before = self._block.program.trust, u_lin.copy()
-        for k in range(ATTEMPTS):
-            if attempt.status is _INFEASIBLE:
-                trust[:] = np.maximum(NARROWER * trust, least)
-                u_lin += (before - u_lin) / 2
-            else:
-                before = u_lin.copy()
-                if attempt.assessment.outside_trust_region <= 0.0:
-                    linearization.tightening[:] += 2 * attempt.assessment.shortfall
-                change = u_plus - u_lin
-                trust[:] = CLOSER * np.abs(change).max() + least
-                u_lin += change if k < FULL_STEPS else SHORT_STEP * change
-            if k == ATTEMPTS - 1 and attempt.status is not _INFEASIBLE:
-                trust[:] = self.design.limits.reach
-            attempt = self._attempt(self._functions.prepare)
-            gave_up = attempt.status is _INFEASIBLE and (trust <= least).all()
-            if attempt.is_settled or attempt.status is _UNCERTIFIED or gave_up:
-                return attempt
-        if attempt.status is _INFEASIBLE:
+        found = search.find(self._block)
+        if found.is_impossible:
             return attempt
-        return Attempt(_UNCERTIFIED, attempt.solver, False, attempt.assessment)
+        if found.u is not None:
+            again = self._attempts.about(found.u, with_margins=False)
+            if again.status in ANSWERS:
+                return again
+        return Attempt(Status.UNCERTIFIED, attempt.solver, False, self._block.read_assessment())
 
-    def _fall_back(self, attempt: Attempt) -> Attempt:
-        """Replace the answer by the fail-safe law's input and evaluate that; keep the residuals as evidence."""
-        block, functions, evidence = self._block, self._functions, attempt.assessment
-        functions.fail_safe()
-        program = block.program
-        u_plus = self.design.limits.nearest(block.evaluation.u_plus, block.request.u, program.low, program.high)
+    def _choose(self, attempt: Attempt) -> Attempt:
+        """Send the answer of an attempt, unless another input or the backup law keeps the barriers longer."""
+        block, fallback = self._block, self._fallback
+        if fallback is None:
+            return attempt if attempt.status is not Status.UNCERTIFIED else self._send_backup(attempt)
+        if attempt.status is Status.UNCERTIFIED:
+            return self._send_backup(attempt)
+        candidates = [block.evaluation.u_plus.copy()]
+        if attempt.status not in ANSWERS:
+            candidates.append(self._deepest_input(attempt))
+        request = block.request
+        place = fallback.best(request.x, float(request.t[0]), request.u, candidates)
+        if place is None:
+            return self._send_backup(attempt)
+        return attempt if place == 0 else self._send(candidates[place], DEEPEST, attempt)
+
+    def _guard(self, attempt: Attempt) -> Attempt:
+        """Send an answer that keeps every row, unless the backup law's input is better.
+
+        Outside of the protected set rows only lead back to it: there the answer is sent if no barrier is lost earlier
+        on its course than on the backup law's, nor by more. Within it a gatekeeper sends an answer only if from where
+        it leads the backup law keeps every barrier; where that law does not keep them either, nothing is guarded.
+        """
+        block, fallback = self._block, self._fallback
+        if fallback is None:
+            return attempt
+        request, u_plus = block.request, block.evaluation.u_plus.copy()
+        state = request.x, float(request.t[0])
+        if attempt.assessment.lowest_psi < UNPROTECTED:
+            is_good = not self.compares_courses or fallback.best(*state, request.u, [u_plus]) is not None
+        else:
+            is_good = fallback.is_backed(*state, u_plus) or not fallback.keeps(*state, request.u)
+        if is_good:
+            return attempt
+        sent = self._send_backup(attempt)
+        return Attempt(Status.BACKUP, sent.solver, True, sent.assessment)
+
+    def _deepest_input(self, attempt: Attempt) -> Array:
+        """Return the admissible input that keeps the hard rows best, as they are posed now, shape (m,)."""
+        return self._distance.deepest(self._decision(attempt))
+
+    def _backup_input(self) -> Array:
+        """Return the backup law's input, within the limits, shape (m,)."""
+        block, limits = self._block, self.design.limits
+        kept = block.evaluation.u_plus.copy()
+        self._functions.fail_safe()
+        law, program = block.evaluation.u_plus.copy(), block.program
+        block.evaluation.u_plus[:] = kept
+        return limits.nearest(law, block.request.u, program.low, program.high)
+
+    def _send_backup(self, attempt: Attempt) -> Attempt:
+        return self._send(self._backup_input(), BACKUP, attempt)
+
+    def _send(self, u_plus: Array, solver: str, attempt: Attempt) -> Attempt:
+        """Put another input in the place of the answer and evaluate it; keep the answer's residuals as evidence."""
+        block, evidence = self._block, attempt.assessment
         block.answer_numbers.fill(0.0)
-        block.answer.z[: len(u_plus)] = u_plus - program.u_ref
-        functions.evaluate()
+        block.answer.z[: len(u_plus)] = u_plus - block.program.u_ref
+        self._functions.evaluate()
         block.evaluation.u_plus[:] = u_plus
         residuals = block.residuals
         residuals.primal[:], residuals.dual[:], residuals.gap[:] = evidence.primal, evidence.dual, evidence.gap
-        return Attempt(_UNCERTIFIED, attempt.solver, False, block.read_assessment())
+        return Attempt(attempt.status, solver, False, block.read_assessment())

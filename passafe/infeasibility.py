@@ -167,6 +167,14 @@ class DistanceToInfeasibility:
         """Return the proven bounds of the distance at a decision."""
         if not self._hard:
             return Distance(lower=self.reach, upper=self.reach)
+        return self._deepest(decision)[1]
+
+    def deepest(self, decision: Decision) -> Array:
+        """Return the admissible input that was found to keep the hard rows of a decision best, shape (m,)."""
+        u_plus = decision.part("u_plus")
+        return u_plus if not self._hard else self._deepest(decision)[0] + decision.part("u_ref")
+
+    def _deepest(self, decision: Decision) -> tuple[Array, Distance]:
         posed = decision.program
         program = _Program(
             G=posed.G[: self._hard, : self._m],
@@ -179,14 +187,14 @@ class DistanceToInfeasibility:
         known = decision.part("u_plus") - posed.u_ref
         kept = program.kept(known)
         if not isfinite(kept):
-            return Distance(lower=self.floor, upper=self.reach)
+            return known, Distance(lower=self.floor, upper=self.reach)
         if kept >= self.reach:
-            return Distance(lower=self.reach, upper=self.reach)
+            return known, Distance(lower=self.reach, upper=self.reach)
         known, lower, upper = self._by_one_row(program, known, kept)
         if upper - lower > CLOSED * self.reach:
-            lower, upper = self._solve(program, known, lower, upper)
+            known, lower, upper = self._solve(program, known, lower, upper)
         lower = min(lower, self.reach)
-        return Distance(lower=lower, upper=max(lower, upper))
+        return known, Distance(lower=lower, upper=max(lower, upper))
 
     def _by_one_row(self, program: _Program, known: Array, lower: float) -> tuple[Array, float, float]:
         """Return the best input so far, and the bounds, with what the row proves that can be kept least."""
@@ -198,8 +206,8 @@ class DistanceToInfeasibility:
             known, lower = corner, kept
         return known, lower, min(self.reach, float(most[row]))
 
-    def _solve(self, program: _Program, known: Array, lower: float, upper: float) -> tuple[float, float]:
-        """Return better bounds than those so far."""
+    def _solve(self, program: _Program, known: Array, lower: float, upper: float) -> tuple[Array, float, float]:
+        """Return a better input and better bounds than those so far."""
         self._write(program)
         for _ in range(ATTEMPTS):
             answer = self._ask()
@@ -216,7 +224,7 @@ class DistanceToInfeasibility:
             if upper - lower <= CLOSED * self.reach:
                 break
             self._refine(program, known, lower, touching)
-        return lower, upper
+        return known, lower, upper
 
     def _write(self, program: _Program) -> None:
         m, scale = self._m, 1 / self.reach

@@ -1,71 +1,163 @@
-"""The margin ε(T) that keeps a barrier while an input is held, not only at samples (``docs/theory.md``, section 6).
+"""The margin that keeps a barrier while an input is held, not only at samples (``docs/theory.md``, section 6).
 
-Let p = ψ_{r−1} be the last function of a chain before u appears, and u⁺ be held over [0, T]: a period, or longer where
-the plant holds an input because no other follows. If −p̈ ≤ M meanwhile,
+Let p(x, t) be the last function of a chain before u appears, and u⁺ be held over [0, T]: a period, or longer where the
+plant holds an input because no other follows. With q = ṗ, a rate λ ≥ 0 and b = q̇ + λq let |b(τ) − b(0)| ≤ V meanwhile.
+Then q̇ ≥ −λq + b − V, and with φ₁(τ) = (1 − e^{−λτ})/λ and φ₂(τ) = (τ − φ₁(τ))/λ (τ and τ²/2 for λ = 0)
 
-    p(τ) ≥ p(0) + τ ṗ(0) − ½ τ² M   for 0 ≤ τ ≤ T,
+    p(τ) ≥ p(0) + φ₁(τ)q(0) + φ₂(τ)(b(0) − V)   for 0 ≤ τ ≤ T.
 
-so with γ(s) ≤ s/T for s ≥ 0 the row ṗ(0) + γ(p(0)) ≥ ε = ½ T max(M, 0) gives p(τ) ≥ (1 − τ/T) p(0) ≥ 0. Then
-ψ_{r−2} … ψ₀ = h stay at or above zero by the comparison lemma (Khalil 2002, lemma 3.4), sampled or not.
+φ₂/φ₁ grows with τ, so with ratio = φ₂(T)/φ₁(T) and γ̃(s) ≤ s/φ₁(T) for s ≥ 0 the two conditions
+
+    q + γ̃(p) ≥ 0   and   q + γ̃(p) + ratio·(b − V) ≥ 0
+
+give p(τ) ≥ (1 − φ₁(τ)/φ₁(T)) p(0) ≥ 0. Then ψ_{r−2} … ψ₀ = h stay at or above zero by the comparison lemma (Khalil
+2002, lemma 3.4), sampled or not. b is known exactly; only V is a bound, and ratio·V is of the order of T².
 """
 
-from typing import Final
+from dataclasses import dataclass
+from math import expm1
+from typing import Final, NamedTuple
 
 import casadi as ca
+import numpy as np
 
 from passafe.barrier_chain import BarrierChain
-from passafe.class_k import Linear
+from passafe.class_k import ClassK, Linear
 from passafe.enclosure import enclose
+from passafe.jump_bound import jump_bound
+from passafe.passivity import Passivity, power_margin
+from passafe.reachable_tube import Tube
 from passafe.system import System
 
-UNKNOWN: Final = 1e30
-"""Bound where nothing is known: large but finite, because infinity times zero is NaN."""
+SLOW: Final = 0.05
+"""λT below which λ = 0 is taken: there it gains nothing."""
 
-GROWTH: Final = 2.0
-"""Factor by which the guessed tube around a period is wider than what was last found to be reached."""
+PROBES: Final = 5
+"""States at which λ is sought; the median is taken."""
 
 
-def curvature_bound(system: System, p: ca.SX, held_s: float, input_radius: ca.SX, steps: int) -> ca.SX:
-    """Return M(x, u, t) with −p̈ ≤ M over the next ``held_s`` seconds under any held input near u, scalar expression.
+class DeviationBound(NamedTuple):
+    """Bound of what an unknown change of b can take, in the units of q.
 
-    p̈ is enclosed over a tube around x that no trajectory leaves before T is over: a tube with radius R such that
-    T·|f| ≤ R all over it (Picard–Lindelöf). Where the guessed R is too small, M is ``UNKNOWN``, practically infinite.
+    Attributes:
+        size: ratio·V, expression of x, u and t.
+        known: 1 where it is proven, else 0, expression.
+    """
+
+    size: ca.SX
+    known: ca.SX
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class HeldRow:
+    """The two conditions on a held input, as expressions of x, u and t.
+
+    Attributes:
+        value: q + γ̃(p).
+        bend: ratio·b, the part of the second condition that is known.
+        p: p.
+        usable_s: φ₁(T), s: γ̃(p) is no more than p/φ₁(T) for p > 0.
+    """
+
+    value: ca.SX
+    bend: ca.SX
+    p: ca.SX
+    usable_s: float
+
+    def deviation(self, system: System, tube: Tube, held_s: float, input_radius: ca.SX) -> DeviationBound:
+        """Return the bound of ratio·|b(τ) − b(0)| over the tube under any held input near u.
+
+        The mean-value form: the gradient of b in x and t, enclosed over the tube, times how far these may move. Where
+        the dynamics have kinks b jumps; so what jumps within reach can take comes on top.
+
+        Args:
+            system: The plant.
+            tube: Around x, for the same inputs.
+            held_s: T, s.
+            input_radius: By how much each axis of the held input may differ from u, expression, shape (m, 1).
+
+        Raises:
+            DesignError: p or the dynamics have an operation without an enclosure.
+        """
+        moving, reach = ca.vertcat(system.x, system.t), ca.vertcat(tube.radius, held_s)
+        slope = ca.gradient(self.bend, moving)
+        ball = enclose(slope, ca.vertcat(moving, system.u), ca.vertcat(reach, input_radius))
+        jumps, known = jump_bound(self.bend, moving, reach, system.u, input_radius)
+        size = ca.dot(ca.fabs(ball.centre) + ball.radius, reach) + jumps
+        return DeviationBound(size, tube.known * ball.known * known)
+
+
+def held_row(system: System, chain: BarrierChain, held_s: float) -> HeldRow:
+    """Return the conditions for ψ_{r−1} ≥ 0 of a barrier under a held input.
 
     Args:
         system: The plant.
-        p: Expression of x and t whose second derivative is bounded.
+        chain: The barrier's.
         held_s: T, how long the input is held at most, s.
-        input_radius: By how much each axis of the held input may differ from u, expression, shape (m, 1).
-        steps: How often the tube's guess is refined; as often as there are integrations between u and p.
-
-    Raises:
-        DesignError: p or the dynamics have an operation without an enclosure.
-    """
-
-    def speed(reach: ca.SX) -> tuple[ca.SX, ca.SX]:
-        """Return a bound of |f| while x moves by no more than ``reach``, shape (n, 1), and whether it is known."""
-        ball = enclose(system.f, ca.vertcat(system.x, system.u), ca.vertcat(reach, input_radius))
-        return ca.fabs(ball.centre) + ball.radius, ball.known
-
-    radius = ca.SX.zeros(system.n)
-    for _ in range(steps):
-        radius = held_s * GROWTH * speed(radius)[0]
-    fastest, known = speed(radius)
-    inside = ca.logic_and(known, ca.mmax(held_s * fastest - radius) <= 0)
-    bend = system.rate(system.rate(p))
-    ball = enclose(-bend, ca.vertcat(system.x, system.u, system.t), ca.vertcat(radius, input_radius, held_s))
-    return ca.if_else(ca.logic_and(inside, ball.known), ball.centre + ball.radius, UNKNOWN)
-
-
-def held_function(system: System, chain: BarrierChain, held_s: float) -> ca.SX:
-    """Return ṗ + γ̃(p) as an expression of x, u and t, where γ̃ is γ_r, but no more than p/T for p > 0.
-
-    A sampled input cannot use more: γ with a larger value lets p jump over zero before it ends. It differs from
-    ψ_r only where γ_r(p) > p/T.
     """
     r = chain.relative_degree
     p, gamma = chain.psi[r - 1], chain.barrier.class_k[r - 1]
-    if isinstance(gamma, Linear) and gamma.gain * held_s <= 1:
-        return chain.psi[r]
+    q = system.rate(p)
+    bend = system.rate(q)
+    decay = decay_rate(system, q, bend, held_s)
+    usable_s = held_s if not decay else -expm1(-decay * held_s) / decay
+    ratio_s = held_s / 2 if not decay else (held_s - usable_s) / decay / usable_s
+    value = chain.psi[r] if _is_usable(gamma, usable_s) else q + usable(gamma, p, usable_s)
+    return HeldRow(value=value, bend=ratio_s * (bend + decay * q), p=p, usable_s=usable_s)
+
+
+def held_power(system: System, passivity: Passivity, tank_j: ca.SX, held_s: float) -> HeldRow:
+    """Return the conditions on the power under a held input: for E ≥ E_r, or without a tank for h_u ≥ 0 all the time.
+
+    With a tank p = E − E_r and q = Ė = h_u. Without one h_u(τ) ≥ h_u(0) + τ·(ḣ_u(0) − V) is to be at least 0.
+
+    Args:
+        system: The plant.
+        passivity: Storage function and tank.
+        tank_j: E, symbol, J.
+        held_s: T, how long the input is held at most, s.
+    """
+    h_u = power_margin(system, passivity.V)
+    rate, tank = system.rate(h_u), passivity.tank
+    if tank is None:
+        return HeldRow(value=h_u, bend=held_s * rate, p=ca.SX(0), usable_s=held_s)
+    p = tank_j - tank.reserve_j
+    value = h_u + usable(Linear(gain=tank.rate_per_s), p, held_s)
+    return HeldRow(value=value, bend=held_s / 2 * rate, p=p, usable_s=held_s)
+
+
+def _is_usable(gamma: ClassK, usable_s: float) -> bool:
+    return isinstance(gamma, Linear) and gamma.gain * usable_s <= 1
+
+
+def usable(gamma: ClassK, p: ca.SX, usable_s: float) -> ca.SX:
+    """Return γ̃(p): γ(p), but no more than p/φ₁(T) for p > 0.
+
+    A sampled input cannot use more: γ with a larger value lets p jump over zero before it ends.
+    """
     value = gamma(p)
-    return system.rate(p) + ca.if_else(p > 0, ca.fmin(value, p / held_s), value)
+    if _is_usable(gamma, usable_s):
+        return value
+    return ca.if_else(p > 0, ca.fmin(value, p / usable_s), value)
+
+
+def decay_rate(system: System, q: ca.SX, bend: ca.SX, held_s: float) -> float:
+    """Return λ, 1/s: the rate at which u's direct effect on q fades by itself, 0 where that is slow beside T.
+
+    It is −(∂q̇/∂u·∂q/∂u)/‖∂q/∂u‖², for which b depends least on u, and for a lagged drive about 1/lag.
+
+    Args:
+        system: The plant.
+        q: ṗ, expression of x, u and t.
+        bend: Its rate under a held input.
+        held_s: T, s.
+    """
+    direct, fading = ca.gradient(q, system.u), ca.gradient(bend, system.u)
+    both = ca.Function("both", [system.x, system.u, system.t], [ca.dot(fading, direct), ca.sumsqr(direct)])
+    rates = []
+    for k in range(PROBES):
+        x, u = (np.sin(1.0 + 2.3 * np.arange(size) + k) for size in (system.n, system.m))
+        change, square = map(float, both(x, u, 0.1 * k))
+        rates.append(-change / square if square > 0 else 0.0)
+    rate = float(np.median(rates))
+    return rate if rate * held_s > SLOW else 0.0

@@ -55,28 +55,6 @@ def row_at(system: System, name: str, function: ca.SX, u_ref: ca.SX, u_lin: ca.S
     return ConstraintRow(name=name, value=value + ca.dot(slope, u_ref - u_lin), gradient=slope)
 
 
-def passivity_row(
-    system: System, h_u: ca.SX, passivity: Passivity, u_ref: ca.SX, u_lin: ca.SX, tank_j: ca.SX
-) -> ConstraintRow:
-    """Return the soft row h_u(x, u⁺) ≥ −κ(E − E_r) − δ of the sampled law, in w; without a tank h_u ≥ −δ.
-
-    Args:
-        system: The plant.
-        h_u: Power margin.
-        passivity: What is demanded of it.
-        u_ref: Where w is zero, expression, shape (m, 1).
-        u_lin: Where the tangent touches, expression, shape (m, 1).
-        tank_j: E, symbol, J.
-    """
-    row = row_at(system, PASSIVITY_ROW, h_u, u_ref, u_lin)
-    spendable = ca.SX(0)
-    if passivity.tank is not None:
-        spendable = passivity.tank.rate_per_s * (tank_j - passivity.tank.reserve_j)
-    return ConstraintRow(
-        name=row.name, value=row.value + spendable, gradient=row.gradient, slack_price=passivity.slack_weight
-    )
-
-
 def continuous_rows(
     system: System,
     chains: Sequence[BarrierChain],

@@ -12,8 +12,8 @@ from passafe.batch.batch_workspace import BatchWorkspace
 from passafe.batch.nearest_points import NearestPoints
 from passafe.certificate import accepts
 from passafe.decision import Status
-from passafe.decision_schema import Answer, Assessment, Evaluation, Program, Request
-from passafe.filter import SafetyPassivityFilter
+from passafe.decision_schema import Answer, Assessment, Evaluation, Program, Request, keeps_barriers
+from passafe.filter import UNPROTECTED, SafetyPassivityFilter
 from passafe.symbolic.whole_program import limit_bounds, shape_tolerance
 from passafe.workspace import Array
 
@@ -156,8 +156,9 @@ class BatchFilter:
         """Leave what the filter would not accept to the scalar filter, and grade the rest as it does."""
         design, assessment = self.core.design, self.assessment
         is_short_enough = assessment.norm_overreach <= shape_tolerance(design.limits)
-        is_settled = (assessment.shortfall <= 0.0) & (assessment.outside_trust_region <= 0.0)
-        self.scalar[:] = ~(accepts(design.tolerance, assessment) & is_short_enough & is_settled)[0]
+        settled = keeps_barriers(assessment) & (assessment.extra_slack <= design.passivity.relaxed_above)
+        is_judged = self.core.compares_courses & (assessment.lowest_psi < UNPROTECTED)
+        self.scalar[:] = (~(accepts(design.tolerance, assessment) & is_short_enough & settled) | is_judged)[0]
         is_untouched = ~self._answer.lam.any(axis=0)
         modified = np.where(assessment.slack[0] > design.passivity.relaxed_above, Status.RELAXED, Status.MODIFIED)
         self.status[:] = np.where(is_untouched, Status.PASSED, modified)

@@ -1,41 +1,79 @@
 """The constraints of the quadratic program, and the program's numbers that follow from a request."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import casadi as ca
 
 from passafe.decision_schema import Linearization, Program, ReferenceInput, Request
 from passafe.design import FilterDesign, Law
 from passafe.passivity import power_margin
-from passafe.rows import ConstraintRow, continuous_rows, passivity_row, stack
+from passafe.reachable_tube import reachable_tube
+from passafe.rows import ConstraintRow, continuous_rows, stack
 from passafe.symbolic.enforced_barriers import EnforcedBarriers
+from passafe.symbolic.enforced_passivity import EnforcedPassivity
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Deviations:
+    """Bounds of what is unknown over a period, for all inputs within the trust region.
+
+    Attributes:
+        barriers: Of every enforced barrier, shape (H, 1), in the units of ψ_r.
+        power: Of the power margin, W.
+        unknown: Number of these that are not known.
+    """
+
+    barriers: ca.SX
+    power: ca.SX
+    unknown: ca.SX
+
+    @classmethod
+    def of(
+        cls, barriers: EnforcedBarriers, passivity: EnforcedPassivity | None, u_lin: ca.SX, trust: ca.SX
+    ) -> "Deviations":
+        """Return the deviations for all inputs within ``trust`` of u_lin.
+
+        Args:
+            barriers: The enforced ones.
+            passivity: Enforced, if it is.
+            u_lin: Shape (m, 1).
+            trust: Radius in each axis, shape (m, 1).
+        """
+        if not barriers.has_margins and (passivity is None or not passivity.has_margin):
+            return cls(barriers=ca.SX.zeros(len(barriers.held)), power=ca.SX(0), unknown=ca.SX(0))
+        tube = reachable_tube(barriers.design.system, barriers.design.held_s, trust)
+        sizes, unknown = barriers.deviations(tube, u_lin, trust)
+        power, power_unknown = (ca.SX(0), ca.SX(0)) if passivity is None else passivity.deviation(tube, u_lin, trust)
+        return cls(barriers=sizes, power=power, unknown=unknown + power_unknown)
 
 
 def constraint_rows(
     barriers: EnforcedBarriers,
-    request: Request[ca.SX],
+    passivity: EnforcedPassivity | None,
     linearization: Linearization[ca.SX],
     reference: ReferenceInput[ca.SX],
-    eps: ca.SX,
+    deviations: Deviations,
 ) -> list[ConstraintRow]:
     """Return the constraints of the design's law and mode, hard ones first.
 
     Args:
         barriers: The enforced ones.
-        request: Symbols.
+        passivity: Enforced under the sampled law, if it is.
         linearization: Symbols.
         reference: Of the request.
-        eps: Margins between samples of all enforced barriers.
+        deviations: Of all rows.
     """
     design, system = barriers.design, barriers.design.system
-    passivity = design.passivity if design.mode.enforces_passivity else None
-    h_u = power_margin(system, design.passivity.V)
     if design.law is Law.CONTINUOUS:
+        demand = design.passivity if design.mode.enforces_passivity else None
+        h_u = power_margin(system, design.passivity.V)
         rate = (reference.u_ref - system.u) / design.dt_s
-        return continuous_rows(system, barriers.chains, h_u, passivity, rate, design.dt_s)
-    rows = barriers.rows(reference.u_ref, linearization.u_lin, eps, linearization.tightening)
+        return continuous_rows(system, barriers.chains, h_u, demand, rate, design.dt_s)
+    u_ref, u_lin = reference.u_ref, linearization.u_lin
+    rows = barriers.rows(u_ref, u_lin, deviations.barriers, linearization.with_margins, linearization.tightening)
     if passivity is not None:
-        rows.append(passivity_row(system, h_u, passivity, reference.u_ref, linearization.u_lin, request.tank))
+        rows.append(passivity.row(u_ref, u_lin, deviations.power))
     return rows
 
 
@@ -45,7 +83,7 @@ def constraint_program(
     request: Request[ca.SX],
     reference: ReferenceInput[ca.SX],
     trust: ca.SX,
-    eps: ca.SX,
+    deviations: Deviations,
 ) -> tuple[Program[ca.SX], float]:
     """Return the program and √ρ of its soft row's slack, 0 without one.
 
@@ -55,7 +93,7 @@ def constraint_program(
         request: Symbols.
         reference: Of the request.
         trust: Radius of the trust region in each axis, shape (m, 1).
-        eps: Margins between samples of all enforced barriers.
+        deviations: Of all rows.
     """
     G, d, root = stack(rows, design.system.m, reach=design.limits.reach)
     # fmin, fmax and mmax swallow a NaN; this is nothing for ordinary numbers and spoils the residual otherwise.
@@ -64,7 +102,9 @@ def constraint_program(
     program = Program(
         **reference.fields(),
         trust=trust,
-        eps=eps,
+        deviation=deviations.barriers,
+        power_deviation=deviations.power,
+        unbounded=deviations.unknown,
         G=G,
         d=d,
         largest_bound=ca.mmax(d) if rows else ca.SX(0),

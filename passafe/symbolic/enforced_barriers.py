@@ -8,11 +8,59 @@ import casadi as ca
 
 from passafe.barrier_chain import BarrierChain
 from passafe.design import FilterDesign, Law
-from passafe.intersample_margin import curvature_bound, held_function
+from passafe.intersample_margin import DeviationBound, HeldRow, held_row
+from passafe.reachable_tube import Tube
 from passafe.rows import TINY, ConstraintRow, row_at
+from passafe.system import System
 
 TANGENT_ERROR: Final = 1e-5
 """Largest violation of a row that is not affine in u where no margin between samples is asked for, units of u."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class HeldBarrier:
+    """The conditions of one barrier on a held input: of the branch that holds best, where it is a maximum.
+
+    Attributes:
+        system: The plant.
+        chain: The barrier's.
+        rows: Conditions of each of its branches.
+    """
+
+    system: System
+    chain: BarrierChain
+    rows: tuple[HeldRow, ...]
+
+    @classmethod
+    def of(cls, system: System, chain: BarrierChain, held_s: float) -> "HeldBarrier":
+        """Return the conditions of a chain under an input that is held for ``held_s`` seconds at most."""
+        rows = tuple(held_row(system, branch, held_s) for branch in chain.branches)
+        return cls(system=system, chain=chain, rows=rows)
+
+    @property
+    def value(self) -> ca.SX:
+        """ψ_r under an input that is held, expression of x, u and t."""
+        return self.chain.chosen([row.value for row in self.rows])
+
+    @property
+    def bend(self) -> ca.SX:
+        """Part of the second condition that is known, expression of x, u and t."""
+        return self.chain.chosen([row.bend for row in self.rows])
+
+    def deviation(self, tube: Tube, held_s: float, trust: ca.SX) -> DeviationBound:
+        """Return the bound of what is unknown, faded out linearly outside of the set, where nothing is to be kept.
+
+        Args:
+            tube: Around x, expressions of the system's u.
+            held_s: T, s.
+            trust: By how much each axis of the held input may differ from u, shape (m, 1).
+        """
+        sizes, knowns = [], []
+        for row in self.rows:
+            size, known = row.deviation(self.system, tube, held_s, trust)
+            sizes.append(ca.if_else(known, size, 0) + ca.fmin(row.p, 0) / row.usable_s)
+            knowns.append(known)
+        return DeviationBound(self.chain.chosen(sizes), self.chain.chosen(knowns))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -22,13 +70,13 @@ class EnforcedBarriers:
     Attributes:
         design: The design.
         chains: Chains of the enforced barriers; none where the mode does not enforce safety.
-        held: ψ_r of each under an input that is held, expression of x, u and t.
+        held: The conditions of each on an input that is held.
         has_margins: Whether rows have margins between samples.
     """
 
     design: FilterDesign
     chains: tuple[BarrierChain, ...]
-    held: tuple[ca.SX, ...]
+    held: tuple[HeldBarrier, ...]
     has_margins: bool
 
     @classmethod
@@ -38,34 +86,75 @@ class EnforcedBarriers:
         return cls(
             design=design,
             chains=enforced,
-            held=tuple(held_function(design.system, chain, design.held_s) for chain in enforced),
+            held=tuple(HeldBarrier.of(design.system, chain, design.held_s) for chain in enforced),
             has_margins=design.law is Law.SAMPLED and design.between_samples and bool(enforced),
         )
 
-    def margins(self, u_lin: ca.SX, trust: ca.SX) -> ca.SX:
-        """Return every ε for all inputs within ``trust`` of u_lin, in the units of ψ_r; 0 where none is wanted.
+    @property
+    def are_affine(self) -> bool:
+        """True if every row without its margin is affine in u."""
+        u = self.design.system.u
+        return not any(ca.depends_on(ca.gradient(held.value, u), u) for held in self.held)
+
+    def lowest_psi(self) -> ca.SX:
+        """Return the smallest of all ψ₀ … ψ_{r−1}, scalar; 0 without barriers."""
+        psi = [psi for chain in self.chains for psi in chain.psi[:-1]]
+        return ca.mmin(ca.vertcat(*psi)) if psi else ca.SX(0)
+
+    def deviations(self, tube: Tube, u_lin: ca.SX, trust: ca.SX) -> tuple[ca.SX, ca.SX]:
+        """Return the deviation of every barrier for all inputs within ``trust`` of u_lin, and how many are unknown.
 
         Args:
+            tube: Around x for these inputs, expressions of the system's u.
             u_lin: Shape (m, 1).
             trust: Radius in each axis, shape (m, 1).
         """
-        return ca.vertcat(ca.SX(0, 1), *(self._margin(chain, u_lin, trust) for chain in self.chains))
+        sizes, unknown = [ca.SX(0, 1)], ca.SX(0)
+        for held in self.held if self.has_margins else ():
+            both = held.deviation(tube, self.design.held_s, trust)
+            size, known = ca.substitute([*both], [self.design.system.u], [u_lin])
+            sizes.append(size)
+            unknown += 1 - known
+        if not self.has_margins:
+            sizes.append(ca.SX.zeros(len(self.held)))
+        return ca.vertcat(*sizes), unknown
 
-    def rows(self, u_ref: ca.SX, u_lin: ca.SX, eps: ca.SX, tightening: ca.SX) -> list[ConstraintRow]:
-        """Return the sampled law's rows, kept with ε and the tightening to spare.
+    def rows(
+        self, u_ref: ca.SX, u_lin: ca.SX, deviation: ca.SX, margins: ca.SX, tightening: ca.SX
+    ) -> list[ConstraintRow]:
+        """Return the sampled law's rows, kept with the tightening to spare.
+
+        Of the two conditions of a barrier the row is that which asks for more at u_lin.
 
         Args:
             u_ref: Where w is zero, shape (m, 1).
             u_lin: Where tangents touch, shape (m, 1).
-            eps: Margins of all barriers.
+            deviation: Of every barrier.
+            margins: 1 to have margins, 0 to leave them out.
             tightening: Scalar, units of u.
         """
-        rows = []
+        system, rows = self.design.system, []
         for i, (chain, held) in enumerate(zip(self.chains, self.held, strict=True)):
-            row = row_at(self.design.system, chain.barrier.name, held, u_ref, u_lin)
-            value = row.value - eps[i] - tightening * ca.norm_2(row.gradient)
+            function = held.value
+            if self.has_margins:
+                bends = ca.substitute(held.bend, system.u, u_lin) < deviation[i]
+                function = function + ca.if_else(bends, margins, 0) * (held.bend - deviation[i])
+            row = row_at(system, chain.barrier.name, function, u_ref, u_lin)
+            value = row.value - tightening * ca.norm_2(row.gradient)
             rows.append(ConstraintRow(name=row.name, value=value, gradient=row.gradient))
         return rows
+
+    def margins(self, u_plus: ca.SX, deviation: ca.SX) -> ca.SX:
+        """Return every ε at u⁺: what ``HeldRow.value`` has to be at least, in the units of ψ_r; 0 where none is wanted.
+
+        Args:
+            u_plus: Shape (m, 1).
+            deviation: Of every barrier.
+        """
+        if not self.has_margins:
+            return ca.SX.zeros(len(self.held))
+        bends = ca.vertcat(ca.SX(0, 1), *(held.bend for held in self.held))
+        return ca.fmax(deviation - ca.substitute(bends, self.design.system.u, u_plus), 0)
 
     def shortfall(self, u_plus: ca.SX, eps: ca.SX) -> ca.SX:
         """Return the distance by which u⁺ violates a row with its margin, scalar, units of u; ≤ 0 if it keeps all.
@@ -77,20 +166,10 @@ class EnforcedBarriers:
         u = self.design.system.u
         missing = [ca.SX(0)]
         for i, held in enumerate(self.held if self.design.law is Law.SAMPLED else ()):
-            value, gradient = ca.substitute([held, ca.gradient(held, u)], [u], [u_plus])
+            value, gradient = ca.substitute([held.value, ca.gradient(held.value, u)], [u], [u_plus])
             short = (eps[i] - value) / ca.fmax(ca.norm_2(gradient), TINY)
             if self.design.between_samples:
                 missing.append(short)
-            elif ca.depends_on(ca.gradient(held, u), u):
+            elif ca.depends_on(ca.gradient(held.value, u), u):
                 missing.append(short - TANGENT_ERROR)
         return ca.mmax(ca.vertcat(*missing))
-
-    def _margin(self, chain: BarrierChain, u_lin: ca.SX, trust: ca.SX) -> ca.SX:
-        if not self.has_margins:
-            return ca.SX(0)
-        system, held_s, r = self.design.system, self.design.held_s, chain.relative_degree
-        p = chain.psi[r - 1]
-        bound = curvature_bound(system, p, held_s, trust, steps=max(r, 2))
-        margin = held_s / 2 * ca.fmax(ca.substitute(bound, system.u, u_lin), 0)
-        # Outside the set there is nothing to keep between samples; there the margin fades out linearly.
-        return ca.fmax(ca.fmin(margin, margin + p / held_s), 0)

@@ -10,6 +10,7 @@ from passafe.decision_schema import Answer, Assessment, Evaluation, Linearizatio
 from passafe.design import FilterDesign
 from passafe.passivity import power_margin
 from passafe.symbolic.enforced_barriers import EnforcedBarriers
+from passafe.symbolic.enforced_passivity import EnforcedPassivity
 from passafe.symbolic.trust_region import outside_trust_region
 from passafe.symbolic.whole_program import overreach, whole_rows
 
@@ -17,6 +18,7 @@ from passafe.symbolic.whole_program import overreach, whole_rows
 def evaluate(
     chains: Sequence[BarrierChain],
     barriers: EnforcedBarriers,
+    passivity: EnforcedPassivity | None,
     request: Request[ca.SX],
     linearization: Linearization[ca.SX],
     program: Program[ca.SX],
@@ -29,6 +31,7 @@ def evaluate(
     Args:
         chains: Chains of all barriers, enforced or not.
         barriers: The enforced ones.
+        passivity: Enforced, if it is.
         request: Symbols.
         linearization: Symbols.
         program: Symbols.
@@ -42,11 +45,16 @@ def evaluate(
     unclipped = program.u_ref + answer.z[:m]
     u_plus = design.limits.clip(unclipped, request.u, program.low, program.high)
     psi, h_u = _at(design, chains, u_plus)
+    eps = linearization.with_margins * barriers.margins(u_plus, program.deviation)
+    counted = answer.z[m] / root if root else ca.SX(0)
+    slack = counted if passivity is None else passivity.slack(u_plus, program.power_deviation)
+    has_margins = barriers.has_margins or (passivity is not None and passivity.has_margin)
     evaluation = Evaluation(
         margins=G @ answer.z - d,
         u_plus=u_plus,
         v=(u_plus - request.u) / design.dt_s - program.phi,
         psi=psi,
+        eps=eps,
         h_u=h_u,
     )
     assessment = Assessment(
@@ -54,11 +62,16 @@ def evaluate(
         dual=residuals.dual,
         gap=residuals.gap,
         norm_overreach=overreach(design.limits, unclipped),
-        slack=answer.z[m] / root if root else ca.SX(0),
-        shortfall=barriers.shortfall(u_plus, program.eps),
+        slack=slack,
+        extra_slack=slack - counted,
+        shortfall=barriers.shortfall(u_plus, eps),
         outside_trust_region=(
-            outside_trust_region(linearization, u_plus, program.trust) if barriers.has_margins else ca.SX(0)
+            linearization.with_margins * outside_trust_region(linearization, u_plus, program.trust)
+            if has_margins
+            else ca.SX(0)
         ),
+        unknown_margins=linearization.with_margins * program.unbounded,
+        lowest_psi=barriers.lowest_psi(),
     )
     return evaluation, assessment
 

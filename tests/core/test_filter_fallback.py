@@ -88,7 +88,7 @@ def test_an_answer_that_fails_the_certificate_is_not_used(tolerance: Tolerance) 
     decision = made.decide(x, (1.0, 1.0), ZERO, ZERO)
 
     assert decision.status is Status.UNCERTIFIED
-    assert decision.solver == "none"  # nobody's answer is used
+    assert decision.solver == "backup"  # nobody's answer is used
     assert decision.u == tuple(fail_safe(x, 100.0))
     assert_consistent(made, decision)
 

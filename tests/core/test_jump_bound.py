@@ -4,8 +4,12 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from passafe.barrier_chain import Barrier, derive_chain
 from passafe.enclosure import enclose
+from passafe.intersample_margin import held_row
 from passafe.jump_bound import jump_bound
+from passafe.reachable_tube import reachable_tube
+from passafe.system import System
 
 x, u = ca.SX.sym("x", 2), ca.SX.sym("u")
 BROKEN = {
@@ -45,3 +49,25 @@ def test_a_continuous_expression_has_no_jumps(e: ca.SX) -> None:
 
     assert size.is_zero()
     assert known.is_one()
+
+
+def test_a_kink_of_the_dynamics_is_in_the_margin() -> None:
+    """At rest under a push v changes its sign at once, and b with it, by twice the slope of |v| times the push."""
+    z, push = ca.SX.sym("z", 2), ca.SX.sym("push")
+    system = System(x=z, u=push, f=ca.vertcat(z[1], push - 2 * ca.fabs(z[1])), y=z[1])
+    wall = Barrier(name="wall", h=1 - z[0], class_k=(3.0, 3.0, 3.0))
+    held_s = 0.01
+    row = held_row(system, derive_chain(system, wall), held_s)
+    deviation = row.deviation(system, reachable_tube(system, held_s, ca.SX(0)), held_s, ca.SX(0))
+    seen = ca.Function("seen", [z, push], [row.bend, deviation.size, deviation.known])
+    flow = ca.Function("flow", [z, push], [system.f])
+    for speed, held in ((-1e-3, 4.0), (1e-3, -4.0), (0.0, 2.0), (0.5, -1.0)):
+        start = at = np.array([0.0, speed])
+        before, size, known = (float(part) for part in seen(start, held))
+        change = 0.0
+        for _ in range(100):
+            at = at + held_s / 100 * flow(at, held).full().ravel()
+            change = max(change, abs(float(seen(at, held)[0]) - before))
+        assert known == 1.0
+        assert change <= size + 1e-12
+        assert (size > abs(held) * held_s) == (speed < 0.1)

@@ -11,9 +11,17 @@ from finite_differences import Array, numeric, rate_along, slope
 from passafe.barrier_chain import derive_chain
 from passafe.design import FilterDesign
 from passafe.passivity import power_margin
-from passafe.rows import PASSIVITY_ROW, TINY, ConstraintRow, continuous_rows, passivity_row, row_at, stack
+from passafe.rows import PASSIVITY_ROW, TINY, ConstraintRow, continuous_rows, row_at, stack
+from passafe.symbolic.enforced_passivity import EnforcedPassivity
 from passafe.tank import Tank
 from passafe.tracking import tracking_rate
+
+
+def sampled_passivity_row(design: FilterDesign, u_ref: ca.SX, tank: ca.SX) -> ConstraintRow:
+    """Return the sampled law's passivity row without a margin between samples."""
+    enforced = EnforcedPassivity.of(replace(design, between_samples=False), tank)
+    assert enforced is not None
+    return enforced.row(u_ref, u_ref, ca.SX(0))
 
 
 class Derived:
@@ -29,7 +37,7 @@ class Derived:
         phi = tracking_rate(system, design.u_fb, u_h, u_h_rate, design.k_i)
         if law == "sampled":
             rows = [row_at(system, chain.barrier.name, chain.psi[-1], u_ref, u_ref) for chain in chains]
-            rows.append(passivity_row(system, h_u, design.passivity, u_ref, u_ref, tank))
+            rows.append(sampled_passivity_row(design, u_ref, tank))
         else:
             rows = continuous_rows(system, chains, h_u, design.passivity, phi, design.dt_s)
         given = [system.x, system.u, u_h, u_h_rate]

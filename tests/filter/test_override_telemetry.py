@@ -56,7 +56,8 @@ def test_tick_contains_the_cores_decision() -> None:
 
 
 def test_limit_that_clips_the_request_is_listed_with_zero_dual() -> None:
-    tick = tick_at((2.0, 2.0, 0.0, 0.0), (500.0, 0.0))
+    scenario = load_scenario("notomista-cai-2020", {"filter.mode": "safe"})
+    tick = tick_at((2.0, 2.0, 0.0, 0.0), (500.0, 0.0), SafetyPassivityFilter(design_of(scenario, robot_of(scenario))))
 
     [limit] = [row for row in tick.rows if row.name == "input 0 high"]
     assert limit.active

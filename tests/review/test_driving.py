@@ -1,4 +1,4 @@
-"""What comes first in a verdict: ticks in a fallback, and a robot that could not be driven."""
+"""Tests of what comes first in a verdict: ticks in a fallback, and a robot that could not be driven."""
 
 from collections.abc import Sequence
 from itertools import product
@@ -39,7 +39,7 @@ def resting(tmp_path: Path, steps: int, **changes: Sequence[FilterStatus | Plant
     return Verdict.of(RunLog.read(run.write(tmp_path / "run.mcap")), DampedPoint())
 
 
-def test_a_stretch_lasts_from_its_first_tick_to_the_end_of_its_last() -> None:
+def test_a_stretch_ends_with_its_last_tick() -> None:
     found = fallbacks([PASSED, INFEASIBLE, PASSED, AT_SAMPLES, INFEASIBLE, AT_SAMPLES, PASSED, INFEASIBLE])
 
     assert (found.holds, found.worst, found.at_s) == (False, 5.0, 0.001)

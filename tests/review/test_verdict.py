@@ -233,7 +233,7 @@ def test_a_start_outside_of_the_protected_set_is_said(tmp_path: Path) -> None:
     assert judged(coasting(Run(scenario(mode="safe"))), tmp_path).words == "holds: violated but not required: passive"
 
 
-def test_a_mode_that_promises_no_safety_says_nothing_of_its_start(tmp_path: Path) -> None:
+def test_a_mode_without_safety_says_nothing_of_its_start(tmp_path: Path) -> None:
     run = Run(scenario(mode="off"))
     rollout(run, x0=(1.2, 0.0, -2.0, 0.0), u=lambda _: REST, steps=5)
     assert judged(run, tmp_path).properties["protected-start"].note == ""

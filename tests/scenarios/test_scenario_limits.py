@@ -58,7 +58,9 @@ def test_every_joint_has_a_bound_of_its_own() -> None:
     u, statuses = inputs_of(scenario)
 
     assert design_of(scenario, robot_of(scenario)).limits.high == TORQUES
-    assert np.abs(u).max(axis=0) == pytest.approx((30.0, 45.0, 9.0), rel=1e-3)
+    largest = np.abs(u).max(axis=0)
+    assert largest[1:] == pytest.approx(TORQUES[1:], rel=1e-3)
+    assert 9.0 < largest[0] <= TORQUES[0]
     assert statuses <= {"PASSED", "MODIFIED", "RELAXED", "STALE"}
 
 

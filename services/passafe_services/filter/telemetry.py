@@ -96,7 +96,7 @@ class Telemetry:
 
         request, program = Request.of(vector), Program.of(vector)
         answer, evaluation = Answer.of(vector), Evaluation.of(vector)
-        eps = program.eps if self._has_eps else (0.0,) * len(self._chains)
+        eps = evaluation.eps if self._has_eps else (0.0,) * len(self._chains)
         override = self._explainer.override(decision)
         shares = {cause.row: cause.share for cause in override.causes}
         relaxed = (*answer.relax, *(0.0,) * (len(self._row_names) - self._hard))

@@ -90,6 +90,7 @@ class BatchRows:
             "tank": 0.0 if tank is None else tank.initial_j,
             "start": 1.0,
             "tightening": first_tightening(design),
+            "with_margins": 1.0,
         }
         h = [chain.psi[0] for chain in chains]
         protecting = [psi for chain in chains for psi in chain.psi[:-1]]

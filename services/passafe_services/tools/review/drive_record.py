@@ -1,4 +1,4 @@
-"""Whether the robot could be driven: by inputs of the filter, certified, from commands that were fresh."""
+"""Record of whether the robot could be driven: by certified inputs of the filter, from commands that were fresh."""
 
 from collections.abc import Iterable
 from typing import Final, Self
@@ -13,7 +13,7 @@ LONGEST_END_S: Final = 1.0
 
 
 class _LastSeen:
-    """When something was last so, and the newest time at which it was looked at, plant time, ns."""
+    """Record of when something was last so, and the newest time at which it was looked at, plant time, ns."""
 
     def __init__(self) -> None:
         self.at_all = False

@@ -1,0 +1,176 @@
+"""The attempts of a decision: rows, solution, certificate, and margins and tangents that suit the answer.
+
+    rows → solve → certify → settle.
+
+No answer is used that ``passafe.certificate`` does not accept, and none counts as settled whose margins between samples
+or tangents were made for another input.
+"""
+
+from collections.abc import Callable
+from typing import Final
+
+import numpy as np
+
+from passafe.certificate import accepts
+from passafe.decision import ANSWERS, Attempt, Status
+from passafe.decision_block import DecisionBlock
+from passafe.decision_functions import DecisionFunctions
+from passafe.decision_schema import Assessment, keeps_barriers
+from passafe.derivation import first_tightening
+from passafe.design import FilterDesign
+from passafe.fixed_point import FixedPoint
+from passafe.quadratic_program import BY_INSPECTION, QuadraticProgram
+from passafe.solvers.solver import SOLVED
+from passafe.symbolic.trust_region import LEAST_TRUST
+from passafe.symbolic.whole_program import shape_tolerance
+from passafe.workspace import Array
+
+ATTEMPTS: Final = 14
+"""Programs that are solved to settle margins and tangents, at most; the last margin is valid for every input."""
+
+PLAIN_STEPS: Final = 3
+"""Attempts that go straight to the answer before; then it is accelerated, for iterates may oscillate."""
+
+CLOSER: Final = 0.5
+NARROWER: Final = 0.1
+"""The next trust radius, as a share of the way to the answer, or of the radius before."""
+
+RELAXED_NORM: Final = 1e4
+"""Factor on the norm's tolerance where hard rows are relaxed: there shortening costs little more."""
+
+# Reaching a member through its enumeration takes 0.7 µs on Python 3.11, a tenth of a decision.
+_PASSED: Final = Status.PASSED
+_MODIFIED: Final = Status.MODIFIED
+_RELAXED: Final = Status.RELAXED
+_UNCERTIFIED: Final = Status.UNCERTIFIED
+_INFEASIBLE: Final = Status.INFEASIBLE
+
+
+class Attempts:
+    """Attempts at the program of one ``DecisionBlock``, one after the other in the same memory."""
+
+    def __init__(
+        self,
+        design: FilterDesign,
+        block: DecisionBlock,
+        functions: DecisionFunctions[Callable[[], None]],
+        program: QuadraticProgram,
+    ) -> None:
+        """Hold what they are made with.
+
+        Args:
+            design: The filter's.
+            block: Holds request, program and answer.
+            functions: Bound to the block.
+            program: Solves the program of the block.
+        """
+        self._block, self._functions, self._program = block, functions, program
+        self._tolerance = design.tolerance
+        self._relaxed_above = design.passivity.relaxed_above
+        self._norm_tolerance = shape_tolerance(design.limits)
+        self._first_tightening = first_tightening(design)
+        self._least_trust: Array = LEAST_TRUST * np.array(design.limits.magnitude)
+        self._reach = design.limits.reach
+
+    def first(self, prepare: Callable[[], None]) -> Attempt:
+        """Derive the rows, solve over the constraints and certify; if that is refused, solve the whole program."""
+        block = self._block
+        prepare()
+        solver, outcome = self._program.solve_constraints()
+        self._functions.evaluate()
+        assessment = block.read_assessment()
+        is_accepted = outcome is SOLVED and accepts(self._tolerance, assessment)
+        if is_accepted and assessment.norm_overreach <= self._norm_tolerance:
+            return self._answered(solver, assessment)
+        if not block.program.nan_guard[0] <= 1.0:
+            return Attempt(_UNCERTIFIED, solver, False, assessment)
+        return self._attempt_whole()
+
+    def _attempt_whole(self) -> Attempt:
+        """Solve over constraints and limits and certify; relax hard rows that conflict, as little as possible."""
+        block, program = self._block, self._program
+        program.add_limits()
+        solver = self._accepted_solver()
+        while solver is not None and not self._is_short_enough() and program.add_tangent():
+            solver = self._accepted_solver()
+        assessment = block.read_assessment()
+        if solver is None or not self._is_short_enough():
+            return Attempt(_UNCERTIFIED, solver or BY_INSPECTION, False, assessment)
+        if not block.answer.relax.any():
+            return self._answered(solver, assessment)
+        self._functions.prove_conflict()
+        status = _INFEASIBLE if block.answer.conflict[0] > 0.0 else _UNCERTIFIED
+        return Attempt(status, solver, False, assessment)
+
+    def _answered(self, solver: str, assessment: Assessment[float]) -> Attempt:
+        """Grade a certified answer that keeps every hard row as it was posed."""
+        slack, relaxed_above = assessment.slack, self._relaxed_above
+        kept = _PASSED if solver == BY_INSPECTION else _MODIFIED
+        is_settled = (
+            assessment.shortfall <= 0.0
+            and assessment.outside_trust_region <= 0.0
+            and assessment.unknown_margins <= 0.0
+            and assessment.extra_slack <= relaxed_above
+        )
+        return Attempt(_RELAXED if slack > relaxed_above else kept, solver, is_settled, assessment)
+
+    def _accepted_solver(self) -> str | None:
+        """Return the solver whose answer to the whole program is accepted, relaxing the hard rows if there is none."""
+        solver = self._first_accepted()
+        if solver is None and self._program.relax_hard_rows():
+            solver = self._first_accepted()
+        return solver
+
+    def _first_accepted(self) -> str | None:
+        for solver, outcome in self._program.solve_whole():
+            self._functions.evaluate()
+            if outcome is SOLVED and accepts(self._tolerance, self._block.read_assessment()):
+                return solver
+        return None
+
+    def _is_short_enough(self) -> bool:
+        overreach = self._block.read_assessment().norm_overreach
+        return overreach <= self._norm_tolerance * (RELAXED_NORM if self._block.answer.relax.any() else 1.0)
+
+    def settle(self, attempt: Attempt) -> Attempt:
+        """Solve again with margins and tangents moved to the answer, until they suit it.
+
+        Rows that conflict with a margin for a wide trust region, or with tangents far from the answer, need not
+        conflict with nearer ones: then the trust region is narrowed, down to its least radius, and the tangents move
+        half-way back. So do margins that are not known. Slack that the program did not count matters to none but the
+        passivity row, which may have it.
+        """
+        linearization, least = self._block.linearization, self._least_trust
+        u_lin, trust, u_plus = linearization.u_lin, linearization.trust_asked, self._block.evaluation.u_plus
+        trust[:], before, answers = self._block.program.trust, u_lin.copy(), FixedPoint()
+        for k in range(ATTEMPTS):
+            if attempt.status is _UNCERTIFIED:
+                return attempt
+            if attempt.status is _INFEASIBLE or attempt.assessment.unknown_margins > 0.0:
+                trust[:], answers = np.maximum(NARROWER * trust, least), FixedPoint()
+                u_lin += (before - u_lin) / 2
+            else:
+                before = u_lin.copy()
+                if attempt.assessment.outside_trust_region <= 0.0:
+                    linearization.tightening[:] += 2 * max(attempt.assessment.shortfall, 0.0)
+                u_lin[:] = answers.next(before, u_plus) if k >= PLAIN_STEPS else u_plus
+                trust[:] = CLOSER * np.abs(u_plus - before).max() + least
+            if k == ATTEMPTS - 1 and attempt.status is not _INFEASIBLE:
+                trust[:] = self._reach
+            attempt = self.first(self._functions.prepare)
+            gave_up = attempt.status is _INFEASIBLE and (trust <= least).all()
+            if attempt.is_settled or gave_up:
+                return attempt
+        if attempt.status in ANSWERS and keeps_barriers(attempt.assessment):
+            return Attempt(attempt.status, attempt.solver, True, attempt.assessment)
+        return attempt
+
+    def about(self, u_lin: Array, *, with_margins: bool) -> Attempt:
+        """Start again with tangents and margins at another input."""
+        linearization = self._block.linearization
+        linearization.u_lin[:] = u_lin
+        linearization.trust_asked[:] = self._least_trust
+        linearization.tightening[:] = self._first_tightening if with_margins else 0.0
+        linearization.with_margins[:] = with_margins
+        attempt = self.first(self._functions.prepare)
+        return attempt if attempt.is_settled else self.settle(attempt)

@@ -1,0 +1,89 @@
+"""The search of all admissible inputs for one that keeps hard rows which are not affine in u.
+
+Branch and bound over the box of the axes' limits (Moore, Kearfott & Cloud 2009, chapter 6): a box in which some row is
+below zero for every input is left out, and where none is left, no admissible input keeps the rows. The centre of every
+box is tried. The number of boxes is bounded; where it runs out, nothing is found and nothing is proven.
+"""
+
+from dataclasses import dataclass
+from heapq import heappop, heappush
+from typing import Final
+
+import casadi as ca
+import numpy as np
+
+from passafe.decision_block import DecisionBlock
+from passafe.enclosure import enclose
+from passafe.symbolic.enforced_barriers import EnforcedBarriers
+from passafe.workspace import Array
+
+BOXES: Final = 2000
+"""Boxes that are looked at, at most."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Found:
+    """Outcome of a search.
+
+    Attributes:
+        u: An admissible input that keeps every hard row, shape (m,); ``None`` where none was found.
+        is_impossible: Whether no admissible input does, proven.
+    """
+
+    u: Array | None = None
+    is_impossible: bool = False
+
+
+class InputSearch:
+    """Searches the inputs of one design."""
+
+    def __init__(self, barriers: EnforcedBarriers) -> None:
+        """Derive the rows' enclosure over boxes of inputs.
+
+        Args:
+            barriers: The enforced ones.
+        """
+        system, self._limits = barriers.design.system, barriers.design.limits
+        rows = ca.vertcat(ca.SX(0, 1), *(held.value for held in barriers.held))
+        radius = ca.SX.sym("radius", system.m)
+        ball = enclose(rows, system.u, radius)
+        most = ca.if_else(ball.known, ca.mmin(ball.centre + ball.radius), np.inf)
+        self._look = ca.Function("look", [system.x, system.t, system.u, radius], [ca.mmin(rows), most])
+
+    def find(self, block: DecisionBlock) -> Found:
+        """Return what is found for the request of a block, within the limits of its program.
+
+        Args:
+            block: Holds request and program.
+        """
+        request, program = block.request, block.program
+        limits = (request.u.copy(), program.low.copy(), program.high.copy())
+        queue: list[tuple[float, int, Array, Array]] = []
+        heappush(queue, (-np.inf, 0, limits[1], limits[2]))
+        for looked_at in range(1, BOXES + 1):
+            if not queue:
+                return Found(is_impossible=True)
+            _, _, low, high = heappop(queue)
+            centre = (low + high) / 2
+            tried = self._limits.nearest(centre, *limits)
+            kept, _ = self._look(request.x, request.t, tried, np.zeros(len(low)))
+            if float(kept) >= 0.0:
+                return Found(u=tried)
+            axis = int((high - low).argmax())
+            for half in range(2):
+                part_low, part_high = low.copy(), high.copy()
+                (part_high if half == 0 else part_low)[axis] = centre[axis]
+                bound = self._bound(request.x, request.t, part_low, part_high)
+                if bound >= 0.0:
+                    heappush(queue, (-bound, 2 * looked_at + half, part_low, part_high))
+        return Found()
+
+    def _bound(self, x: Array, t: Array, low: Array, high: Array) -> float:
+        """Return the most that the row kept least can be kept by in a box; below zero where none is admissible."""
+        if _least_length(low, high) > (self._limits.norm or np.inf):
+            return -np.inf
+        return float(self._look(x, t, (low + high) / 2, (high - low) / 2)[1])
+
+
+def _least_length(low: Array, high: Array) -> float:
+    return float(np.linalg.norm(np.maximum(np.maximum(low, -high), 0.0)))

@@ -1,0 +1,126 @@
+"""The tube of states around x that no trajectory leaves while an input is held (``docs/theory.md``, section 6).
+
+Let x(τ) follow ẋ = f(x, u) under a constant u and e = x(τ) − x(0). With J = ∂f/∂x, f(x + e, u) = f(x, u) + J̄e for a
+mean J̄ of J over the tube, so |e| ≤ z componentwise wherever ż = |f(x, u)| + Mz, z(0) = 0, with a matrix M whose
+diagonal bounds J's from above and whose other entries bound |J|'s (comparison of Metzler systems; Walter 1998, chapter
+III).
+"""
+
+from typing import Final, NamedTuple
+
+import casadi as ca
+import numpy as np
+from scipy.linalg import expm
+
+from passafe.enclosure import enclose
+from passafe.system import System
+from passafe.workspace import Array
+
+PIECES: Final = 64
+"""Number of intervals in which ∫|e^{As}|ds is bounded."""
+
+GROWTH: Final = 2.0
+"""Factor by which the first guess of a nonlinear plant's tube is wider than what J at x alone gives."""
+
+SPARE: Final = 1.1
+"""Factor by which every refinement of the tube exceeds what it was found to need."""
+
+
+SMALL: Final = 1e-4
+"""|a|T below which (e^{aT} − 1)/a is bounded by a series."""
+
+
+class Tube(NamedTuple):
+    """Bound of the distance from x while an input is held.
+
+    Attributes:
+        radius: Of every state, expression of x and u, shape (n, 1).
+        known: 1 where the bound is proven, else 0, expression.
+    """
+
+    radius: ca.SX
+    known: ca.SX
+
+
+def reachable_tube(system: System, held_s: float, input_radius: ca.SX) -> Tube:
+    """Return the tube around x within ``held_s`` seconds under any held input near u.
+
+    Where J is constant the bound is (∫₀ᵀ|e^{Js}|ds)·|f|, for any T. Otherwise M is enclosed over a guessed tube, and
+    the bound is known where it is no wider than the guess.
+
+    Args:
+        system: The plant.
+        held_s: T, how long the input is held at most, s.
+        input_radius: By how much each axis of the held input may differ from u, expression, shape (m, 1).
+
+    Raises:
+        DesignError: The dynamics have an operation without an enclosure.
+    """
+    f = enclose(system.f, system.u, input_radius)
+    speed = ca.fabs(f.centre) + f.radius
+    J = ca.simplify(ca.jacobian(system.f, system.x))
+    if not ca.symvar(J):
+        return Tube(ca.DM(_integral_of_magnitude(ca.DM(J).full(), held_s)) @ speed, f.known)
+    near = _comparison_matrix(system, J, ca.SX.zeros(system.n), input_radius)
+    guess = GROWTH * _refined(near.radius, speed, held_s)
+    over = _comparison_matrix(system, J, guess, input_radius)
+    radius = _refined(over.radius, speed, held_s)
+    fits = ca.logic_and(
+        ca.mmax(radius - guess) <= 0, ca.mmax(_reached(over.radius, radius, speed, held_s) - radius) <= 0
+    )
+    return Tube(radius, ca.if_else(fits, f.known * over.known, 0))
+
+
+def _integral_of_magnitude(A: Array, held_s: float) -> Array:
+    """Return a matrix that is no less than ∫₀ᵀ|e^{As}|ds anywhere: |e^{A(s+σ)}| ≤ |e^{As}|e^{Mσ} on every piece."""
+    n, piece_s = len(A), held_s / PIECES
+    M = np.abs(A)
+    np.fill_diagonal(M, np.maximum(np.diag(A), 0.0))
+    block = np.zeros((2 * n, 2 * n))
+    block[:n, :n], block[:n, n:] = M, np.eye(n)
+    within = expm(block * piece_s)[:n, n:]
+    step, reached, total = expm(A * piece_s), np.eye(n), np.zeros((n, n))
+    for _ in range(PIECES):
+        total += np.abs(reached)
+        reached = step @ reached
+    return np.asarray(total @ within)
+
+
+def _comparison_matrix(system: System, J: ca.SX, radius: ca.SX, input_radius: ca.SX) -> Tube:
+    """Return M as the radius of a ``Tube`` of matrices, shape (n, n)."""
+    ball = enclose(ca.vec(ca.densify(J)), ca.vertcat(system.x, system.u), ca.vertcat(radius, input_radius))
+    n = system.n
+    M = ca.reshape(ca.fabs(ball.centre) + ball.radius, n, n)
+    signed = ca.reshape(ball.centre + ball.radius, n, n)
+    for i in range(n):
+        M[i, i] = signed[i, i]
+    return Tube(ca.sparsify(M), ball.known)
+
+
+def _refined(M: ca.SX, speed: ca.SX, held_s: float) -> ca.SX:
+    """Return what is reached after as many rounds as a chain of n integrators needs."""
+    radius = ca.SX.zeros(speed.numel())
+    for _ in range(speed.numel() + 1):
+        radius = SPARE * _reached(M, radius, speed, held_s)
+    return radius
+
+
+def _reached(M: ca.SX, radius: ca.SX, speed: ca.SX, held_s: float) -> ca.SX:
+    """Return (e^{M_ii T} − 1)/M_ii · (|f_i| + Σ_{j≠i} M_ij R_j) for every state."""
+    n = speed.numel()
+    return ca.vertcat(
+        *(
+            _growth(M[i, i], held_s)
+            * (speed[i] + sum((M[i, j] * radius[j] for j in range(n) if j != i and M.has_nz(i, j)), ca.SX(0)))
+            for i in range(n)
+        )
+    )
+
+
+def _growth(rate: ca.SX, held_s: float) -> ca.SX:
+    """Return (e^{aT} − 1)/a, no less than it where a is near zero."""
+    if rate.is_zero():
+        return ca.SX(held_s)
+    small = ca.fabs(rate) * held_s < SMALL
+    series = held_s * (1 + ca.fabs(rate) * held_s)
+    return ca.if_else(small, series, ca.expm1(rate * held_s) / ca.if_else(small, 1, rate))
