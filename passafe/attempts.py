@@ -81,6 +81,8 @@ class Attempts:
         assessment = block.read_assessment()
         is_accepted = outcome is SOLVED and accepts(self._tolerance, assessment)
         if is_accepted and assessment.norm_overreach <= self._norm_tolerance:
+            if assessment.concern <= 0.0:
+                return Attempt(_PASSED if solver == BY_INSPECTION else _MODIFIED, solver, True, assessment)
             return self._answered(solver, assessment)
         if not block.program.nan_guard[0] <= 1.0:
             return Attempt(_UNCERTIFIED, solver, False, assessment)

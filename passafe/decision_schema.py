@@ -160,6 +160,8 @@ class Assessment(Residuals[T], frozen=True, eq=False, gc=False):
         outside_trust_region: Distance of u⁺ from the trust region; ≤ 0 inside.
         unknown_margins: Number of margins that the answer would need and that are not known.
         lowest_psi: Smallest of ψ₀ … ψ_{r−1} of all enforced barriers; below 0 nothing is proven of h.
+        concern: Largest of what may stand in the way of an accepted answer: of the four before beyond what is allowed,
+            and of the slack beyond what counts as relaxed; ≤ 0 where nothing does.
     """
 
     norm_overreach: T
@@ -169,6 +171,7 @@ class Assessment(Residuals[T], frozen=True, eq=False, gc=False):
     outside_trust_region: T
     unknown_margins: T
     lowest_psi: T
+    concern: T
 
 
 @overload

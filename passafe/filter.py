@@ -26,10 +26,8 @@ from passafe.fallback import Fallback
 from passafe.infeasibility import DistanceToInfeasibility
 from passafe.input_search import InputSearch
 from passafe.quadratic_program import QuadraticProgram
+from passafe.symbolic.evaluation import UNPROTECTED
 from passafe.workspace import Array, BlockLayout
-
-UNPROTECTED: Final = -1e-9
-"""Value of a ψ below which the state counts as outside of the protected set."""
 
 BACKUP: Final = "backup"
 """Name of the solver where the input is the backup law's."""
@@ -65,6 +63,7 @@ class SafetyPassivityFilter:
         )
         program = QuadraticProgram(block, derivation.rows, design.limits)
         self._attempts = Attempts(design, block, self._functions, program)
+        self._attempt = self._attempts.first
         self._distance = DistanceToInfeasibility(design.limits, derivation.rows.hard)
         enforced = derivation.barriers
         self._input_search = None if derivation.is_affine else InputSearch(enforced)
@@ -72,7 +71,6 @@ class SafetyPassivityFilter:
         self._fallback = Fallback(design, enforced.chains) if has_rollout else None
         self.compares_courses = enforced.has_margins and has_rollout
         self._sizes = (design.system.n, *(design.system.m,) * 3)
-        self._is_gated = design.gatekeeper
 
     @property
     def row_names(self) -> tuple[str, ...]:
@@ -139,13 +137,9 @@ class SafetyPassivityFilter:
             self._convert_request(x, u, u_h, u_h_rate, tank_j, t_s, start)
         if start:
             functions.linearize()
-        attempt = self._attempts.first(functions.prepare if start else functions.prepare_usual)
-        if not attempt.is_settled:
-            attempt = self._attempts.settle(attempt)
-        if not attempt.is_settled:
-            attempt = self._resolve()
-        elif attempt.assessment.lowest_psi < UNPROTECTED or self._is_gated:
-            attempt = self._guard(attempt)
+        attempt = self._attempt(functions.prepare if start else functions.prepare_usual)
+        if attempt.assessment.concern > 0.0 or not attempt.is_settled:
+            attempt = self._reconsider(attempt)
         return self._decision(attempt)
 
     def _decision(self, attempt: Attempt) -> Decision:
@@ -167,6 +161,16 @@ class SafetyPassivityFilter:
         scalars = {"tank_j": tank_j, "t_s": t_s, "start": start}
         numbers = chain.from_iterable(vectors(given, self._sizes))
         self._block.write_request(*numbers, *(one_number(field, value) for field, value in scalars.items()))
+
+    def _reconsider(self, attempt: Attempt) -> Attempt:
+        """Settle what is not settled, resolve what cannot be, and guard what may lead to no good."""
+        if not attempt.is_settled:
+            attempt = self._attempts.settle(attempt)
+        if not attempt.is_settled:
+            return self._resolve()
+        if attempt.assessment.lowest_psi < UNPROTECTED or self.design.gatekeeper:
+            return self._guard(attempt)
+        return attempt
 
     def _resolve(self) -> Attempt:
         """Find out what the hard rows allow where no answer is known to keep them with their margins, and act on it."""

@@ -13,7 +13,8 @@ from passafe.batch.nearest_points import NearestPoints
 from passafe.certificate import accepts
 from passafe.decision import Status
 from passafe.decision_schema import Answer, Assessment, Evaluation, Program, Request, keeps_barriers
-from passafe.filter import UNPROTECTED, SafetyPassivityFilter
+from passafe.filter import SafetyPassivityFilter
+from passafe.symbolic.evaluation import UNPROTECTED
 from passafe.symbolic.whole_program import limit_bounds, shape_tolerance
 from passafe.workspace import Array
 

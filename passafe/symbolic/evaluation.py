@@ -1,6 +1,7 @@
 """The evaluation of an answer: the input that is sent, margins and barrier chains under it, and its assessment."""
 
 from collections.abc import Sequence
+from typing import Final
 
 import casadi as ca
 
@@ -13,6 +14,9 @@ from passafe.symbolic.enforced_barriers import EnforcedBarriers
 from passafe.symbolic.enforced_passivity import EnforcedPassivity
 from passafe.symbolic.trust_region import outside_trust_region
 from passafe.symbolic.whole_program import overreach, whole_rows
+
+UNPROTECTED: Final = -1e-9
+"""Value of a ψ below which the state counts as outside of the protected set."""
 
 
 def evaluate(
@@ -57,6 +61,14 @@ def evaluate(
         eps=eps,
         h_u=h_u,
     )
+    shortfall, unknown = barriers.shortfall(u_plus, eps), linearization.with_margins * program.unbounded
+    outside = (
+        linearization.with_margins * outside_trust_region(linearization, u_plus, program.trust)
+        if has_margins
+        else ca.SX(0)
+    )
+    lowest_psi = barriers.lowest_psi()
+    concerns = [shortfall, outside, unknown, slack - design.passivity.relaxed_above, UNPROTECTED - lowest_psi]
     assessment = Assessment(
         primal=residuals.primal + program.nan_guard,
         dual=residuals.dual,
@@ -64,14 +76,11 @@ def evaluate(
         norm_overreach=overreach(design.limits, unclipped),
         slack=slack,
         extra_slack=slack - counted,
-        shortfall=barriers.shortfall(u_plus, eps),
-        outside_trust_region=(
-            linearization.with_margins * outside_trust_region(linearization, u_plus, program.trust)
-            if has_margins
-            else ca.SX(0)
-        ),
-        unknown_margins=linearization.with_margins * program.unbounded,
-        lowest_psi=barriers.lowest_psi(),
+        shortfall=shortfall,
+        outside_trust_region=outside,
+        unknown_margins=unknown,
+        lowest_psi=lowest_psi,
+        concern=ca.SX(1) if design.gatekeeper else ca.mmax(ca.vertcat(*concerns)),
     )
     return evaluation, assessment
 
