@@ -88,6 +88,23 @@ class Attempts:
             return Attempt(_UNCERTIFIED, solver, False, assessment)
         return self._attempt_whole()
 
+    def confined(self, u_lin: Array, trust: Array) -> Attempt:
+        """Attempt once about an input, with answers from its trust region only.
+
+        The answer is the nearest one there. Where margins grow steeply with the input, programs that may leave the
+        region lead to inputs whose own margins are too large.
+        """
+        linearization, program = self._block.linearization, self._block.program
+        linearization.u_lin[:], linearization.trust_asked[:] = u_lin, trust
+        linearization.tightening[:], linearization.with_margins[:] = self._first_tightening, 1.0
+
+        def prepare() -> None:
+            self._functions.prepare()
+            np.maximum(program.low, u_lin - trust, out=program.low)
+            np.minimum(program.high, u_lin + trust, out=program.high)
+
+        return self.first(prepare)
+
     def _attempt_whole(self) -> Attempt:
         """Solve over constraints and limits and certify; relax hard rows that conflict, as little as possible."""
         block, program = self._block, self._program

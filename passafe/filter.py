@@ -10,9 +10,12 @@ a finite input within the limits; safety; passivity; what the operator asks for.
 """
 
 import struct
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import chain
 from typing import Final
+
+import casadi as ca
+import numpy as np
 
 from passafe.arguments import one_number, vectors
 from passafe.attempts import Attempts
@@ -27,10 +30,14 @@ from passafe.infeasibility import DistanceToInfeasibility
 from passafe.input_search import InputSearch
 from passafe.quadratic_program import QuadraticProgram
 from passafe.symbolic.evaluation import UNPROTECTED
+from passafe.symbolic.trust_region import LEAST_TRUST
 from passafe.workspace import Array, BlockLayout
 
 BACKUP: Final = "backup"
 """Name of the solver where the input is the backup law's."""
+
+CALMER: Final = (0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.0)
+"""Shares of the way from the input that moves the state least to the answer without margins."""
 
 DEEPEST: Final = "deepest"
 """Name of the solver where the input is the one that keeps the hard rows best."""
@@ -70,6 +77,10 @@ class SafetyPassivityFilter:
         has_rollout = bool(enforced.chains) and design.law is Law.SAMPLED
         self._fallback = Fallback(design, enforced.chains) if has_rollout else None
         self.compares_courses = enforced.has_margins and has_rollout
+        system = design.system
+        drift = ca.substitute(system.f, system.u, ca.SX.zeros(system.m))
+        effect = ca.substitute(ca.jacobian(system.f, system.u), system.u, ca.SX.zeros(system.m))
+        self._motion = ca.Function("motion", [system.x], [ca.densify(drift), ca.densify(effect)])
         self._sizes = (design.system.n, *(design.system.m,) * 3)
 
     @property
@@ -187,6 +198,10 @@ class SafetyPassivityFilter:
             again = attempts.about(u_lin, with_margins=True)
             if again.is_settled:
                 return again
+        for u_lin, trust in self._calmer_inputs(u_sample):
+            again = attempts.confined(u_lin, trust)
+            if again.is_settled:
+                return again
         at_samples = attempts.about(u_sample, with_margins=False)
         return self._choose(Attempt(Status.AT_SAMPLES, at_samples.solver, False, at_samples.assessment))
 
@@ -241,6 +256,19 @@ class SafetyPassivityFilter:
             return attempt
         sent = self._send_backup(attempt)
         return Attempt(Status.BACKUP, sent.solver, True, sent.assessment)
+
+    def _calmer_inputs(self, u_sample: Array) -> Iterator[tuple[Array, Array]]:
+        """Return inputs ever nearer to the one that moves the state least, and a trust region for each.
+
+        Between samples the state moves with the input, and the margin with that.
+        """
+        request, limits = self._block.request, self.design.limits
+        drift, effect = (each.full() for each in self._motion(request.x))
+        low, high = self._block.program.low.copy(), self._block.program.high.copy()
+        calmest = limits.nearest(np.linalg.lstsq(effect, -drift.ravel(), rcond=None)[0], request.u, low, high)
+        way = u_sample - calmest
+        for share in CALMER:
+            yield calmest + share * way, share / 2 * np.abs(way) + LEAST_TRUST * np.array(limits.magnitude)
 
     def _deepest_input(self, attempt: Attempt) -> Array:
         """Return the admissible input that keeps the hard rows best, as they are posed now, shape (m,)."""
