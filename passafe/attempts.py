@@ -192,4 +192,6 @@ class Attempts:
         linearization.tightening[:] = self._first_tightening if with_margins else 0.0
         linearization.with_margins[:] = with_margins
         attempt = self.first(self._functions.prepare)
-        return attempt if attempt.is_settled else self.settle(attempt)
+        if attempt.is_settled or attempt.status is _INFEASIBLE:
+            return attempt  # the trust region is the least already: the same program again would conflict again
+        return self.settle(attempt)

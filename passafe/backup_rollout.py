@@ -70,6 +70,19 @@ class Course:
         deepest = min(other.lowest, 0.0) * (1 + EQUAL) - ROUNDING
         return self.kept_periods >= other.kept_periods and self.lowest >= deepest
 
+    def or_worse(self, other: "Course") -> "Course":
+        """Return what is certain of a course that may be this one or another."""
+        return Course(
+            kept_periods=min(self.kept_periods, other.kept_periods),
+            lowest=min(self.lowest, other.lowest),
+            is_proven=self.is_proven and other.is_proven,
+            comes_to_rest=self.comes_to_rest and other.comes_to_rest,
+        )
+
+
+KEPT: Final = Course(kept_periods=inf, lowest=0.0, is_proven=True, comes_to_rest=True)
+"""A course on which every barrier is kept."""
+
 
 class BackupRollout:
     """Rolls the backup law out from any state."""
@@ -98,14 +111,17 @@ class BackupRollout:
         )
         self._hold, self._roll = hold, step.mapaccum("roll", CHUNK)
 
-    def course(self, x: Array, t_s: float, u: Array, held_periods: int) -> Course:
+    def course(self, x: Array, t_s: float, u: Array, held_periods: int, than: Course | None = None) -> Course:
         """Return the course under an input that is held for some periods, and the backup law from then on.
+
+        It ends early where it has become worse than another one.
 
         Args:
             x: State, shape (n,).
             t_s: Plant time, s.
             u: The input, shape (m,); the one before where nothing is held.
             held_periods: Number of periods, 0 or more.
+            than: The other one; ``None`` to follow the course to its end.
         """
         state = np.array([*x, t_s])
         seen = []
@@ -119,11 +135,13 @@ class BackupRollout:
             after, observed = self._roll(full)
             full = after.full()[:, -1]
             seen.append(observed.full())
+            if than is not None and not _outcome(np.hstack(seen), rests=False).is_no_worse_than(than):
+                break
             change = np.abs(full[: self._n] - before[: self._n])
             if not np.isfinite(full).all() or (change <= AT_REST * (1 + np.abs(full[: self._n]))).all():
                 rests = bool(np.isfinite(full).all())
                 break
-        return _outcome(np.hstack(seen), rests)
+        return _outcome(np.hstack(seen), rests=rests)
 
 
 def _lower_bounds(design: FilterDesign, chains: Sequence[BarrierChain], x_next: ca.SX) -> tuple[ca.SX, ca.SX]:
@@ -144,7 +162,7 @@ def _lower_bounds(design: FilterDesign, chains: Sequence[BarrierChain], x_next: 
     return lowest, known
 
 
-def _outcome(seen: Array, rests: bool) -> Course:
+def _outcome(seen: Array, *, rests: bool) -> Course:
     lowest, errors, known = seen
     lost = np.flatnonzero(~(lowest >= 0.0))
     return Course(

@@ -1,20 +1,29 @@
 """The choice among inputs where the hard rows cannot be kept with their margins: no answer is worse than braking.
 
-Every candidate is held for as long as the plant may hold it, then the backup law follows; the backup law at once is the
-course that all are compared with. The answer of the program is sent if on its course no barrier is lost earlier than on
-the backup's, nor by more; another input only if its course is better than that of the best so far.
+Every candidate is held for one period or for as long as the plant may hold it, whichever is worse, then the backup law
+follows; the backup law at once is the course that all are compared with. The answer of the program is sent if on its
+course no barrier is lost earlier than on the backup's, nor by more; another input only if its course is better than
+that of the best so far. After every period the rest of the chosen course is the backup's course from there: so where no
+input is lost, a run of such ticks keeps barriers for as long as the backup law would from its first tick on.
+
+Where all of these lose a barrier, inputs between the backup's and each candidate are tried as well: an input that keeps
+the rows at the sample may be far too long for the period, and a part of it brakes.
 """
 
 from collections.abc import Sequence
 from math import ceil
+from typing import Final
 
-from passafe.backup_rollout import BackupRollout
+from passafe.backup_rollout import KEPT, BackupRollout, Course
 from passafe.barrier_chain import BarrierChain
 from passafe.design import FilterDesign
 from passafe.workspace import Array
 
 SLACK_PERIODS = 1e-9
 """Rounding of the number of periods that a hold takes."""
+
+PARTS: Final = (0.5, 0.25, 0.125, 0.0625, 0.03125)
+"""Parts of the way from the backup's input to a candidate that are tried."""
 
 
 class Fallback:
@@ -33,6 +42,8 @@ class Fallback:
     def best(self, x: Array, t_s: float, u: Array, candidates: Sequence[Array]) -> int | None:
         """Return the place of the best candidate, or ``None`` where the backup law's input is better than all.
 
+        Once a candidate keeps every barrier the rest are not looked at.
+
         Args:
             x: State, shape (n,).
             t_s: Plant time, s.
@@ -43,10 +54,11 @@ class Fallback:
         backup = self._rollout.course(x, t_s, u, 0)
         best, place = backup, None
         for k, candidate in enumerate(candidates):
-            course = self._rollout.course(x, t_s, candidate, self._held_periods)
-            is_preferred = k == 0 and course.is_no_worse_than(backup)
-            if is_preferred or (course.is_no_worse_than(best) and not best.is_no_worse_than(course)):
+            course = self._held(x, t_s, candidate, best)
+            if course.is_no_worse_than(best) and (k == 0 or not best.is_no_worse_than(course)):
                 best, place = course, k
+            if place is not None and best.is_no_worse_than(KEPT):
+                break
         return place
 
     def is_backed(self, x: Array, t_s: float, u: Array) -> bool:
@@ -57,7 +69,7 @@ class Fallback:
             t_s: Plant time, s.
             u: Input to be held, shape (m,).
         """
-        return all(self._rollout.course(x, t_s, u, held).is_safe for held in {1, self._held_periods})
+        return self._held(x, t_s, u, KEPT).is_safe
 
     def keeps(self, x: Array, t_s: float, u: Array) -> bool:
         """Return whether every barrier is proven to be kept by the backup law from here on.
@@ -67,4 +79,21 @@ class Fallback:
             t_s: Plant time, s.
             u: Input before, shape (m,).
         """
-        return self._rollout.course(x, t_s, u, 0).is_safe
+        return self._rollout.course(x, t_s, u, 0, KEPT).is_safe
+
+    def _held(self, x: Array, t_s: float, u: Array, than: Course) -> Course:
+        """Return the course under an input for one period or the longest hold, whichever is worse."""
+        course = self._rollout.course(x, t_s, u, 1, than)
+        if self._held_periods == 1 or not course.is_no_worse_than(than):
+            return course
+        return course.or_worse(self._rollout.course(x, t_s, u, self._held_periods, than))
+
+
+def between(backup: Array, candidates: Sequence[Array]) -> list[Array]:
+    """Return inputs on the way from the backup law's to each candidate; within the limits, for these are convex.
+
+    Args:
+        backup: The backup law's input, within the limits, shape (m,).
+        candidates: Inputs within the limits, each of shape (m,).
+    """
+    return [backup + part * (candidate - backup) for candidate in candidates for part in PARTS]

@@ -25,7 +25,7 @@ from passafe.decision_block import DecisionBlock
 from passafe.decision_functions import DecisionFunctions
 from passafe.derivation import Derivation
 from passafe.design import FilterDesign, Law
-from passafe.fallback import Fallback
+from passafe.fallback import Fallback, between
 from passafe.infeasibility import DistanceToInfeasibility
 from passafe.input_search import InputSearch
 from passafe.quadratic_program import QuadraticProgram
@@ -41,6 +41,9 @@ CALMER: Final = (0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.0)
 
 DEEPEST: Final = "deepest"
 """Name of the solver where the input is the one that keeps the hard rows best."""
+
+BETWEEN: Final = "between"
+"""Name of the solver where the input lies between the backup law's and another one, and keeps the barriers longest."""
 
 _PLAIN: Final = (tuple, list)
 
@@ -230,11 +233,12 @@ class SafetyPassivityFilter:
         candidates = [block.evaluation.u_plus.copy()]
         if attempt.status not in ANSWERS:
             candidates.append(self._deepest_input(attempt))
-        request = block.request
+        request, others = block.request, len(candidates)
+        candidates += between(self._backup_input(), candidates)
         place = fallback.best(request.x, float(request.t[0]), request.u, candidates)
         if place is None:
             return self._send_backup(attempt)
-        return attempt if place == 0 else self._send(candidates[place], DEEPEST, attempt)
+        return attempt if place == 0 else self._send(candidates[place], DEEPEST if place < others else BETWEEN, attempt)
 
     def _guard(self, attempt: Attempt) -> Attempt:
         """Send an answer that keeps every row, unless the backup law's input is better.

@@ -1,0 +1,101 @@
+"""The fallback's choice among inputs, judged by the courses that they lead to."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from passafe.backup_rollout import KEPT, BackupRollout, Course
+from passafe.barrier_chain import Barrier, derive_chains
+from passafe.class_k import Linear
+from passafe.design import FilterDesign, Mode
+from passafe.fallback import Fallback, between
+from passafe.filter import BETWEEN, SafetyPassivityFilter
+from passafe.passivity import Passivity
+from passafe.sampled_plant import SampledPlant
+from passafe.system import System
+
+ZERO = (0.0,)
+
+
+def coaster(**changes: object) -> FilterDesign:
+    """Return v̇ = −v/3 + a with a lag of 6 ms, 30 Hz; to stay left of 1, no faster than 0.6; braking is coasting.
+
+    From v it coasts 3v metres on. The rows at samples ask for far more than a period can take: 5 lags are over by then.
+    """
+    x, u = ca.SX.sym("x", 3), ca.SX.sym("u")
+    design = FilterDesign(
+        system=System(x=x, u=u, f=ca.vertcat(x[1], x[2] - x[1] / 3, (u - x[2]) / 0.006), y=x[1]),
+        u_fb=ca.SX(0),
+        fail_safe=ca.SX(0),
+        barriers=(
+            Barrier(name="wall", h=1 - x[0], class_k=(Linear(gain=27.0),) * 4),
+            Barrier(name="speed", h=0.36 - x[1] ** 2, class_k=(Linear(gain=6.0),) * 3),
+        ),
+        passivity=Passivity(V=x[1] ** 2 / 2),
+        k_i=1.0,
+        dt_s=0.03,
+        input_bound=50.0,
+        mode=Mode.SAFE,
+    )
+    return replace(design, **changes)  # type: ignore[arg-type]  # by name
+
+
+def fallback(design: FilterDesign) -> Fallback:
+    return Fallback(design, [chain for barrier in design.barriers for chain in derive_chains(design.system, barrier)])
+
+
+def test_a_part_of_the_way_brakes_where_all_of_it_races() -> None:
+    """Towards the wall at 0.4 m/s, 0.2 m away: coasting hits it, full input backwards is past 0.6 m/s in a period."""
+    x, before, full = np.array([0.8, 0.4, 0.0]), np.zeros(1), np.array([-50.0])
+    judge = fallback(coaster())
+
+    assert judge.best(x, 0.0, before, [full]) is None
+    parts = between(before, [full])
+    place = judge.best(x, 0.0, before, [full, *parts])
+    assert place is not None
+    assert -50.0 < parts[place - 1][0] < 0.0
+
+
+def test_nothing_is_lost_where_a_part_of_the_way_brakes() -> None:
+    design = coaster()
+    made, plant = SafetyPassivityFilter(design), SampledPlant(design.system, design.passivity.V, design.dt_s)
+    x: Sequence[float] = (0.8, 0.4, 0.0)
+    u, solvers = ZERO, set()
+    for _ in range(60):
+        decision = made.decide(x, u, (50.0,), ZERO)
+        u = decision.u
+        solvers.add(decision.solver)
+        x = plant.advance(x, u).x
+        assert x[0] <= 1.0
+        assert abs(x[1]) <= 0.6
+    assert BETWEEN in solvers
+
+
+@pytest.mark.parametrize(("hold_s", "expected"), [(0.01, 0), (0.3, None)])
+def test_a_candidate_counts_by_its_worse_hold(hold_s: float, expected: int | None) -> None:
+    """Backwards from 0.4 m/s at −4 m/s²: a period brakes a little, thirty end at 0.8 m/s."""
+    judge = fallback(coaster(dt_s=0.01, hold_s=hold_s))
+
+    assert judge.best(np.array([0.8, 0.4, 0.0]), 0.0, np.zeros(1), [np.array([-4.0])]) == expected
+
+
+def test_a_course_that_is_already_worse_is_not_followed() -> None:
+    design = coaster()
+    chains = [chain for barrier in design.barriers for chain in derive_chains(design.system, barrier)]
+    rollout, state = BackupRollout(design, chains), (np.array([0.8, 0.4, 0.0]), 0.0, np.zeros(1), 0)
+    whole, part = rollout.course(*state), rollout.course(*state, KEPT)
+
+    assert whole.comes_to_rest
+    assert not part.comes_to_rest
+    assert part.kept_periods == whole.kept_periods
+    assert whole.lowest <= part.lowest < 0
+    assert not part.is_no_worse_than(KEPT)
+
+
+def test_the_worse_of_two_courses_has_the_worst_of_each() -> None:
+    other = Course(kept_periods=3.0, lowest=-0.5, is_proven=False, comes_to_rest=True)
+
+    assert KEPT.or_worse(other) == other.or_worse(KEPT) == other
