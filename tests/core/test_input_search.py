@@ -1,6 +1,7 @@
 """The search of all admissible inputs where tangents of a row that is not affine in u conflict."""
 
 import casadi as ca
+import numpy as np
 import pytest
 
 import passafe.input_search
@@ -47,3 +48,26 @@ def test_nothing_is_claimed_where_boxes_run_out(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(passafe.input_search, "BOXES", 1)
 
     assert lifted(6.0).status is Status.UNCERTIFIED
+
+
+@pytest.mark.parametrize(("norm", "status"), [(5.0, Status.MODIFIED), (3.0, Status.INFEASIBLE)])
+def test_corners_beyond_the_norm_are_not_admissible(norm: float, status: Status) -> None:
+    """ẍ = u₁u₂ − 9.81 needs ‖u‖² ≥ 2·9.81: the box of ±6 would do, the disc of 3 in it does not."""
+    x, u = ca.SX.sym("x", 2), ca.SX.sym("u", 2)
+    design = FilterDesign(
+        system=System(x=x, u=u, f=ca.vertcat(x[1], u[0] * u[1] - 9.81), y=ca.vertcat(x[1], x[1])),
+        u_fb=ca.SX.zeros(2),
+        fail_safe=ca.SX.zeros(2),
+        barriers=(Barrier(name="floor", h=x[0], class_k=(Linear(gain=3.0),) * 3),),
+        passivity=Passivity(V=x[1] ** 2 / 2),
+        k_i=1.0,
+        dt_s=2e-3,
+        input_bound=6.0,
+        input_norm_bound=norm,
+        mode=Mode.SAFE,
+        between_samples=False,
+    )
+    decision = SafetyPassivityFilter(design).decide((0.0, 0.0), (0.0, 0.0), (0.0, 0.0), (0.0, 0.0), start=True)
+
+    assert decision.status is status
+    assert np.linalg.norm(decision.u) <= norm + 1e-9
