@@ -126,6 +126,7 @@ def design_of(scenario: Scenario, robot: Robot) -> FilterDesign:
         input_rate_low_per_s=config.input_rate_low_per_s,
         input_rate_high_per_s=config.input_rate_high_per_s,
         between_samples=config.between_samples,
+        gatekeeper=config.gatekeeper,
         hold_s=scenario.plant.hold_s,
         law=Law(config.law),
         mode=Mode(config.mode),

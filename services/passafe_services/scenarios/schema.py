@@ -157,6 +157,7 @@ class FilterConfig(InputLimitsConfig, LawConfig):
         start: The input before the first one: ``nearest`` lets the first be the nearest to û that satisfies every row,
             ``zero`` begins at u = 0 as the paper does.
         between_samples: Whether rows have the intersample margin.
+        gatekeeper: Whether an input is sent only if from where it leads the fail-safe is proven to keep every barrier.
         feedback: u_fb.
         passivity: The passivity row.
         barriers: The safe set, one entry per barrier.
@@ -168,6 +169,7 @@ class FilterConfig(InputLimitsConfig, LawConfig):
 
     start: Literal["nearest", "zero"] = "nearest"
     between_samples: bool = True
+    gatekeeper: bool = False
     feedback: FeedbackConfig = FeedbackConfig()
     passivity: PassivityConfig = PassivityConfig()
     barriers: tuple[AnyBarrier, ...] = ()
