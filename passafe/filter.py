@@ -181,10 +181,9 @@ class SafetyPassivityFilter:
         if not attempt.is_settled:
             attempt = self._attempts.settle(attempt)
         if not attempt.is_settled:
-            return self._resolve()
-        if attempt.assessment.lowest_psi < UNPROTECTED or self.design.gatekeeper:
-            return self._guard(attempt)
-        return attempt
+            attempt = self._resolve()
+        is_unguarded = attempt.assessment.lowest_psi < UNPROTECTED or self.design.gatekeeper
+        return self._guard(attempt) if is_unguarded and attempt.status in ANSWERS else attempt
 
     def _resolve(self) -> Attempt:
         """Find out what the hard rows allow where no answer is known to keep them with their margins, and act on it."""
@@ -194,8 +193,10 @@ class SafetyPassivityFilter:
         at_samples = attempts.about(block.request.u, with_margins=False)
         if at_samples.status is Status.INFEASIBLE and self._input_search is not None:
             at_samples = self._search(at_samples, self._input_search)
-        if at_samples.status not in ANSWERS or not self.derivation.has_margins:
+        if at_samples.status not in ANSWERS:
             return self._choose(at_samples)
+        if not self.derivation.has_margins:
+            return at_samples
         u_sample = block.evaluation.u_plus.copy()
         for u_lin in (u_sample, self._deepest_input(at_samples), self._backup_input()):
             again = attempts.about(u_lin, with_margins=True)
@@ -230,9 +231,7 @@ class SafetyPassivityFilter:
             return attempt if attempt.status is not Status.UNCERTIFIED else self._send_backup(attempt)
         if attempt.status is Status.UNCERTIFIED:
             return self._send_backup(attempt)
-        candidates = [block.evaluation.u_plus.copy()]
-        if attempt.status not in ANSWERS:
-            candidates.append(self._deepest_input(attempt))
+        candidates = [block.evaluation.u_plus.copy(), self._deepest_input(attempt)]
         request, others = block.request, len(candidates)
         candidates += between(self._backup_input(), candidates)
         place = fallback.best(request.x, float(request.t[0]), request.u, candidates)
@@ -288,6 +287,7 @@ class SafetyPassivityFilter:
         return limits.nearest(law, block.request.u, program.low, program.high)
 
     def _send_backup(self, attempt: Attempt) -> Attempt:
+        self._functions.prepare()  # an answer may have been confined to less than the limits
         return self._send(self._backup_input(), BACKUP, attempt)
 
     def _send(self, u_plus: Array, solver: str, attempt: Attempt) -> Attempt:

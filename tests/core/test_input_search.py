@@ -50,6 +50,14 @@ def test_nothing_is_claimed_where_boxes_run_out(monkeypatch: pytest.MonkeyPatch)
     assert lifted(6.0).status is Status.UNCERTIFIED
 
 
+def test_nothing_is_claimed_where_the_input_found_leads_nowhere(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At u = 0 the tangent of u² is level: from there no answer is found, whatever the search says."""
+    found = passafe.input_search.Found(u=np.zeros(1))
+    monkeypatch.setattr(passafe.input_search.InputSearch, "find", lambda _search, _block: found)
+
+    assert lifted(6.0).status is Status.UNCERTIFIED
+
+
 @pytest.mark.parametrize(("norm", "status"), [(5.0, Status.MODIFIED), (3.0, Status.INFEASIBLE)])
 def test_corners_beyond_the_norm_are_not_admissible(norm: float, status: Status) -> None:
     """ẍ = u₁u₂ − 9.81 needs ‖u‖² ≥ 2·9.81: the box of ±6 would do, the disc of 3 in it does not."""

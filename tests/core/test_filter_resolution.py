@@ -1,0 +1,53 @@
+"""Ways out of a decision whose rows are not kept at once: what is claimed, and what is sent."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from core_designs import paper_design
+
+import passafe.filter
+from passafe.decision import Status
+from passafe.design import Law, Mode
+from passafe.filter import BACKUP, SafetyPassivityFilter
+
+ZERO = (0.0, 0.0)
+
+
+def test_slack_without_margins_is_the_power_at_the_sample() -> None:
+    made = SafetyPassivityFilter(paper_design(mode=Mode.PASSIVE, between_samples=False))
+    decision = made.decide((5.0, 0.0, 1.0, 0.0), ZERO, (300.0, 0.0), ZERO)
+
+    assert decision.slack == pytest.approx(max(-decision.power_margin, 0.0), abs=1e-9)
+    assert decision.part("power_deviation")[0] == 0
+
+
+def test_the_continuous_law_has_nothing_to_guard() -> None:
+    """Its answers are compared with no course, in the set or outside of it: it is there for comparison."""
+    design = paper_design(law=Law.CONTINUOUS, mode=Mode.SAFE)
+    plain, guarded = (SafetyPassivityFilter(replace(design, gatekeeper=on)) for on in (False, True))
+    for x in ((2.0, 2.0, -1.0, -1.0), (1.1, 0.0, -3.0, 0.0)):
+        assert guarded.decide(x, ZERO, ZERO, ZERO).u == plain.decide(x, ZERO, ZERO, ZERO).u
+
+
+def test_without_margins_no_course_is_compared() -> None:
+    made = SafetyPassivityFilter(paper_design(mode=Mode.SAFE, between_samples=False))
+    decision = made.decide((1.2, 0.0, -3.0, 0.0), ZERO, ZERO, ZERO)
+
+    assert decision.assessment.lowest_psi < 0
+    assert decision.status is Status.MODIFIED
+    assert decision.solver != BACKUP
+
+
+def test_a_backup_after_a_confined_answer_has_all_the_limits() -> None:
+    """A trust region confines an answer, never the backup law's input."""
+    design = paper_design(mode=Mode.SAFE, gatekeeper=True)
+    made = SafetyPassivityFilter(design)
+    x = (3.0, 0.0, -2.0, 0.0)
+    block = made._block
+    made.decide(x, ZERO, ZERO, ZERO)
+    attempt = made._attempts.confined(np.array([50.0, 50.0]), np.array([1.0, 1.0]))
+    sent = made._send_backup(attempt)
+
+    assert sent.solver == passafe.filter.BACKUP
+    assert block.evaluation.u_plus == pytest.approx([18.0, 0.0])  # −K x₂, K = 9
