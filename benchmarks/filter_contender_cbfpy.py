@@ -50,7 +50,7 @@ def _step(scenario: Scenario) -> Callable[..., Any]:
     """Return (x, u, u_h, u̇_h) → u⁺, not compiled yet."""
     jnp: Any = import_module("jax.numpy")
     config, sigma = scenario.filter, scenario.plant.parameters["sigma"]
-    k_p, k_d, bound, dt_s = config.feedback.k_p, config.feedback.k_d, config.input_bound, scenario.dt_s
+    k_p, k_d, bound, dt_s = config.feedback.k_p, config.feedback.k_d, cast("float", config.input_bound), scenario.dt_s
     cbf = _cbf(scenario)
 
     def step(x: Any, u: Any, u_h: Any, u_h_rate: Any) -> Any:  # noqa: ANN401 - JAX arrays
@@ -70,7 +70,7 @@ def _cbf(scenario: Scenario) -> Any:  # noqa: ANN401 - loaded at run time, no ty
     """
     cbfpy: Any = import_module("cbfpy")
     jnp: Any = import_module("jax.numpy")
-    bound, disk = scenario.filter.input_bound, cast("DiskBarrier", scenario.filter.barriers[0])
+    bound, disk = cast("float", scenario.filter.input_bound), cast("DiskBarrier", scenario.filter.barriers[0])
     sigma = scenario.plant.parameters["sigma"]
     gain_1, gain_2 = disk.class_k[0].gain, disk.class_k[1].gain
     centre = jnp.array(disk.centre)

@@ -30,7 +30,7 @@ class _OnCasadiRows:
     def __init__(self, scenario: Scenario) -> None:
         """Derive the rows of a scenario."""
         design = design_of(scenario, robot_of(scenario))
-        system, bound = design.system, scenario.filter.input_bound
+        system, bound = design.system, design.limits.high[0]
         u_h, u_h_rate = ca.SX.sym("u_h", system.m), ca.SX.sym("u_h_rate", system.m)
         u_fb_rate = ca.jtimes(design.u_fb, system.x, system.f)
         phi = u_fb_rate + u_h_rate + design.k_i * (design.u_fb + u_h - system.u)
