@@ -88,7 +88,7 @@ class Attempts:
             return Attempt(_UNCERTIFIED, solver, False, assessment)
         return self._attempt_whole()
 
-    def confined(self, u_lin: Array, trust: Array) -> Attempt:
+    def confined(self, u_lin: Array, trust: Array, *, with_margins: bool = True) -> Attempt:
         """Attempt once about an input, with answers from its trust region only.
 
         The answer is the nearest one there. Where margins grow steeply with the input, programs that may leave the
@@ -96,7 +96,8 @@ class Attempts:
         """
         linearization, program = self._block.linearization, self._block.program
         linearization.u_lin[:], linearization.trust_asked[:] = u_lin, trust
-        linearization.tightening[:], linearization.with_margins[:] = self._first_tightening, 1.0
+        linearization.tightening[:] = self._first_tightening if with_margins else 0.0
+        linearization.with_margins[:] = with_margins
 
         def prepare() -> None:
             self._functions.prepare()

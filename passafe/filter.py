@@ -36,7 +36,7 @@ from passafe.workspace import Array, BlockLayout
 BACKUP: Final = "backup"
 """Name of the solver where the input is the backup law's."""
 
-CALMER: Final = (0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.0)
+CALMER: Final = (1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.0)
 """Shares of the way from the input that moves the state least to the answer without margins."""
 
 DEEPEST: Final = "deepest"
@@ -84,6 +84,7 @@ class SafetyPassivityFilter:
         drift = ca.substitute(system.f, system.u, ca.SX.zeros(system.m))
         effect = ca.substitute(ca.jacobian(system.f, system.u), system.u, ca.SX.zeros(system.m))
         self._motion = ca.Function("motion", [system.x], [ca.densify(drift), ca.densify(effect)])
+        self._least_trust: Array = LEAST_TRUST * np.array(design.limits.magnitude)
         self._sizes = (design.system.n, *(design.system.m,) * 3)
 
     @property
@@ -206,8 +207,18 @@ class SafetyPassivityFilter:
             again = attempts.confined(u_lin, trust)
             if again.is_settled:
                 return again
-        at_samples = attempts.about(u_sample, with_margins=False)
+        at_samples = self._at_samples(u_sample)
         return self._choose(Attempt(Status.AT_SAMPLES, at_samples.solver, False, at_samples.assessment))
+
+    def _at_samples(self, u_lin: Array) -> Attempt:
+        """Return the answer without margins that is found from an input, or near it.
+
+        Where a drive saturates, rows lie level, and their tangents lead anywhere.
+        """
+        attempt = self._attempts.about(u_lin, with_margins=False)
+        if attempt.status in ANSWERS and attempt.is_settled:
+            return attempt
+        return self._attempts.confined(u_lin, self._least_trust, with_margins=False)
 
     def _search(self, attempt: Attempt, search: InputSearch) -> Attempt:
         """Search all admissible inputs for one that keeps the hard rows, which are not affine in u.
@@ -218,10 +229,8 @@ class SafetyPassivityFilter:
         found = search.find(self._block)
         if found.is_impossible:
             return attempt
-        if found.u is not None:
-            again = self._attempts.about(found.u, with_margins=False)
-            if again.status in ANSWERS:
-                return again
+        if found.u is not None and (again := self._at_samples(found.u)).status in ANSWERS:
+            return again
         return Attempt(Status.UNCERTIFIED, attempt.solver, False, self._block.read_assessment())
 
     def _choose(self, attempt: Attempt) -> Attempt:
@@ -271,7 +280,7 @@ class SafetyPassivityFilter:
         calmest = limits.nearest(np.linalg.lstsq(effect, -drift.ravel(), rcond=None)[0], request.u, low, high)
         way = u_sample - calmest
         for share in CALMER:
-            yield calmest + share * way, share / 2 * np.abs(way) + LEAST_TRUST * np.array(limits.magnitude)
+            yield calmest + share * way, share / 2 * np.abs(way) + self._least_trust
 
     def _deepest_input(self, attempt: Attempt) -> Array:
         """Return the admissible input that keeps the hard rows best, as they are posed now, shape (m,)."""

@@ -2,14 +2,18 @@
 
 from dataclasses import replace
 
+import casadi as ca
 import numpy as np
 import pytest
 from core_designs import paper_design
 
 import passafe.filter
+from passafe.barrier_chain import Barrier
 from passafe.decision import Status
-from passafe.design import Law, Mode
+from passafe.design import FilterDesign, Law, Mode
 from passafe.filter import BACKUP, SafetyPassivityFilter
+from passafe.passivity import Passivity
+from passafe.system import System
 
 ZERO = (0.0, 0.0)
 
@@ -37,6 +41,27 @@ def test_without_margins_no_course_is_compared() -> None:
     assert decision.assessment.lowest_psi < 0
     assert decision.status is Status.MODIFIED
     assert decision.solver != BACKUP
+
+
+@pytest.mark.parametrize("x", [(0.4, 1.1), (0.8, 0.4), (0.95, 0.1)])
+def test_a_saturated_drive_is_led_back_to_where_it_acts(x: tuple[float, float]) -> None:
+    """ẍ = clip(u, ±4) before a wall at 1, u = 8 before: nearest is −6x₂ + 9(1 − x₁) ≥ u, far from the tangent."""
+    state, u = ca.SX.sym("x", 2), ca.SX.sym("u")
+    design = FilterDesign(
+        system=System(x=state, u=u, f=ca.vertcat(state[1], ca.fmin(ca.fmax(u, -4), 4)), y=state[1]),
+        u_fb=ca.SX(0),
+        fail_safe=-4 * state[1],
+        barriers=(Barrier(name="wall", h=1 - state[0], class_k=(3.0, 3.0, 3.0)),),
+        passivity=Passivity(V=state[1] ** 2 / 2),
+        k_i=10.0,
+        dt_s=2e-3,
+        input_bound=15.0,
+        mode=Mode.SAFE,
+    )
+    decision = SafetyPassivityFilter(design).decide(x, (8.0,), (8.0,), (0.0,))
+
+    assert decision.status is Status.MODIFIED
+    assert decision.u[0] == pytest.approx(-6 * x[1] + 9 * (1 - x[0]), abs=2e-3)  # less a margin of half a period
 
 
 def test_a_backup_after_a_confined_answer_has_all_the_limits() -> None:
