@@ -32,8 +32,9 @@ class Status(IntEnum):
     whole period: a fallback."""
 
     BACKUP = 8
-    """The rows could be kept, but from where the answer leads the backup law would not keep every barrier: u is the
-    backup law's. No fallback: every barrier is proven to be kept."""
+    """The rows could be kept, but the backup law's input is better, and sent. In the protected set that is the
+    gatekeeper's doing: from where the answer leads the backup law would not keep every barrier, which it is proven to
+    keep now. Outside of it the backup law loses barriers later, or by less. No fallback."""
 
     @property
     def is_fallback(self) -> bool:

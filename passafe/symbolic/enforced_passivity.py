@@ -57,8 +57,6 @@ class EnforcedPassivity:
             u_lin: Shape (m, 1).
             trust: Radius in each axis, shape (m, 1).
         """
-        if not self.has_margin:
-            return ca.SX(0), ca.SX(0)
         both = self.held.deviation(self.system, tube, self.dt_s, trust)
         size, known = ca.substitute([*both], [self.system.u], [u_lin])
         return ca.if_else(known, size, 0), 1 - known
