@@ -22,10 +22,12 @@ class Status(IntEnum):
     """Every hard row kept, the passivity row relaxed by the slack."""
 
     UNCERTIFIED = 4
-    """No solver's answer passed the certificate: u is the fail-safe law's, within the limits."""
+    """No answer passed the certificate, or a search of all inputs ended without a result: u is the fail-safe law's,
+    within the limits."""
 
     INFEASIBLE = 5
-    """Proven: no input within the limits keeps the hard rows. u violates them least, in the sense of least squares."""
+    """Proven: no input within the limits keeps the hard rows, margins left aside. u loses no barrier earlier than the
+    backup law, nor by more: a fallback."""
 
     AT_SAMPLES = 7
     """The hard rows can be kept at the sample, but no admissible input is known to keep them with their margin for the
