@@ -10,19 +10,20 @@ a finite input within the limits; safety; passivity; what the operator asks for.
 """
 
 import struct
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from itertools import chain
 from typing import Final
 
-import casadi as ca
 import numpy as np
 
 from passafe.arguments import one_number, vectors
 from passafe.attempts import Attempts
 from passafe.barrier_chain import derive_chains
+from passafe.calmer_inputs import CalmerInputs
 from passafe.decision import ANSWERS, Attempt, Decision, Status
 from passafe.decision_block import DecisionBlock
 from passafe.decision_functions import DecisionFunctions
+from passafe.decision_schema import keeps_barriers
 from passafe.derivation import Derivation
 from passafe.design import FilterDesign, Law
 from passafe.fallback import Fallback, between
@@ -35,9 +36,6 @@ from passafe.workspace import Array, BlockLayout
 
 BACKUP: Final = "backup"
 """Name of the solver where the input is the backup law's."""
-
-CALMER: Final = (1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.0)
-"""Shares of the way from the input that moves the state least to the answer without margins."""
 
 DEEPEST: Final = "deepest"
 """Name of the solver where the input is the one that keeps the hard rows best."""
@@ -80,10 +78,7 @@ class SafetyPassivityFilter:
         has_rollout = bool(enforced.chains) and design.law is Law.SAMPLED
         self._fallback = Fallback(design, enforced.chains) if has_rollout else None
         self.compares_courses = enforced.has_margins and has_rollout
-        system = design.system
-        drift = ca.substitute(system.f, system.u, ca.SX.zeros(system.m))
-        effect = ca.substitute(ca.jacobian(system.f, system.u), system.u, ca.SX.zeros(system.m))
-        self._motion = ca.Function("motion", [system.x], [ca.densify(drift), ca.densify(effect)])
+        self._calmer_inputs = CalmerInputs(design)
         self._least_trust: Array = LEAST_TRUST * np.array(design.limits.magnitude)
         self._sizes = (design.system.n, *(design.system.m,) * 3)
 
@@ -194,6 +189,8 @@ class SafetyPassivityFilter:
         at_samples = attempts.about(block.request.u, with_margins=False)
         if at_samples.status is Status.INFEASIBLE and self._input_search is not None:
             at_samples = self._search(at_samples, self._input_search)
+        if at_samples.status in ANSWERS and not keeps_barriers(at_samples.assessment):  # tangents that do not settle
+            at_samples = Attempt(Status.UNCERTIFIED, at_samples.solver, False, at_samples.assessment)
         if at_samples.status not in ANSWERS:
             return self._choose(at_samples)
         if not self.derivation.has_margins:
@@ -203,7 +200,9 @@ class SafetyPassivityFilter:
             again = attempts.about(u_lin, with_margins=True)
             if again.is_settled:
                 return again
-        for u_lin, trust in self._calmer_inputs(u_sample):
+        request, program = block.request, block.program
+        low, high = program.low.copy(), program.high.copy()
+        for u_lin, trust in self._calmer_inputs.towards(u_sample, request.x, request.u, low, high):
             again = attempts.confined(u_lin, trust)
             if again.is_settled:
                 return again
@@ -243,7 +242,7 @@ class SafetyPassivityFilter:
         candidates = [block.evaluation.u_plus.copy(), self._deepest_input(attempt)]
         request, others = block.request, len(candidates)
         candidates += between(self._backup_input(), candidates)
-        place = fallback.best(request.x, float(request.t[0]), request.u, candidates)
+        place = fallback.best(request.x, float(request.t[0]), self._input_before(), candidates)
         if place is None:
             return self._send_backup(attempt)
         return attempt if place == 0 else self._send(candidates[place], DEEPEST if place < others else BETWEEN, attempt)
@@ -258,33 +257,25 @@ class SafetyPassivityFilter:
         block, fallback = self._block, self._fallback
         if fallback is None:
             return attempt
-        request, u_plus = block.request, block.evaluation.u_plus.copy()
+        request, u_plus, before = block.request, block.evaluation.u_plus.copy(), self._input_before()
         state = request.x, float(request.t[0])
         if attempt.assessment.lowest_psi < UNPROTECTED:
-            is_good = not self.compares_courses or fallback.best(*state, request.u, [u_plus]) is not None
+            is_good = not self.compares_courses or fallback.best(*state, before, [u_plus]) is not None
         else:
-            is_good = fallback.is_backed(*state, u_plus) or not fallback.keeps(*state, request.u)
+            is_good = fallback.is_backed(*state, u_plus) or not fallback.keeps(*state, before)
         if is_good:
             return attempt
         sent = self._send_backup(attempt)
         return Attempt(Status.BACKUP, sent.solver, True, sent.assessment)
 
-    def _calmer_inputs(self, u_sample: Array) -> Iterator[tuple[Array, Array]]:
-        """Return inputs ever nearer to the one that moves the state least, and a trust region for each.
-
-        Between samples the state moves with the input, and the margin with that.
-        """
-        request, limits = self._block.request, self.design.limits
-        drift, effect = (each.full() for each in self._motion(request.x))
-        low, high = self._block.program.low.copy(), self._block.program.high.copy()
-        calmest = limits.nearest(np.linalg.lstsq(effect, -drift.ravel(), rcond=None)[0], request.u, low, high)
-        way = u_sample - calmest
-        for share in CALMER:
-            yield calmest + share * way, share / 2 * np.abs(way) + self._least_trust
-
     def _deepest_input(self, attempt: Attempt) -> Array:
         """Return the admissible input that keeps the hard rows best, as they are posed now, shape (m,)."""
         return self._distance.deepest(self._decision(attempt))
+
+    def _input_before(self) -> Array:
+        """Return the input from which the rate is limited; at the start, when none is, that is the backup law's own."""
+        request = self._block.request
+        return self._backup_input() if request.start[0] else request.u
 
     def _backup_input(self) -> Array:
         """Return the backup law's input, within the limits, shape (m,)."""

@@ -4,7 +4,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-import passafe.filter
+import passafe.calmer_inputs
 from passafe.barrier_chain import Barrier
 from passafe.decision import Status
 from passafe.design import FilterDesign, Mode
@@ -43,7 +43,7 @@ def test_a_calmer_input_keeps_rows_that_the_wanted_one_cannot(monkeypatch: pytes
     assert decision.status is Status.MODIFIED
     assert decision.part("shortfall")[0] <= 0
     assert (np.abs(np.array(decision.u) - u_lin) <= trust + 1e-9).all()
-    monkeypatch.setattr(passafe.filter, "CALMER", ())
+    monkeypatch.setattr(passafe.calmer_inputs, "SHARES", ())
     assert made.decide(*STEEP).status is Status.AT_SAMPLES
 
 

@@ -5,8 +5,9 @@ from dataclasses import replace
 import casadi as ca
 import numpy as np
 import pytest
-from core_designs import paper_design
+from core_designs import paper_design, pump_design, random_state
 
+import passafe.attempts
 import passafe.filter
 from passafe.barrier_chain import Barrier
 from passafe.decision import Status
@@ -76,3 +77,37 @@ def test_a_backup_after_a_confined_answer_has_all_the_limits() -> None:
 
     assert sent.solver == passafe.filter.BACKUP
     assert block.evaluation.u_plus == pytest.approx([18.0, 0.0])  # −K x₂, K = 9
+
+
+def test_tangents_that_do_not_settle_claim_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without margins, too, a row that is bent has to be kept by the answer itself, not by its tangent."""
+    made = SafetyPassivityFilter(pump_design(between_samples=False))
+    rng = np.random.default_rng(11)
+    requests = [tuple(random_state(rng, 2).tolist() for _ in range(3)) for _ in range(200)]
+    moved = [
+        request
+        for request in requests
+        for decision in [made.decide(*request, ZERO, 1.0)]
+        if decision.status is Status.MODIFIED and decision.part("u_lin").tolist() != request[1]
+    ]
+    monkeypatch.setattr(passafe.attempts, "ATTEMPTS", 0)
+
+    decisions = [made.decide(*request, ZERO, 1.0) for request in moved]
+    kept = [decision.part("shortfall")[0] <= 0 for decision in decisions if decision.status is not Status.UNCERTIFIED]
+    assert len(kept) < len(decisions)
+    assert all(kept)
+
+
+def test_at_the_start_no_rate_slows_the_backup_law() -> None:
+    """At (0.9, 0) with 2 m/s no input keeps the wall: the backup's −K x₂ is sent whole, and so it was rolled out."""
+    robot = paper_design(mode=Mode.SAFE, input_rate_bound_per_s=10.0, input_bound=30.0)
+    wall = Barrier(name="wall", h=1 - robot.system.x[0], class_k=(10.0, 10.0, 10.0))
+    made = SafetyPassivityFilter(replace(robot, barriers=(wall,)))
+    x = (0.9, 0.0, 2.0, 0.0)
+    block = made._block
+    made.decide(x, ZERO, ZERO, ZERO, start=True)
+
+    assert made._input_before() == pytest.approx([-18.0, 0.0])
+    made.decide(x, (1.0, 2.0), ZERO, ZERO)
+    assert made._input_before().tolist() == [1.0, 2.0]
+    assert block.request.start[0] == 0
