@@ -94,10 +94,8 @@ class Attempts:
         The answer is the nearest one there. Where margins grow steeply with the input, programs that may leave the
         region lead to inputs whose own margins are too large.
         """
-        linearization, program = self._block.linearization, self._block.program
-        linearization.u_lin[:], linearization.trust_asked[:] = u_lin, trust
-        linearization.tightening[:] = self._first_tightening if with_margins else 0.0
-        linearization.with_margins[:] = with_margins
+        program = self._block.program
+        self._linearize(u_lin, trust, with_margins=with_margins)
 
         def prepare() -> None:
             self._functions.prepare()
@@ -187,12 +185,14 @@ class Attempts:
 
     def about(self, u_lin: Array, *, with_margins: bool) -> Attempt:
         """Start again with tangents and margins at another input."""
-        linearization = self._block.linearization
-        linearization.u_lin[:] = u_lin
-        linearization.trust_asked[:] = self._least_trust
-        linearization.tightening[:] = self._first_tightening if with_margins else 0.0
-        linearization.with_margins[:] = with_margins
+        self._linearize(u_lin, self._least_trust, with_margins=with_margins)
         attempt = self.first(self._functions.prepare)
         if attempt.is_settled or attempt.status is _INFEASIBLE:
             return attempt  # the trust region is the least already: the same program again would conflict again
         return self.settle(attempt)
+
+    def _linearize(self, u_lin: Array, trust: Array, *, with_margins: bool) -> None:
+        linearization = self._block.linearization
+        linearization.u_lin[:], linearization.trust_asked[:] = u_lin, trust
+        linearization.tightening[:] = self._first_tightening if with_margins else 0.0
+        linearization.with_margins[:] = with_margins

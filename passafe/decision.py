@@ -45,7 +45,7 @@ class Status(IntEnum):
 
     @property
     def is_certified(self) -> bool:
-        """True if u is the answer of a program, with hard rows relaxed or not, that passed the certificate."""
+        """True if a program's answer passed the certificate; ``Decision.solver`` says whether it is what is sent."""
         return self in CERTIFIED
 
 
@@ -56,7 +56,7 @@ FALLBACKS: Final = (Status.AT_SAMPLES, Status.UNCERTIFIED, Status.INFEASIBLE)
 """Outcomes in which a hard row is violated, or may be."""
 
 CERTIFIED: Final = (*ANSWERS, Status.INFEASIBLE)
-"""Outcomes in which u is the answer of a program, with hard rows relaxed or not, that passed the certificate."""
+"""Outcomes in which a program's answer passed the certificate, with hard rows relaxed or not."""
 
 
 class Attempt(Struct, frozen=True, eq=False, gc=False):
@@ -84,7 +84,8 @@ class Decision(Struct, frozen=True, eq=False):
         block: Everything that was computed, shape (layout.size,).
         layout: Where each part lies in ``block``.
         status: Outcome.
-        solver: Whose answer was judged; ``none`` where v = 0 is optimal by inspection.
+        solver: Whose input is sent: a solver's, ``none`` where v = 0 is optimal by inspection, or what was preferred
+            to an answer: ``backup``, ``deepest`` or ``between`` (``passafe.filter``).
         assessment: Numbers by which the answer was accepted and graded.
         u: The input to hold over the next period, within the bound and finite, m numbers.
     """
