@@ -35,6 +35,13 @@ CLOSER: Final = 0.5
 NARROWER: Final = 0.1
 """The next trust radius, as a share of the way to the answer, or of the radius before."""
 
+NARROWINGS: Final = 4
+NEARER: Final = 0.25
+"""Trust regions that are tried for nearer answers, and the next one's radius, as a share of the radius before."""
+
+WORTHWHILE: Final = 1e-6
+"""Share by which an answer has to be nearer to be taken."""
+
 RELAXED_NORM: Final = 1e4
 """Factor on the norm's tolerance where hard rows are relaxed: there shortening costs little more."""
 
@@ -103,6 +110,37 @@ class Attempts:
             np.minimum(program.high, u_lin + trust, out=program.high)
 
         return self.first(prepare)
+
+    def nearer(self, attempt: Attempt) -> Attempt:
+        """Look for answers nearer to the reference input, in ever narrower trust regions about the input before.
+
+        A margin is for all of its trust region: where it grows steeply with the input, a wide region may leave none but
+        answers that lead away from what was asked for.
+
+        Args:
+            attempt: A settled one, whose numbers are in the block.
+        """
+        block = self._block
+        linearization, program, u_plus = block.linearization, block.program, block.evaluation.u_plus
+        before = (linearization.u_lin.copy(), linearization.trust_asked.copy(), linearization.tightening.copy())
+        nearest, best, u_best = self._distance(), None, u_plus.copy()
+        trust = program.trust.copy()
+        for _ in range(NARROWINGS):
+            trust = np.maximum(NEARER * trust, self._least_trust)
+            for u_lin in (block.request.u.copy(), u_best):
+                again = self.confined(u_lin, trust)
+                distance = self._distance()
+                if again.is_settled and distance < (1 - WORTHWHILE) * nearest:
+                    nearest, best, u_best = distance, (u_lin, trust), u_plus.copy()
+        if best is not None:
+            return self.confined(*best)
+        linearization.u_lin[:], linearization.trust_asked[:], linearization.tightening[:] = before
+        again = self.first(self._functions.prepare)
+        return Attempt(attempt.status, again.solver, True, again.assessment)
+
+    def _distance(self) -> float:
+        """Return ‖z‖: the distance of the answer from the reference input, the price of slack included."""
+        return float(np.linalg.norm(self._block.answer.z))
 
     def _attempt_whole(self) -> Attempt:
         """Solve over constraints and limits and certify; relax hard rows that conflict, as little as possible."""

@@ -160,7 +160,9 @@ class Assessment(Residuals[T], frozen=True, eq=False, gc=False):
         outside_trust_region: Distance of u⁺ from the trust region; ≤ 0 inside.
         unknown_margins: Number of margins that the answer would need and that are not known.
         lowest_psi: Smallest of ψ₀ … ψ_{r−1} of all enforced barriers; below 0 nothing is proven of h.
-        concern: Largest of what may stand in the way of an accepted answer: of the four before beyond what is allowed,
+        waste: How far from u⁺ what is unknown of margins, in all of the trust region, may keep better answers, beyond
+            what is spared; ≤ 0 where that is little.
+        concern: Largest of what may stand in the way of an accepted answer: of the five before beyond what is allowed,
             and of the slack beyond what counts as relaxed; ≤ 0 where nothing does.
     """
 
@@ -171,6 +173,7 @@ class Assessment(Residuals[T], frozen=True, eq=False, gc=False):
     outside_trust_region: T
     unknown_margins: T
     lowest_psi: T
+    waste: T
     concern: T
 
 

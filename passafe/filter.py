@@ -178,6 +178,8 @@ class SafetyPassivityFilter:
             attempt = self._attempts.settle(attempt)
         if not attempt.is_settled:
             attempt = self._resolve()
+        elif attempt.assessment.waste > 0.0 and attempt.status is not Status.PASSED:
+            attempt = self._attempts.nearer(attempt)
         is_unguarded = attempt.assessment.lowest_psi < UNPROTECTED or self.design.gatekeeper
         return self._guard(attempt) if is_unguarded and attempt.status in ANSWERS else attempt
 

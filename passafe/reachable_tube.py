@@ -58,9 +58,10 @@ def reachable_tube(system: System, held_s: float, input_radius: ca.SX) -> Tube:
     """
     f = enclose(system.f, system.u, input_radius)
     speed = ca.fabs(f.centre) + f.radius
-    J = ca.simplify(ca.jacobian(system.f, system.x))
-    if not ca.symvar(J):
-        return Tube(ca.DM(_integral_of_magnitude(ca.DM(J).full(), held_s)) @ speed, f.known)
+    A = constant_jacobian(system)
+    if A is not None:
+        return Tube(ca.DM(_integral_of_magnitude(A.full(), held_s)) @ speed, f.known)
+    J = ca.jacobian(system.f, system.x)
     near = _comparison_matrix(system, J, ca.SX.zeros(system.n), input_radius)
     guess = GROWTH * _refined(near.radius, speed, held_s)
     over = _comparison_matrix(system, J, guess, input_radius)
@@ -69,6 +70,12 @@ def reachable_tube(system: System, held_s: float, input_radius: ca.SX) -> Tube:
         ca.mmax(radius - guess) <= 0, ca.mmax(_reached(over.radius, radius, speed, held_s) - radius) <= 0
     )
     return Tube(radius, ca.if_else(fits, f.known * over.known, 0))
+
+
+def constant_jacobian(system: System) -> ca.DM | None:
+    """Return ∂f/∂x where it is constant, shape (n, n), else ``None``."""
+    J = ca.simplify(ca.jacobian(system.f, system.x))
+    return None if ca.symvar(J) else ca.DM(ca.densify(J))
 
 
 def _integral_of_magnitude(A: Array, held_s: float) -> Array:

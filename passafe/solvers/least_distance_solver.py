@@ -53,6 +53,8 @@ class LeastDistanceSolver:
         if float(r @ r) <= PROVEN:
             lam[:] = y
             return INFEASIBLE
+        if r[-1] == 0.0:  # underflow: the rows leave the nearest point beyond all numbers
+            return FAILED
         z[:] = r[:-1] * (-scale / r[-1])
         lam[:] = y * (-scale / r[-1])
         return SOLVED

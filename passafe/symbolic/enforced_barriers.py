@@ -156,20 +156,26 @@ class EnforcedBarriers:
         bends = ca.vertcat(ca.SX(0, 1), *(held.bend for held in self.held))
         return ca.fmax(deviation - ca.substitute(bends, self.design.system.u, u_plus), 0)
 
-    def shortfall(self, u_plus: ca.SX, eps: ca.SX) -> ca.SX:
-        """Return the distance by which u⁺ violates a row with its margin, scalar, units of u; ≤ 0 if it keeps all.
+    def graded(self, u_plus: ca.SX, eps: ca.SX, deviation: ca.SX) -> tuple[ca.SX, ca.SX]:
+        """Return shortfall and waste of an answer, scalars, units of u.
+
+        The shortfall is the distance by which u⁺ violates a row with its margin, ≤ 0 if it keeps all. The waste is how
+        far from u⁺ a margin may keep better answers by what is unknown alone, in all of the trust region.
 
         Args:
             u_plus: Shape (m, 1).
             eps: Margins of all barriers.
+            deviation: What is unknown of them.
         """
-        u = self.design.system.u
-        missing = [ca.SX(0)]
-        for i, held in enumerate(self.held if self.design.law is Law.SAMPLED else ()):
+        u, sampled = self.design.system.u, self.design.law is Law.SAMPLED
+        missing, lost = [ca.SX(0)], [ca.SX(0)]
+        for i, held in enumerate(self.held if sampled else ()):
             value, gradient = ca.substitute([held.value, ca.gradient(held.value, u)], [u], [u_plus])
-            short = (eps[i] - value) / ca.fmax(ca.norm_2(gradient), TINY)
-            if self.design.between_samples:
-                missing.append(short)
+            length = ca.fmax(ca.norm_2(gradient), TINY)
+            if self.has_margins:
+                per_unit = 1 / length
+                missing.append((eps[i] - value) * per_unit)
+                lost.append(ca.fmin(eps[i], deviation[i]) * per_unit)
             elif ca.depends_on(ca.gradient(held.value, u), u):
-                missing.append(short - TANGENT_ERROR)
-        return ca.mmax(ca.vertcat(*missing))
+                missing.append((eps[i] - value) / length - TANGENT_ERROR)
+        return ca.mmax(ca.vertcat(*missing)), ca.mmax(ca.vertcat(*lost))

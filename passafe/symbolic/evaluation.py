@@ -18,6 +18,12 @@ from passafe.symbolic.whole_program import overreach, whole_rows
 UNPROTECTED: Final = -1e-9
 """Value of a ψ below which the state counts as outside of the protected set."""
 
+SPARED: Final = 0.05
+"""Distance that a margin may keep answers away by what is unknown alone, relative to the trust region's radius.
+
+More would add up: what is asked for moves with the input before, so that a robot would drift away tick by tick.
+"""
+
 
 def evaluate(
     chains: Sequence[BarrierChain],
@@ -61,14 +67,23 @@ def evaluate(
         eps=eps,
         h_u=h_u,
     )
-    shortfall, unknown = barriers.shortfall(u_plus, eps), linearization.with_margins * program.unbounded
+    shortfall, lost = barriers.graded(u_plus, eps, program.deviation)
+    waste = lost - SPARED * ca.mmax(program.trust)
+    unknown = linearization.with_margins * program.unbounded
     outside = (
         linearization.with_margins * outside_trust_region(linearization, u_plus, program.trust)
         if has_margins
         else ca.SX(0)
     )
     lowest_psi = barriers.lowest_psi()
-    concerns = [shortfall, outside, unknown, slack - design.passivity.relaxed_above, UNPROTECTED - lowest_psi]
+    concerns = [
+        shortfall,
+        outside,
+        unknown,
+        slack - design.passivity.relaxed_above,
+        UNPROTECTED - lowest_psi,
+        waste,
+    ]
     assessment = Assessment(
         primal=residuals.primal + program.nan_guard,
         dual=residuals.dual,
@@ -80,6 +95,7 @@ def evaluate(
         outside_trust_region=outside,
         unknown_margins=unknown,
         lowest_psi=lowest_psi,
+        waste=waste,
         concern=ca.SX(1) if design.gatekeeper else ca.mmax(ca.vertcat(*concerns)),
     )
     return evaluation, assessment

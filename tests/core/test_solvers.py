@@ -115,3 +115,13 @@ def test_an_iteration_that_does_not_end_has_failed(name: str, monkeypatch: pytes
 
     outcome = solver.solve(np.zeros(2).data, np.zeros(2).data)
     assert outcome is (SolverOutcome.FAILED if name == "ldp" else SolverOutcome.SOLVED)
+
+
+def test_an_answer_beyond_all_numbers_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Least squares that end with r of no last entry put the nearest point at infinity."""
+    monkeypatch.setattr(passafe.solvers.least_distance_solver, "nnls", lambda _E, _f: (np.ones(1), 1.0))
+    z, lam = np.zeros(2), np.zeros(1)
+    solver = LeastDistanceSolver(np.array([[1.0, 0.0]]), np.array([5.0]))
+
+    assert solver.solve(z.data, lam.data) is SolverOutcome.FAILED
+    assert not z.any()
