@@ -117,11 +117,11 @@ def test_an_iteration_that_does_not_end_has_failed(name: str, monkeypatch: pytes
     assert outcome is (SolverOutcome.FAILED if name == "ldp" else SolverOutcome.SOLVED)
 
 
-def test_an_answer_beyond_all_numbers_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_answer_beyond_all_numbers_is_none(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Least squares that end with r of no last entry put the nearest point at infinity."""
-    monkeypatch.setattr(passafe.solvers.least_distance_solver, "nnls", lambda _E, _f: (np.ones(1), 1.0))
-    z, lam = np.zeros(2), np.zeros(1)
-    solver = LeastDistanceSolver(np.array([[1.0, 0.0]]), np.array([5.0]))
+    monkeypatch.setattr(passafe.solvers.least_distance_solver, "nnls", lambda E, _f: (np.eye(E.shape[1])[0], 1.0))
+    solver, G, d = at_work(name, 2)
+    G[:], d[:] = np.eye(2), [5.0, 2.0]
 
-    assert solver.solve(z.data, lam.data) is SolverOutcome.FAILED
-    assert not z.any()
+    outcome = solver.solve(np.zeros(2).data, np.zeros(2).data)
+    assert outcome is (SolverOutcome.FAILED if name == "ldp" else SolverOutcome.SOLVED)
