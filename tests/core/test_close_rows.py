@@ -16,7 +16,7 @@ from passafe.sampled_plant import SampledPlant
 
 @pytest.mark.parametrize("gap", [1e-4, 2e-6, 1e-8])
 def test_a_robot_between_two_disks_that_nearly_touch_stays(gap: float) -> None:
-    """At rest where both disks are half the gap away, and pushed from side to side along the axis through their centres."""
+    """At rest where both disks are half the gap away, and pushed from one to the other."""
     design = paper_design(mode=Mode.SAFE)
     position = design.system.x[:2]
     disks = tuple(
