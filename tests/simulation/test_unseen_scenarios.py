@@ -97,7 +97,7 @@ def test_a_saturated_drive_is_never_called_infeasible() -> None:
 
 @pytest.mark.parametrize("hold_s", [0.12, 0.18])
 def test_long_holds_leave_no_wall(hold_s: float) -> None:
-    """Where margins for the hold leave no input, what is sent brakes no worse than the fail-safe."""
+    """Inputs sent where margins for the hold leave none brake no worse than the fail-safe."""
     drive = Drive(load_scenario("walls-and-disks", {"plant.hold_s": hold_s, "rate_hz": 250.0, "duration_s": 6.0}))
 
     assert min(drive.h) >= 0
