@@ -159,8 +159,10 @@ class BatchFilter:
         is_short_enough = assessment.norm_overreach <= shape_tolerance(design.limits)
         settled = keeps_barriers(assessment) & (assessment.extra_slack <= design.passivity.relaxed_above)
         is_judged = self.core.compares_courses & (assessment.lowest_psi < UNPROTECTED)
-        self.scalar[:] = (~(accepts(design.tolerance, assessment) & is_short_enough & settled) | is_judged)[0]
         is_untouched = ~self._answer.lam.any(axis=0)
+        is_wasteful = (assessment.waste > 0.0) & ~is_untouched
+        is_doubtful = ~(accepts(design.tolerance, assessment) & is_short_enough & settled)
+        self.scalar[:] = (is_doubtful | is_judged | is_wasteful)[0]
         modified = np.where(assessment.slack[0] > design.passivity.relaxed_above, Status.RELAXED, Status.MODIFIED)
         self.status[:] = np.where(is_untouched, Status.PASSED, modified)
 
