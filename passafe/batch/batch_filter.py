@@ -104,7 +104,7 @@ class BatchFilter:
         request.x[:, used], request.u[:, used] = x, u
         request.u_h[:, used], request.u_h_rate[:, used] = u_h, u_h_rate
         request.tank[:, used], request.t[:, used] = tank_j, t_s
-        if start or scalar:
+        if start or scalar or self.core.design.gatekeeper:
             self.scalar[:] = True
         else:
             with np.errstate(all="ignore"):  # a NaN fails the certificate

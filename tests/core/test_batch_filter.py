@@ -11,6 +11,7 @@ from core_designs import (
     damped_design,
     drag_design,
     jerk_design,
+    paper_design,
     pump_design,
     row_filter,
     row_state,
@@ -275,3 +276,11 @@ def test_gradients_and_numbers_of_rows_are_those_of_the_filter() -> None:
         G = decision.part("G").reshape((2, 3), order="F")
         np.testing.assert_allclose(many.gradients[:, :, element].T, G[:, :2], atol=1e-12)
     assert (many.constraints, many.hard) == (2, 1)
+
+
+def test_a_gatekeeper_judges_every_element() -> None:
+    core = SafetyPassivityFilter(paper_design(mode=Mode.SAFE, gatekeeper=True))
+    many = BatchFilter(core, 4)
+    many.decide(np.full((4, 4), 2.0), np.zeros((2, 4)), np.zeros((2, 4)), 0.0)
+
+    assert many.scalar.all()
