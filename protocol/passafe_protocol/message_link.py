@@ -10,6 +10,7 @@ from passafe_protocol.link_settings import LinkSettings
 from passafe_protocol.link_wire import parameters_of, settings_of
 from passafe_protocol.messages import Header, LinkConfig, LinkEvent, LinkSource, LinkState, Message, Received
 from passafe_protocol.sequence import Arrival, SequenceGuard
+from passafe_protocol.session_guards import SessionGuards, guard_of
 from passafe_protocol.topics import LINKS
 
 Carried: TypeAlias = tuple[Header, Message | bytes]
@@ -40,7 +41,7 @@ class MessageLink(Link[Carried]):
         super().__init__(name, settings, _flip_bit)
         self.topic = LINKS[name].topic
         self.refused_corrupted = self.refused_duplicate = 0
-        self._guards: dict[str, SequenceGuard] = {}
+        self._guards: dict[str, SequenceGuard | SessionGuards] = {}
         self._checks_received = self._may_damage()
         self._last_config = ("", 0, 0)
         self._refusal = ""
@@ -111,7 +112,7 @@ class MessageLink(Link[Carried]):
             except ProtocolError:
                 self.refused_corrupted += 1
                 return None
-        if self._guards.setdefault(header.source, SequenceGuard()).classify(header) in _REFUSED:
+        if self._guards.setdefault(header.source, guard_of(self.topic)).classify(header) in _REFUSED:
             self.refused_duplicate += 1
             return None
         return header, body

@@ -51,6 +51,7 @@ class FilterStatus(IntEnum):
     STALE = 6
     AT_SAMPLES = 7
     BACKUP = 8
+    STOPPED = 9
 
     @property
     def severity(self) -> int:
@@ -69,6 +70,7 @@ BY_SEVERITY: Final = (
     FilterStatus.RELAXED,
     FilterStatus.BACKUP,
     FilterStatus.STALE,
+    FilterStatus.STOPPED,
     FilterStatus.AT_SAMPLES,
     FilterStatus.UNCERTIFIED,
     FilterStatus.INFEASIBLE,
@@ -117,6 +119,9 @@ class CommandState(StrEnum):
     DELAYED = "delayed"
     """Commands come, but are stale when they arrive."""
 
+    STOPPED = "stopped"
+    """An emergency stop is latched, or the command was made before it was cleared."""
+
 
 class OperatorCommand(Record, frozen=True):
     """Command of the operator: ``u_h`` and, if the device provides it, its rate.
@@ -131,6 +136,31 @@ class OperatorCommand(Record, frozen=True):
     echoed_epoch: int = 0
     echoed_ns: int = 0
     echoed_for_ns: int = 0
+    take_over: int = 0
+
+
+class EmergencyStop(Record, frozen=True):
+    """Press of the emergency stop: the plant latches it until it is cleared by its id."""
+
+    id: int
+    reason: str
+
+
+class StopClear(Record, frozen=True):
+    """Clears the emergency stop of this id."""
+
+    stop: int
+    reason: str
+
+
+class OperatorLease(Record, frozen=True):
+    """Lease of the operator whose commands count; ``holder`` is the epoch of its session, 0 for nobody."""
+
+    number: int
+    holder: int
+    device: str
+    command_age_ns: int
+    refused: int = 0
 
 
 class PlantInput(Record, frozen=True):
@@ -148,6 +178,7 @@ class PlantInput(Record, frozen=True):
     input_sequence_start_ns: int = UNSEQUENCED
     known_break_ns: int = UNSEQUENCED
     previous_u: Vector = ()
+    stops_cleared: int = 0
 
 
 class PlantState(Record, frozen=True):
@@ -170,6 +201,9 @@ class PlantState(Record, frozen=True):
     input_since_ns: int = 0
     input_transit_ns: int = 0
     input_epoch: int = 0
+    stop: int = 0
+    stop_source: str = ""
+    stops_cleared: int = 0
 
 
 class BarrierReport(Record, frozen=True):
@@ -367,6 +401,9 @@ class ScenarioInfo(Record, frozen=True):
 
 Message: TypeAlias = (
     OperatorCommand
+    | EmergencyStop
+    | StopClear
+    | OperatorLease
     | PlantInput
     | PlantState
     | FilterTick

@@ -26,6 +26,7 @@ class FilterStatus(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     STALE: _ClassVar[FilterStatus]
     AT_SAMPLES: _ClassVar[FilterStatus]
     BACKUP: _ClassVar[FilterStatus]
+    STOPPED: _ClassVar[FilterStatus]
 PLANT_PHASE_UNSPECIFIED: PlantPhase
 WAITING: PlantPhase
 RUNNING: PlantPhase
@@ -40,6 +41,7 @@ INFEASIBLE: FilterStatus
 STALE: FilterStatus
 AT_SAMPLES: FilterStatus
 BACKUP: FilterStatus
+STOPPED: FilterStatus
 
 class Header(_message.Message):
     __slots__ = ("schema_version", "source", "epoch", "sequence", "scheduled_ns", "started_ns", "sent_ns", "wall_ns", "clock_id")
@@ -64,7 +66,7 @@ class Header(_message.Message):
     def __init__(self, schema_version: _Optional[int] = ..., source: _Optional[str] = ..., epoch: _Optional[int] = ..., sequence: _Optional[int] = ..., scheduled_ns: _Optional[int] = ..., started_ns: _Optional[int] = ..., sent_ns: _Optional[int] = ..., wall_ns: _Optional[int] = ..., clock_id: _Optional[int] = ...) -> None: ...
 
 class OperatorCommand(_message.Message):
-    __slots__ = ("header", "u_h", "u_h_rate", "enabled", "device", "echoed_epoch", "echoed_ns", "echoed_for_ns", "checksum")
+    __slots__ = ("header", "u_h", "u_h_rate", "enabled", "device", "echoed_epoch", "echoed_ns", "echoed_for_ns", "take_over", "checksum")
     HEADER_FIELD_NUMBER: _ClassVar[int]
     U_H_FIELD_NUMBER: _ClassVar[int]
     U_H_RATE_FIELD_NUMBER: _ClassVar[int]
@@ -73,6 +75,7 @@ class OperatorCommand(_message.Message):
     ECHOED_EPOCH_FIELD_NUMBER: _ClassVar[int]
     ECHOED_NS_FIELD_NUMBER: _ClassVar[int]
     ECHOED_FOR_NS_FIELD_NUMBER: _ClassVar[int]
+    TAKE_OVER_FIELD_NUMBER: _ClassVar[int]
     CHECKSUM_FIELD_NUMBER: _ClassVar[int]
     header: Header
     u_h: _containers.RepeatedScalarFieldContainer[float]
@@ -82,11 +85,12 @@ class OperatorCommand(_message.Message):
     echoed_epoch: int
     echoed_ns: int
     echoed_for_ns: int
+    take_over: int
     checksum: int
-    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., u_h: _Optional[_Iterable[float]] = ..., u_h_rate: _Optional[_Iterable[float]] = ..., enabled: _Optional[bool] = ..., device: _Optional[str] = ..., echoed_epoch: _Optional[int] = ..., echoed_ns: _Optional[int] = ..., echoed_for_ns: _Optional[int] = ..., checksum: _Optional[int] = ...) -> None: ...
+    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., u_h: _Optional[_Iterable[float]] = ..., u_h_rate: _Optional[_Iterable[float]] = ..., enabled: _Optional[bool] = ..., device: _Optional[str] = ..., echoed_epoch: _Optional[int] = ..., echoed_ns: _Optional[int] = ..., echoed_for_ns: _Optional[int] = ..., take_over: _Optional[int] = ..., checksum: _Optional[int] = ...) -> None: ...
 
 class PlantInput(_message.Message):
-    __slots__ = ("header", "tick", "u", "effective_plant_ns", "hold_ns", "input_sequence_start_ns", "known_break_ns", "previous_u", "checksum")
+    __slots__ = ("header", "tick", "u", "effective_plant_ns", "hold_ns", "input_sequence_start_ns", "known_break_ns", "previous_u", "stops_cleared", "checksum")
     HEADER_FIELD_NUMBER: _ClassVar[int]
     TICK_FIELD_NUMBER: _ClassVar[int]
     U_FIELD_NUMBER: _ClassVar[int]
@@ -95,6 +99,7 @@ class PlantInput(_message.Message):
     INPUT_SEQUENCE_START_NS_FIELD_NUMBER: _ClassVar[int]
     KNOWN_BREAK_NS_FIELD_NUMBER: _ClassVar[int]
     PREVIOUS_U_FIELD_NUMBER: _ClassVar[int]
+    STOPS_CLEARED_FIELD_NUMBER: _ClassVar[int]
     CHECKSUM_FIELD_NUMBER: _ClassVar[int]
     header: Header
     tick: int
@@ -104,11 +109,12 @@ class PlantInput(_message.Message):
     input_sequence_start_ns: int
     known_break_ns: int
     previous_u: _containers.RepeatedScalarFieldContainer[float]
+    stops_cleared: int
     checksum: int
-    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., tick: _Optional[int] = ..., u: _Optional[_Iterable[float]] = ..., effective_plant_ns: _Optional[int] = ..., hold_ns: _Optional[int] = ..., input_sequence_start_ns: _Optional[int] = ..., known_break_ns: _Optional[int] = ..., previous_u: _Optional[_Iterable[float]] = ..., checksum: _Optional[int] = ...) -> None: ...
+    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., tick: _Optional[int] = ..., u: _Optional[_Iterable[float]] = ..., effective_plant_ns: _Optional[int] = ..., hold_ns: _Optional[int] = ..., input_sequence_start_ns: _Optional[int] = ..., known_break_ns: _Optional[int] = ..., previous_u: _Optional[_Iterable[float]] = ..., stops_cleared: _Optional[int] = ..., checksum: _Optional[int] = ...) -> None: ...
 
 class PlantState(_message.Message):
-    __slots__ = ("header", "plant_ns", "x", "y", "u", "applied_tick", "phase", "energy_in_j", "energy_stored_j", "input_lead_ns", "inputs_late", "inputs_refused", "integration_error", "received_tick", "sequence_break_ns", "input_since_ns", "input_transit_ns", "input_epoch", "checksum")
+    __slots__ = ("header", "plant_ns", "x", "y", "u", "applied_tick", "phase", "energy_in_j", "energy_stored_j", "input_lead_ns", "inputs_late", "inputs_refused", "integration_error", "received_tick", "sequence_break_ns", "input_since_ns", "input_transit_ns", "input_epoch", "stop", "stop_source", "stops_cleared", "checksum")
     HEADER_FIELD_NUMBER: _ClassVar[int]
     PLANT_NS_FIELD_NUMBER: _ClassVar[int]
     X_FIELD_NUMBER: _ClassVar[int]
@@ -127,6 +133,9 @@ class PlantState(_message.Message):
     INPUT_SINCE_NS_FIELD_NUMBER: _ClassVar[int]
     INPUT_TRANSIT_NS_FIELD_NUMBER: _ClassVar[int]
     INPUT_EPOCH_FIELD_NUMBER: _ClassVar[int]
+    STOP_FIELD_NUMBER: _ClassVar[int]
+    STOP_SOURCE_FIELD_NUMBER: _ClassVar[int]
+    STOPS_CLEARED_FIELD_NUMBER: _ClassVar[int]
     CHECKSUM_FIELD_NUMBER: _ClassVar[int]
     header: Header
     plant_ns: int
@@ -146,8 +155,53 @@ class PlantState(_message.Message):
     input_since_ns: int
     input_transit_ns: int
     input_epoch: int
+    stop: int
+    stop_source: str
+    stops_cleared: int
     checksum: int
-    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., plant_ns: _Optional[int] = ..., x: _Optional[_Iterable[float]] = ..., y: _Optional[_Iterable[float]] = ..., u: _Optional[_Iterable[float]] = ..., applied_tick: _Optional[int] = ..., phase: _Optional[_Union[PlantPhase, str]] = ..., energy_in_j: _Optional[float] = ..., energy_stored_j: _Optional[float] = ..., input_lead_ns: _Optional[int] = ..., inputs_late: _Optional[int] = ..., inputs_refused: _Optional[int] = ..., integration_error: _Optional[float] = ..., received_tick: _Optional[int] = ..., sequence_break_ns: _Optional[int] = ..., input_since_ns: _Optional[int] = ..., input_transit_ns: _Optional[int] = ..., input_epoch: _Optional[int] = ..., checksum: _Optional[int] = ...) -> None: ...
+    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., plant_ns: _Optional[int] = ..., x: _Optional[_Iterable[float]] = ..., y: _Optional[_Iterable[float]] = ..., u: _Optional[_Iterable[float]] = ..., applied_tick: _Optional[int] = ..., phase: _Optional[_Union[PlantPhase, str]] = ..., energy_in_j: _Optional[float] = ..., energy_stored_j: _Optional[float] = ..., input_lead_ns: _Optional[int] = ..., inputs_late: _Optional[int] = ..., inputs_refused: _Optional[int] = ..., integration_error: _Optional[float] = ..., received_tick: _Optional[int] = ..., sequence_break_ns: _Optional[int] = ..., input_since_ns: _Optional[int] = ..., input_transit_ns: _Optional[int] = ..., input_epoch: _Optional[int] = ..., stop: _Optional[int] = ..., stop_source: _Optional[str] = ..., stops_cleared: _Optional[int] = ..., checksum: _Optional[int] = ...) -> None: ...
+
+class EmergencyStop(_message.Message):
+    __slots__ = ("header", "id", "reason", "checksum")
+    HEADER_FIELD_NUMBER: _ClassVar[int]
+    ID_FIELD_NUMBER: _ClassVar[int]
+    REASON_FIELD_NUMBER: _ClassVar[int]
+    CHECKSUM_FIELD_NUMBER: _ClassVar[int]
+    header: Header
+    id: int
+    reason: str
+    checksum: int
+    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., id: _Optional[int] = ..., reason: _Optional[str] = ..., checksum: _Optional[int] = ...) -> None: ...
+
+class StopClear(_message.Message):
+    __slots__ = ("header", "stop", "reason", "checksum")
+    HEADER_FIELD_NUMBER: _ClassVar[int]
+    STOP_FIELD_NUMBER: _ClassVar[int]
+    REASON_FIELD_NUMBER: _ClassVar[int]
+    CHECKSUM_FIELD_NUMBER: _ClassVar[int]
+    header: Header
+    stop: int
+    reason: str
+    checksum: int
+    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., stop: _Optional[int] = ..., reason: _Optional[str] = ..., checksum: _Optional[int] = ...) -> None: ...
+
+class OperatorLease(_message.Message):
+    __slots__ = ("header", "number", "holder", "device", "command_age_ns", "refused", "checksum")
+    HEADER_FIELD_NUMBER: _ClassVar[int]
+    NUMBER_FIELD_NUMBER: _ClassVar[int]
+    HOLDER_FIELD_NUMBER: _ClassVar[int]
+    DEVICE_FIELD_NUMBER: _ClassVar[int]
+    COMMAND_AGE_NS_FIELD_NUMBER: _ClassVar[int]
+    REFUSED_FIELD_NUMBER: _ClassVar[int]
+    CHECKSUM_FIELD_NUMBER: _ClassVar[int]
+    header: Header
+    number: int
+    holder: int
+    device: str
+    command_age_ns: int
+    refused: int
+    checksum: int
+    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., number: _Optional[int] = ..., holder: _Optional[int] = ..., device: _Optional[str] = ..., command_age_ns: _Optional[int] = ..., refused: _Optional[int] = ..., checksum: _Optional[int] = ...) -> None: ...
 
 class BarrierReport(_message.Message):
     __slots__ = ("name", "psi", "eps")

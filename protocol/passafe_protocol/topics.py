@@ -6,6 +6,7 @@ from enum import Enum
 from typing import Final, NamedTuple
 
 from passafe_protocol.messages import (
+    EmergencyStop,
     Event,
     FilterTick,
     Health,
@@ -14,9 +15,11 @@ from passafe_protocol.messages import (
     LinkState,
     Message,
     OperatorCommand,
+    OperatorLease,
     PlantInput,
     PlantState,
     ScenarioInfo,
+    StopClear,
 )
 
 KEY_ROOT: Final = "passafe"
@@ -32,6 +35,16 @@ class Congestion(Enum):
     """Wait: rare messages that must arrive."""
 
 
+class Priority(Enum):
+    """Lane of a topic's messages: each priority has queues of its own, from publisher to reader."""
+
+    REAL_TIME = "real-time"
+    """The emergency stop alone: nothing waits before it."""
+
+    DATA = "data"
+    """Everything else."""
+
+
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Topic:
     """One row of the table.
@@ -43,6 +56,9 @@ class Topic:
         rate_hz: Nominal rate; ``None``: the scenario's ``rate_hz``; 0: occasional.
         deadline_s: Time without a message after which a reader reports the topic as late; ``None``: never.
         congestion: Behaviour on congestion.
+        priority: Lane of its messages.
+        any_session: Whether a reader's inlet admits every session of a publisher side by side, and the node decides
+            which counts; otherwise one session at a time is admitted.
         queue: Capacity of a reader's ring; the oldest message is dropped when it is full.
         recorded: Whether the recorder logs it and its publishers keep a cache for the recorder.
         links: Names of the injected links on its route, by reading process.
@@ -55,6 +71,8 @@ class Topic:
     rate_hz: float | None = None
     deadline_s: float | None = None
     congestion: Congestion = Congestion.DROP
+    priority: Priority = Priority.DATA
+    any_session: bool = False
     recorded: bool = True
     links: Mapping[str, str] = field(default_factory=dict)
 
@@ -73,11 +91,31 @@ PROCESSES: Final = ("router", "recorder", "dashboard", "operator", "filter", "pl
 """Processes of a running system in the order in which the supervisor starts them: the plant last, because the robot
 moves as soon as it runs; it is stopped first."""
 
+STOP: Final = Topic(
+    name="stop",
+    body=EmergencyStop,
+    publishers=("operator", "dashboard", "console"),
+    rate_hz=0.0,
+    priority=Priority.REAL_TIME,
+    any_session=True,
+    queue=256,
+)
+"""Without an injected link: who may change links must not be able to delay a stop."""
+
+CLEAR: Final = Topic(
+    name="clear",
+    body=StopClear,
+    publishers=("dashboard", "console"),
+    rate_hz=0.0,
+    any_session=True,
+    queue=16,
+)
 COMMAND: Final = Topic(
     name="command",
     body=OperatorCommand,
     publishers=("operator",),
     deadline_s=0.1,
+    any_session=True,
     queue=256,
     links={"filter": "operator-to-filter"},
 )
@@ -97,6 +135,7 @@ STATE: Final = Topic(
     queue=256,
     links={"filter": "plant-to-filter", "operator": "plant-to-operator"},
 )
+LEASE: Final = Topic(name="lease", body=OperatorLease, publishers=("filter",), rate_hz=5.0, deadline_s=1.0, queue=16)
 TICK: Final = Topic(name="tick", body=FilterTick, publishers=("filter",), deadline_s=0.05, queue=256)
 LINK_CONFIG: Final = Topic(
     name="link_config",
@@ -124,7 +163,21 @@ SCENARIO: Final = Topic(
     name="scenario", body=ScenarioInfo, publishers=("filter",), rate_hz=0.0, congestion=Congestion.BLOCK, queue=4
 )
 
-TOPICS: Final = (COMMAND, INPUT, STATE, TICK, LINK_CONFIG, LINK_EVENT, LINK_STATE, HEALTH, EVENT, SCENARIO)
+TOPICS: Final = (
+    STOP,
+    CLEAR,
+    COMMAND,
+    LEASE,
+    INPUT,
+    STATE,
+    TICK,
+    LINK_CONFIG,
+    LINK_EVENT,
+    LINK_STATE,
+    HEALTH,
+    EVENT,
+    SCENARIO,
+)
 TOPIC_OF_NAME: Final = {topic.name: topic for topic in TOPICS}
 TOPIC_OF_BODY: Final[dict[type[Message], Topic]] = {topic.body: topic for topic in TOPICS}
 

@@ -18,6 +18,7 @@ from passafe_protocol.messages import (
     Certificate,
     CommandState,
     Consumed,
+    EmergencyStop,
     Event,
     FilterTick,
     Header,
@@ -29,12 +30,14 @@ from passafe_protocol.messages import (
     LinkSource,
     LinkState,
     OperatorCommand,
+    OperatorLease,
     OverrideReport,
     PlantInput,
     PlantState,
     Record,
     RowReport,
     ScenarioInfo,
+    StopClear,
     TopicHealth,
 )
 from passafe_protocol.shapes import RecordType, Shape
@@ -65,6 +68,10 @@ def _one_of(field: str, *choices: str) -> Rule:
 
 def _not_negative(field: str) -> Rule:
     return Rule(field, "≥ 0", lambda m: getattr(m, field) >= 0)
+
+
+def _positive(field: str) -> Rule:
+    return Rule(field, "> 0", lambda m: getattr(m, field) > 0)
 
 
 def _between(field: str, least: float, largest: float) -> Rule:
@@ -100,6 +107,9 @@ RULES: Final[dict[RecordType, tuple[Rule, ...]]] = {
         _text("device"),
         _not_negative("echoed_for_ns"),
     ),
+    EmergencyStop: (_positive("id"), _text("reason")),
+    StopClear: (_positive("stop"), _text("reason")),
+    OperatorLease: (_age("command_age_ns"),),
     PlantInput: (
         _vector("u"),
         _plant_time("input_sequence_start_ns"),

@@ -119,6 +119,7 @@ def _topic_table(topics: Iterable[Topic]) -> str:
         "Rate",
         "Late after",
         "Congestion",
+        "Priority",
         "Queue",
     )
     rows = [
@@ -130,17 +131,20 @@ def _topic_table(topics: Iterable[Topic]) -> str:
             _rate(topic.rate_hz),
             "never" if topic.deadline_s is None else f"{topic.deadline_s:g} s",
             topic.congestion.value,
+            topic.priority.value,
             str(topic.queue),
         )
         for topic in topics
     ]
     links = [(f"`{name}`", topic.name, reader) for topic in topics for reader, name in topic.links.items()]
     unrecorded = ", ".join(topic.name for topic in topics if not topic.recorded) or "none"
+    any_session = ", ".join(topic.name for topic in topics if topic.any_session)
     return "\n\n".join(
         (
             "## Topics",
             _table(head, rows),
             f"Recorded: every topic. Exceptions: {unrecorded}.",
+            f"Any session of a publisher is admitted, and the node decides which counts: {any_session}.",
             "Injected links, each at the inlet of the reading process:",
             _table(("Link", "Topic", "Inlet of"), links),
         )

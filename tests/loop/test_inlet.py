@@ -10,7 +10,7 @@ from passafe_protocol.errors import ProtocolError
 from passafe_protocol.link_settings import LinkSettings
 from passafe_protocol.message_link import MessageLink
 from passafe_protocol.messages import Header, LinkEvent, OperatorCommand, Received, TopicHealth
-from passafe_protocol.topics import COMMAND, INPUT, Topic
+from passafe_protocol.topics import COMMAND, INPUT, LINK_STATE, STOP, Topic
 from passafe_services.loop.errors import LinkNameError
 from passafe_services.loop.inlet import Inlet, inlets_of, pop_inbox
 from passafe_services.node import Outgoing
@@ -52,11 +52,20 @@ def test_garbage_is_counted_and_reported_without_harm(garbage: bytes) -> None:
 
 
 def test_duplicates_are_refused_and_reordered_messages_delivered() -> None:
-    inlet = Inlet(COMMAND)
+    inlet = Inlet(LINK_STATE)
     for sequence, epoch in ((0, 7), (2, 7), (2, 7), (1, 7), (5, 6), (6, 7)):
         assert inlet.receive(0, header(sequence, epoch=epoch), BODY) == ()
     assert [message.header.sequence for message in inlet.pop_received(0)] == [0, 2, 1, 6]
-    assert inlet.health == TopicHealth("command", 4, 3, 2)  # 3, 4 and 5 never came
+    assert inlet.health == TopicHealth("link_state", 4, 3, 2)  # 3, 4 and 5 never came
+
+
+@pytest.mark.parametrize("topic", [STOP, COMMAND], ids=lambda topic: topic.name)
+def test_any_session_is_admitted_beside_another(topic: Topic) -> None:
+    inlet = Inlet(topic)
+    for sequence, epoch in ((0, 7), (0, 9), (1, 7), (0, 7), (4, 2)):
+        assert inlet.receive(0, header(sequence, epoch=epoch), BODY) == ()
+    admitted = [(message.header.epoch, message.header.sequence) for message in inlet.pop_received(0)]
+    assert admitted == [(7, 0), (9, 0), (7, 1), (2, 4)]
 
 
 def test_unauthorized_messages_are_refused() -> None:

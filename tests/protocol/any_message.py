@@ -9,6 +9,7 @@ from passafe_protocol.messages import (
     BarrierReport,
     Certificate,
     Consumed,
+    EmergencyStop,
     Event,
     FilterStatus,
     FilterTick,
@@ -21,12 +22,14 @@ from passafe_protocol.messages import (
     LinkSource,
     LinkState,
     OperatorCommand,
+    OperatorLease,
     OverrideReport,
     PlantInput,
     PlantPhase,
     PlantState,
     RowReport,
     ScenarioInfo,
+    StopClear,
     TopicHealth,
 )
 from passafe_protocol.topics import LINKS
@@ -34,6 +37,7 @@ from passafe_protocol.topics import LINKS
 number = st.floats(allow_nan=False, allow_infinity=False)
 positive = st.floats(min_value=0, allow_nan=False, allow_infinity=False)
 count = st.integers(0, 2**64 - 1)
+identity = st.integers(1, 2**64 - 1)
 time_ns = st.integers(-(2**63), 2**63 - 1)
 age_ns = st.integers(-1, 2**63 - 1)
 text = st.text(max_size=20)
@@ -93,12 +97,15 @@ def states(m: int) -> st.SearchStrategy[PlantState]:
         inputs_refused=count,
         integration_error=positive,
         received_tick=count,
+        stop=count,
+        stop_source=text,
+        stops_cleared=count,
     )
 
 
 def commands(m: int) -> st.SearchStrategy[OperatorCommand]:
     rate = st.sampled_from([0, m]).flatmap(vector)
-    return st.builds(OperatorCommand, u_h=vector(m), u_h_rate=rate, enabled=st.booleans(), device=name)
+    return st.builds(OperatorCommand, u_h=vector(m), u_h_rate=rate, enabled=st.booleans(), device=name, take_over=count)
 
 
 share = st.floats(0, 1)
@@ -126,7 +133,14 @@ sizes = st.sampled_from([1, 2, 7])
 headers = st.builds(Header, name, count, count, time_ns, time_ns, time_ns, time_ns)
 MESSAGES: dict[type, st.SearchStrategy[Any]] = {
     OperatorCommand: sizes.flatmap(commands),
-    PlantInput: st.builds(PlantInput, tick=count, u=sizes.flatmap(vector), effective_plant_ns=time_ns, hold_ns=count),
+    EmergencyStop: st.builds(EmergencyStop, id=identity, reason=name),
+    StopClear: st.builds(StopClear, stop=identity, reason=name),
+    OperatorLease: st.builds(
+        OperatorLease, number=count, holder=count, device=text, command_age_ns=age_ns, refused=count
+    ),
+    PlantInput: st.builds(
+        PlantInput, tick=count, u=sizes.flatmap(vector), effective_plant_ns=time_ns, hold_ns=count, stops_cleared=count
+    ),
     PlantState: sizes.flatmap(states),
     FilterTick: sizes.flatmap(ticks),
     LinkConfig: st.builds(LinkConfig, link=st.sampled_from(sorted(LINKS)), parameters=parameters),

@@ -6,6 +6,7 @@ from passafe_protocol.messages import (
     BarrierReport,
     Certificate,
     Consumed,
+    EmergencyStop,
     Event,
     FilterStatus,
     FilterTick,
@@ -17,12 +18,14 @@ from passafe_protocol.messages import (
     LinkState,
     Message,
     OperatorCommand,
+    OperatorLease,
     OverrideReport,
     PlantInput,
     PlantPhase,
     PlantState,
     RowReport,
     ScenarioInfo,
+    StopClear,
     TopicHealth,
 )
 
@@ -45,7 +48,11 @@ BODIES: tuple[Message, ...] = (
         echoed_epoch=7,
         echoed_ns=-5,
         echoed_for_ns=9,
+        take_over=3,
     ),
+    EmergencyStop(id=2**64 - 5, reason="pressed at the keyboard"),
+    StopClear(stop=2**64 - 5, reason="the way is free"),
+    OperatorLease(number=4, holder=1_763_800_000_000_000_002, device="lag", command_age_ns=1_000_000, refused=5),
     PlantInput(
         tick=300,
         u=(0.5, -0.5),
@@ -54,6 +61,7 @@ BODIES: tuple[Message, ...] = (
         input_sequence_start_ns=500_000,
         known_break_ns=-1,
         previous_u=(0.25, -0.25, 0.125, -0.125),
+        stops_cleared=2,
     ),
     PlantState(
         plant_ns=-1,
@@ -73,6 +81,9 @@ BODIES: tuple[Message, ...] = (
         input_since_ns=900_000,
         input_transit_ns=-4_999_000_000,
         input_epoch=1_763_800_000_000_000_001,
+        stop=2**64 - 5,
+        stop_source="console",
+        stops_cleared=2,
     ),
     FilterTick(
         tick=300,

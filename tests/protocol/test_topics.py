@@ -5,6 +5,7 @@ from typing import get_args
 import pytest
 from passafe_protocol.messages import Message
 from passafe_protocol.topics import (
+    CLEAR,
     EVENT,
     HEALTH,
     INPUT,
@@ -13,9 +14,11 @@ from passafe_protocol.topics import (
     LINKS,
     PROCESSES,
     STATE,
+    STOP,
     TOPIC_OF_BODY,
     TOPIC_OF_NAME,
     TOPICS,
+    Priority,
     Topic,
 )
 
@@ -43,6 +46,12 @@ def test_row_is_consistent(topic: Topic) -> None:
     assert topic.publishers
     assert topic.queue > 0
     assert set(topic.links) <= set(PROCESSES) - set(topic.publishers)
+
+
+def test_the_stop_has_a_lane_of_its_own() -> None:
+    assert [topic.name for topic in TOPICS if topic.priority is Priority.REAL_TIME] == ["stop"]
+    assert not STOP.links  # nobody who may change links can delay it
+    assert set(CLEAR.publishers) < set(STOP.publishers)
 
 
 def test_who_reads_through_a_link_may_tell_of_it() -> None:

@@ -12,7 +12,7 @@ from itertools import islice
 from typing import Final
 
 import zenoh
-from passafe_protocol.topics import KEY_ROOT, Congestion, Topic
+from passafe_protocol.topics import KEY_ROOT, Congestion, Priority, Topic
 from zenoh import ext, handlers
 
 from passafe_services.loop.errors import BusError, PublisherError
@@ -49,6 +49,8 @@ _CONGESTION: Final = {
     Congestion.DROP: zenoh.CongestionControl.DROP,
     Congestion.BLOCK: zenoh.CongestionControl.BLOCK,
 }
+
+_PRIORITY: Final = {Priority.REAL_TIME: zenoh.Priority.REAL_TIME, Priority.DATA: zenoh.Priority.DATA}
 
 PublishBytes = Callable[[bytes], None]
 
@@ -115,13 +117,16 @@ class Bus:
         """
         if source not in topic.publishers:
             raise PublisherError(source, topic.name, topic.publishers)
-        congestion = _CONGESTION[topic.congestion]
+        congestion, priority = _CONGESTION[topic.congestion], _PRIORITY[topic.priority]
         if not topic.recorded:
-            return self._session.declare_publisher(topic.key(source), congestion_control=congestion).put
+            return self._session.declare_publisher(
+                topic.key(source), congestion_control=congestion, priority=priority
+            ).put
         return ext.declare_advanced_publisher(
             self._session,
             topic.key(source),
             congestion_control=congestion,
+            priority=priority,
             cache=ext.CacheConfig(max_samples=CACHED_SAMPLES, replies_config=self._replies),
             sample_miss_detection=ext.MissDetectionConfig(heartbeat=None, sporadic_heartbeat=HEARTBEAT_S),
         ).put

@@ -11,7 +11,8 @@ from passafe_protocol.errors import ProtocolError
 from passafe_protocol.link_settings import LinkSettings
 from passafe_protocol.message_link import MessageLink
 from passafe_protocol.messages import Header, LinkEvent, LinkSource, Message, Received, TopicHealth
-from passafe_protocol.sequence import Arrival, SequenceGuard
+from passafe_protocol.sequence import Arrival
+from passafe_protocol.session_guards import guard_of
 from passafe_protocol.topics import LINKS, Topic
 
 from passafe_services.loop.errors import LinkNameError
@@ -23,7 +24,8 @@ _ACCEPTED = frozenset({Arrival.FRESH, Arrival.REORDERED})
 class Inlet:
     """Receives the messages of one topic for one process.
 
-    Messages of processes that may not publish the topic, duplicates and messages of ended sessions are refused.
+    Messages of processes that may not publish the topic, duplicates and messages of ended sessions are refused; a topic
+    that admits any session has none that ended.
     Reordered messages are delivered; the node decides whether they are stale. Sequence numbers are checked before the
     link, so ``gaps`` counts the losses of the bus, ``LinkEvent`` those of the link.
 
@@ -43,7 +45,7 @@ class Inlet:
         self.link = link
         self.undecodable = 0
         self.unauthorized = 0
-        self._guards = {source: SequenceGuard() for source in topic.publishers}
+        self._guards = {source: guard_of(topic) for source in topic.publishers}
         self._arrived: list[Received] = []
 
     def receive_bytes(self, now_ns: int, data: bytes) -> Sequence[LinkEvent] | ProtocolError:
