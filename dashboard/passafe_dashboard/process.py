@@ -5,7 +5,7 @@ import gc
 import socket
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Final
 
@@ -26,6 +26,7 @@ from passafe_dashboard.live.bus_reader import BusReader
 from passafe_dashboard.live.feed import Feed
 from passafe_dashboard.live.link_requests import LinkRequests
 from passafe_dashboard.routes.application import create_app
+from passafe_dashboard.routes.own_hosts import OwnHosts
 from passafe_dashboard.server import page_server
 
 NAME: Final = "dashboard"
@@ -39,6 +40,7 @@ def serve(
     port: int,
     *,
     host: str = LOOPBACK,
+    names: Sequence[str] = (),
     scenario: Scenario | None = None,
     epoch: int | None = None,
     lifeline: bool = False,
@@ -50,6 +52,7 @@ def serve(
         endpoint: Where the router listens.
         port: TCP port of the page; 0 takes a free one, which is printed.
         host: Address of the page; other than loopback, other hosts reach it too, without access control.
+        names: Further names by which the page is reached; a browser that asks by any other is refused.
         scenario: Configuration until a ScenarioInfo arrives.
         epoch: Session number of the published messages; the wall clock in ns if not given.
         lifeline: Whether standard input is a lifeline (see ``passafe_services.loop.stop``).
@@ -70,7 +73,8 @@ def serve(
             reader = BusReader(bus, feed, outlet)
             broadcast = Broadcast(feed, read=reader.read, clock=time.monotonic_ns, frame_hz=frame_hz)
             links = LinkRequests(broadcast, partial(_request_settings, outlet))
-            asyncio.run(_run(create_app(broadcast, links), broadcast, listener, stop))
+            app = create_app(broadcast, links, hosts=OwnHosts.of(host, names))
+            asyncio.run(_run(app, broadcast, listener, stop))
     return stop.reason
 
 
@@ -121,6 +125,7 @@ def start(options: ProcessOptions) -> None:
         options.endpoint,
         options.port,
         host=options.host,
+        names=options.page_names,
         scenario=options.scenario,
         epoch=options.epoch,
         lifeline=options.lifeline,

@@ -2,9 +2,18 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Final
 
 import uvicorn
 from fastapi import FastAPI
+
+from passafe_dashboard.connections import LimitedHttp, LimitedWebSocket
+
+MAX_BUSY: Final = 128
+"""Connections from which on requests other than of a WebSocket are answered with 503."""
+
+PING_S: Final = 5.0
+"""Time between pings of a WebSocket, and time to answer one, s."""
 
 
 class PageServer(uvicorn.Server):
@@ -23,10 +32,15 @@ def page_server(app: FastAPI) -> PageServer:
         log_config=None,  # uvicorn would configure logging of the whole process
         log_level="warning",
         access_log=False,
-        ws="websockets-sansio",
+        http=LimitedHttp,
+        h11_max_incomplete_event_size=16_384,  # of the head of a request
+        limit_concurrency=MAX_BUSY,
+        backlog=64,
+        ws=LimitedWebSocket,
+        ws_max_size=4096,  # a page sends nothing
         ws_per_message_deflate=False,  # loopback has the bandwidth; compression would cost processor time
-        ws_ping_interval=5.0,
-        ws_ping_timeout=10.0,
+        ws_ping_interval=PING_S,
+        ws_ping_timeout=PING_S,
         timeout_graceful_shutdown=1,
     )
     return PageServer(config)

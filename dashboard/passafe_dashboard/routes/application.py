@@ -7,6 +7,7 @@ from typing import Final
 
 from bokeh.settings import settings as bokeh_settings
 from fastapi import FastAPI, Request, Response
+from fastapi.exceptions import RequestValidationError
 from fastapi.staticfiles import StaticFiles
 
 from passafe_dashboard.live.broadcast import Broadcast
@@ -14,7 +15,9 @@ from passafe_dashboard.live.link_requests import LinkRequests
 from passafe_dashboard.live.page import LivePage
 from passafe_dashboard.markup import STATIC
 from passafe_dashboard.routes.links import link_routes
+from passafe_dashboard.routes.own_hosts import OwnHosts, OwnHostsOnly
 from passafe_dashboard.routes.page import page_routes
+from passafe_dashboard.routes.refusals import answer_invalid
 from passafe_dashboard.routes.state import state_routes
 
 HEADERS: Final = {
@@ -28,8 +31,13 @@ HEADERS: Final = {
 }
 """The browser loads nothing from other hosts. Inline styles stay allowed: BokehJS styles its elements so."""
 
+MAX_BODY_BYTES: Final = 65_536
+"""Largest body of a request: the settings of a link with the longest histogram take a few kB."""
 
-def create_app(broadcast: Broadcast, links: LinkRequests, *, window_s: float = 20.0) -> FastAPI:
+
+def create_app(
+    broadcast: Broadcast, links: LinkRequests, *, hosts: OwnHosts | None = None, window_s: float = 20.0
+) -> FastAPI:
     """Return the application.
 
     While it runs, ``app.state.broadcasting`` is the task that reads the bus; it ends only by failing.
@@ -37,6 +45,7 @@ def create_app(broadcast: Broadcast, links: LinkRequests, *, window_s: float = 2
     Args:
         broadcast: Source of the state and of the frames.
         links: Changes links.
+        hosts: Hosts by which the page may be asked for; those of loopback if not given.
         window_s: Stretch of time that charts show.
     """
     page = LivePage(broadcast.feed, window_s=window_s)
@@ -49,7 +58,16 @@ def create_app(broadcast: Broadcast, links: LinkRequests, *, window_s: float = 2
         app.state.broadcasting.cancel()
         await asyncio.wait({app.state.broadcasting})
 
-    app = FastAPI(title="passafe dashboard", lifespan=lifespan, docs_url=None, redoc_url=None, openapi_url=None)
+    app = FastAPI(
+        title="passafe dashboard",
+        lifespan=lifespan,
+        docs_url=None,
+        redoc_url=None,
+        openapi_url=None,
+        max_body_size=MAX_BODY_BYTES,
+    )
+    app.add_exception_handler(RequestValidationError, answer_invalid)
+    app.add_middleware(OwnHostsOnly, hosts=hosts or OwnHosts())
     app.middleware("http")(_add_headers)
     app.include_router(page_routes(page))
     app.include_router(state_routes(broadcast))

@@ -9,16 +9,15 @@ from fastapi import APIRouter, Request, Response, WebSocket, WebSocketDisconnect
 from passafe_dashboard.json_text import json_text
 from passafe_dashboard.live.broadcast import Broadcast
 from passafe_dashboard.live.page_state import liveness, page_state
-from passafe_dashboard.routes.origin import is_same_origin
 
 MAX_CLIENTS: Final = 32
-WRONG_ORIGIN: Final = 1008
 TRY_AGAIN_LATER: Final = 1013
 
 
 def state_routes(broadcast: Broadcast) -> APIRouter:
     """Return the routes of state, health and frames."""
     router = APIRouter()
+    served: set[WebSocket] = set()
 
     @router.get("/api/status")
     async def status() -> Response:
@@ -35,14 +34,16 @@ def state_routes(broadcast: Broadcast) -> APIRouter:
 
     @router.websocket("/live")
     async def live(websocket: WebSocket) -> None:
-        if not is_same_origin(websocket):
-            await websocket.close(WRONG_ORIGIN)
-            return
-        await websocket.accept()
-        if broadcast.clients >= MAX_CLIENTS:
+        if len(served) >= MAX_CLIENTS:
+            await websocket.accept()
             await websocket.close(TRY_AGAIN_LATER, "too many pages are open")
             return
-        await _serve_client(websocket, broadcast)
+        served.add(websocket)  # before anything is awaited: others connect meanwhile
+        try:
+            await websocket.accept()
+            await _serve_client(websocket, broadcast)
+        finally:
+            served.discard(websocket)
 
     return router
 

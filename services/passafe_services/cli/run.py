@@ -27,6 +27,12 @@ def run(
     ),
     port: Annotated[int, typer.Option(metavar="PORT", min=1, max=65535, help="Dashboard: port of its page.")] = 8080,
     host: Annotated[str, typer.Option(metavar="ADDRESS", help="Dashboard: address of its page.")] = "127.0.0.1",
+    page_name: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME", help="Dashboard: further host name by which its page is opened; repeat for others."
+        ),
+    ] = None,
     epoch: Annotated[
         int | None,
         typer.Option(
@@ -59,6 +65,7 @@ def run(
         host=host,
         epoch=time.time_ns() if epoch is None else epoch,
         lifeline=lifeline,
+        page_names=tuple(page_name or ()),
     )
     if process is ProcessName.FILTER and not lifeline:  # `passafe demo` has done so
         from passafe_services.cli.check import warn_at_load  # noqa: PLC0415 - the other processes stay small

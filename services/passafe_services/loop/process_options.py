@@ -38,6 +38,7 @@ class ProcessOptions:
         out: Recorder: log to write.
         port: Dashboard: port of its page.
         host: Dashboard: address of its page.
+        page_names: Dashboard: further names by which its page is reached.
         epoch: Epoch of its session, larger than those of all earlier ones of this process.
         lifeline: Whether to end when standard input closes.
     """
@@ -51,3 +52,4 @@ class ProcessOptions:
     host: str
     epoch: int
     lifeline: bool
+    page_names: tuple[str, ...] = ()

@@ -1,0 +1,84 @@
+"""Requests of any kind to any documented route are answered, and never with an error of the server."""
+
+import json
+from collections.abc import Iterator
+from itertools import product
+from typing import Any
+from urllib.parse import quote
+
+import httpx
+import pytest
+from closed_form import paper_scenario
+from hypothesis import HealthCheck, example, given, settings
+from hypothesis import strategies as st
+from passafe_dashboard.live.feed import Feed
+from passafe_dashboard.live.link_requests import LinkRequests, LinkUpdate
+from passafe_dashboard.routes.application import create_app
+from passafe_protocol.topics import LINKS
+from served_page import FastRun, ServedPage, serve_page
+
+METHODS = ("GET", "PUT", "POST", "DELETE", "PATCH", "HEAD", "OPTIONS")
+ANSWERS = {200, 400, 404, 405, 413, 422, 504}
+"""Statuses that an answer may have: 504 is that of a link whose process is silent."""
+
+scalars = st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=20)
+values = st.recursive(
+    scalars,
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=8), inner, max_size=4),
+    max_leaves=12,
+)
+updates = st.dictionaries(st.sampled_from(sorted(LinkUpdate.model_fields)) | st.text(max_size=8), values, max_size=4)
+bodies = st.binary(max_size=200) | (updates | values).map(lambda value: json.dumps(value).encode())
+names = st.sampled_from(sorted(LINKS)) | st.text(st.characters(codec="utf-8"), min_size=1, max_size=20)
+
+
+@pytest.fixture(scope="module")
+def page() -> Iterator[ServedPage]:
+    with serve_page(FastRun(Feed(paper_scenario())), answer_s=0.2) as served:
+        yield served
+
+
+def documented() -> dict[str, Any]:
+    run = FastRun(Feed(paper_scenario()))
+    paths: dict[str, Any] = create_app(run.broadcast, LinkRequests(run.broadcast, run.links.request)).openapi()["paths"]
+    return paths
+
+
+PATHS = sorted(documented())
+
+
+def test_every_route_is_in_the_description() -> None:
+    assert {"/", "/charts.js", "/api/status", "/healthz", "/api/links", "/api/links/{name}"} <= set(PATHS)
+
+
+@pytest.mark.parametrize(("path", "method"), list(product(PATHS, METHODS)))
+def test_every_method_is_answered_or_not_allowed(page: ServedPage, path: str, method: str) -> None:
+    answer = httpx.request(method, page.url + path.replace("{name}", "plant-to-filter"), timeout=30)
+
+    described = method.lower() in documented()[path]
+    assert (answer.status_code != 405) is described
+    assert answer.status_code in ANSWERS
+
+
+@settings(max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    path=st.sampled_from(PATHS),
+    method=st.sampled_from(METHODS),
+    name=names,
+    body=bodies,
+    kind=st.sampled_from(["application/json", "text/plain", "application/json; charset=\xff", ""]),
+)
+@example(path="/api/links/{name}", method="PUT", name="plant-to-filter", body=b'{"loss": NaN}', kind="application/json")
+def test_no_request_makes_the_server_fail(
+    page: ServedPage, path: str, method: str, name: str, body: bytes, kind: str
+) -> None:
+    url = page.url + path.replace("{name}", quote(name, safe=""))
+    answer = httpx.request(method, url, content=body, headers={"content-type": kind.encode("latin-1")}, timeout=30)  # type: ignore[dict-item]
+
+    assert answer.status_code in ANSWERS, answer.text
+    if answer.status_code == 422:
+        assert all(set(problem) == {"type", "loc", "msg"} for problem in answer.json()["detail"])
+
+
+def test_page_still_answers_after_all_of_it(page: ServedPage) -> None:
+    assert page.get("/healthz").json()["ok"] is True
