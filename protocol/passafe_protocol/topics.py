@@ -36,7 +36,7 @@ class Congestion(Enum):
 
 
 class Priority(Enum):
-    """Lane of a topic's messages: each priority has queues of its own, from publisher to reader."""
+    """Priority of a topic's messages: each has queues of its own, from publisher to reader."""
 
     REAL_TIME = "real-time"
     """The emergency stop alone: nothing waits before it."""
@@ -56,7 +56,7 @@ class Topic:
         rate_hz: Nominal rate; ``None``: the scenario's ``rate_hz``; 0: occasional.
         deadline_s: Time without a message after which a reader reports the topic as late; ``None``: never.
         congestion: Behaviour on congestion.
-        priority: Lane of its messages.
+        priority: Priority of its messages.
         any_session: Whether a reader's inlet admits every session of a publisher side by side, and the node decides
             which counts; otherwise one session at a time is admitted.
         queue: Capacity of a reader's ring; the oldest message is dropped when it is full.

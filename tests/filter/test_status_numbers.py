@@ -5,7 +5,7 @@ from passafe.decision import Status
 
 
 def test_core_and_wire_number_statuses_alike() -> None:
-    assert {status.name: status.value for status in Status} | {"STALE": 6} == {
+    assert {status.name: status.value for status in Status} | {"STALE": 6, "STOPPED": 9} == {
         status.name: status.value for status in FilterStatus
     }
 
@@ -22,4 +22,4 @@ def test_fallbacks_on_the_wire_are_those_of_the_core_and_stale() -> None:
 def test_severity_ranks_every_status_and_fallbacks_last() -> None:
     assert sorted(status.severity for status in FilterStatus) == [*range(1, len(FilterStatus) + 1)]
     assert min(BY_SEVERITY, key=lambda status: status.severity) is FilterStatus.PASSED
-    assert [status.is_fallback for status in BY_SEVERITY] == [False] * 4 + [True] * 4
+    assert [status.is_fallback for status in BY_SEVERITY] == [False] * 5 + [True] * 4

@@ -48,7 +48,7 @@ def test_row_is_consistent(topic: Topic) -> None:
     assert set(topic.links) <= set(PROCESSES) - set(topic.publishers)
 
 
-def test_the_stop_has_a_lane_of_its_own() -> None:
+def test_the_stop_has_a_priority_of_its_own() -> None:
     assert [topic.name for topic in TOPICS if topic.priority is Priority.REAL_TIME] == ["stop"]
     assert not STOP.links  # nobody who may change links can delay it
     assert set(CLEAR.publishers) < set(STOP.publishers)

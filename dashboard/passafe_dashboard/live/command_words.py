@@ -12,6 +12,7 @@ _WORDS: Final[Mapping[str, str]] = {
     CommandState.RELEASED: "the dead-man is released",
     CommandState.SILENT: "does not count: no newer one comes",
     CommandState.DELAYED: "does not count: too old when it arrives",
+    CommandState.STOPPED: "does not count: emergency stop, or made before it was cleared",
 }
 
 

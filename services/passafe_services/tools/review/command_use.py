@@ -13,6 +13,7 @@ WORDS: Final[Mapping[CommandState, str]] = {
     CommandState.RELEASED: "dead-man released",
     CommandState.DELAYED: "too old when they arrived",
     CommandState.SILENT: "no newer one came",
+    CommandState.STOPPED: "emergency stop",
     CommandState.NONE: "none yet",
 }
 
