@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from passafe_protocol.messages import UNSEQUENCED, Header, PlantInput, Received
-from passafe_protocol.topics import INPUT, Topic
+from passafe_protocol.topics import CLEAR, EVENT, INPUT, STOP, Topic
 
 from passafe.limits import Limits
 from passafe.sampled_plant import SampledPlant
@@ -12,6 +12,7 @@ from passafe_services.plant.input_account import InputAccount
 from passafe_services.plant.input_check import InputCheck
 from passafe_services.plant.sequenced_inputs import REFUSED, SequencedInputs
 from passafe_services.plant.simulated_robot import WAITING, SimulatedRobot
+from passafe_services.plant.stop_latch import StopLatch
 from passafe_services.plant_contract.fail_safe import FailSafe
 
 
@@ -27,7 +28,7 @@ class PlantNode:
     """
 
     name = "plant"
-    subscribes: tuple[Topic, ...] = (INPUT,)
+    subscribes: tuple[Topic, ...] = (STOP, CLEAR, INPUT)
 
     def __init__(
         self,
@@ -38,6 +39,7 @@ class PlantNode:
         period_ns: int,
         playout_ns: int,
         limits: Limits,
+        latch: StopLatch | None = None,
     ) -> None:
         """Put the robot at rest at x0.
 
@@ -48,12 +50,16 @@ class PlantNode:
             period_ns: Period of a step, ns.
             playout_ns: Time between arrival and effect of the first input, ns.
             limits: Limits of magnitude and norm; inputs beyond them are refused. Rates are not checked.
+            latch: Emergency stop; one that is not latched if not given.
         """
         self._period_ns = period_ns
         self._check = InputCheck(limits)
         self._inputs = SequencedInputs(period_ns, self._check.is_applicable)
         self._account = InputAccount()
-        self._robot = SimulatedRobot(plant, fail_safe, self._account, x0=x0, period_ns=period_ns, playout_ns=playout_ns)
+        self._latch = StopLatch() if latch is None else latch
+        self._robot = SimulatedRobot(
+            plant, fail_safe, self._account, self._latch, x0=x0, period_ns=period_ns, playout_ns=playout_ns
+        )
 
     @property
     def plant_ns(self) -> int:
@@ -62,15 +68,29 @@ class PlantNode:
 
     def step(self, now_ns: int, inbox: Sequence[Received]) -> Sequence[Outgoing]:
         """Return the states of every period since the previous step, or the current one; see ``Node.step``."""
+        events: list[Outgoing] = []
         for received in inbox:
             if type(received.body) is PlantInput:
                 self._receive(received.header, received.body, received.received_ns)
-        return self._robot.run_to(now_ns, self._choose_input)
+            else:
+                events += self._receive_stop(received)
+        states = self._robot.run_to(now_ns, self._choose_input)
+        return [*events, *states] if events else states
+
+    def _receive_stop(self, received: Received) -> Sequence[Outgoing]:
+        """Receive a press of the emergency stop or a clear; either voids all inputs."""
+        event = self._latch.receive(received)
+        if event is None:
+            return ()
+        self._inputs.void(self._robot.plant_ns)
+        self._account.sequence_break_ns = self._inputs.sequence_break_ns
+        return ((EVENT, event),)
 
     def _receive(self, header: Header, plant_input: PlantInput, received_ns: int) -> None:
         robot, account = self._robot, self._account
         if (
-            header.epoch < account.transit.epoch
+            not self._latch.admits(plant_input)
+            or header.epoch < account.transit.epoch
             or plant_input.input_sequence_start_ns == UNSEQUENCED
             or not self._check.is_valid(header, plant_input)
         ):

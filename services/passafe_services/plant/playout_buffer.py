@@ -42,6 +42,17 @@ class PlayoutBuffer:
             self._pending[due] = plant_input
         return True
 
+    def void(self, plant_ns: int) -> None:
+        """Discard all inputs for an emergency stop or its clear.
+
+        Args:
+            plant_ns: Plant time, ns.
+        """
+        self._pending.clear()
+        self._late.clear()
+        if self._popped_period is not None:
+            self._popped_period = plant_ns // self._period_ns
+
     def pop_due(self, plant_ns: int) -> PlantInput | None:
         """Return the newest input due at ``plant_ns``, or ``None``, and remove it and all older ones.
 

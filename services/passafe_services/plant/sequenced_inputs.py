@@ -129,6 +129,19 @@ class SequencedInputs:
         self._reported_break = identity
         return periods
 
+    def void(self, plant_ns: int) -> None:
+        """Discard all inputs for an emergency stop or its clear; a sequence that has begun breaks.
+
+        Args:
+            plant_ns: Plant time, ns.
+        """
+        if self._popped_ns is None:
+            self._discard()
+        else:
+            self._popped_ns = plant_ns
+            self._broken = None
+            self._break_sequence(plant_ns)
+
     def _break_sequence(self, plant_ns: int) -> None:
         """Discard all inputs that were predicted from a state before this break."""
         self.is_running = False
