@@ -261,6 +261,29 @@ def test_state_reports_the_largest_transit_time() -> None:
     assert (state.input_transit_ns, state.input_epoch) == (-2 * MS - 1008 * MS, 1)
 
 
+def test_inputs_that_waited_for_a_suspended_plant_are_no_transit() -> None:
+    node = make_node()
+    states(node, 1, sequenced(0, 1, made_ms=-4))
+    [before] = states(node, 2, sequenced(1, 2, made_ms=-3))
+
+    waited = [sequenced(k, 2_002, made_ms=k - 4, first=1_900) for k in range(1_900, 1_910)]
+    resumed = states(node, 2_002, *waited)[-1]
+    soon = states(node, 2_010, sequenced(1_950, 2_010, made_ms=1_000))[-1]
+    later = states(node, 2_060, sequenced(2_059, 2_060, made_ms=2_052))[-1]
+
+    assert before.input_transit_ns == resumed.input_transit_ns == soon.input_transit_ns == 4 * MS
+    assert later.input_transit_ns == 7 * MS
+    assert resumed.plant_ns == 2_001 * MS
+
+
+def test_a_plant_that_waits_is_not_suspended() -> None:
+    node = make_node()
+    states(node, 0)
+    states(node, 5_000, sequenced(0, 5_000, made_ms=4_990))
+
+    assert states(node, 5_001, sequenced(1, 5_001, made_ms=4_989))[-1].input_transit_ns == -4_988 * MS
+
+
 def test_lost_input_counts_as_arrived_with_its_repetition() -> None:
     node = make_node(playout_ns=5 * MS)
     states(node, 10, sequenced(0, 10, made_ms=10))

@@ -13,6 +13,7 @@ from passafe_services.plant.input_check import InputCheck
 from passafe_services.plant.sequenced_inputs import REFUSED, SequencedInputs
 from passafe_services.plant.simulated_robot import WAITING, SimulatedRobot
 from passafe_services.plant.stop_latch import StopLatch
+from passafe_services.plant.transit_time import STALL_NS
 from passafe_services.plant_contract.fail_safe import FailSafe
 
 
@@ -56,6 +57,7 @@ class PlantNode:
         self._check = InputCheck(limits)
         self._inputs = SequencedInputs(period_ns, self._check.is_applicable)
         self._account = InputAccount()
+        self._stepped_ns = 0
         self._latch = StopLatch() if latch is None else latch
         self._robot = SimulatedRobot(
             plant, fail_safe, self._account, self._latch, x0=x0, period_ns=period_ns, playout_ns=playout_ns
@@ -69,6 +71,10 @@ class PlantNode:
     def step(self, now_ns: int, inbox: Sequence[Received]) -> Sequence[Outgoing]:
         """Return the states of every period since the previous step, or the current one; see ``Node.step``."""
         events: list[Outgoing] = []
+        is_moving = self._robot.phase is not WAITING
+        if is_moving and now_ns - self._stepped_ns >= STALL_NS:
+            self._account.transit.settle(self._robot.plant_time_of(now_ns))
+        self._stepped_ns = now_ns
         for received in inbox:
             if type(received.body) is PlantInput:
                 self._receive(received.header, received.body, received.received_ns)

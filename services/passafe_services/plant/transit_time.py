@@ -2,6 +2,12 @@
 
 from typing import Final
 
+STALL_NS: Final = 100_000_000
+"""Time between two steps of the plant from which on its process counts as suspended, ns."""
+
+SETTLE_NS: Final = 50_000_000
+"""Time after a suspension in which arrivals are those of messages that waited for this process, ns."""
+
 SPAN_NS: Final = 1_000_000_000
 """Length of one span; the maximum covers the current and the previous span."""
 
@@ -10,6 +16,9 @@ class TransitTime:
     """Maximum over the last 1 to 2 s of the plant time of an arrival minus the sender's clock at its step.
 
     The two clocks are unrelated: only the filter that owns the second clock uses the difference.
+
+    Inputs that waited while the plant's process was suspended say nothing about the network: counted, they would have
+    the filter plan ahead by the length of the suspension, and the robot would stand for as long once more.
 
     Attributes:
         epoch: Session of the filter; 0 before the first input.
@@ -21,6 +30,15 @@ class TransitTime:
         self.largest_ns = 0
         self._now_ns = self._before_ns = 0
         self._ends_ns = 0
+        self._settled_ns: int | None = None
+
+    def settle(self, resumed_ns: int) -> None:
+        """Ignore arrivals of the same session for ``SETTLE_NS``: the process was suspended.
+
+        Args:
+            resumed_ns: Plant time at which it goes on, ns.
+        """
+        self._settled_ns = resumed_ns + SETTLE_NS
 
     def record(self, epoch: int, arrival_ns: int, made_ns: int) -> None:
         """Record an arrival.
@@ -35,7 +53,7 @@ class TransitTime:
             self.epoch = epoch
             self._before_ns = self._now_ns = self.largest_ns = transit_ns
             self._ends_ns = arrival_ns + SPAN_NS
-        elif epoch < self.epoch:
+        elif epoch < self.epoch or (self._settled_ns is not None and arrival_ns < self._settled_ns):
             return
         elif arrival_ns >= self._ends_ns:
             self._before_ns, self._now_ns = self._now_ns, transit_ns
