@@ -36,6 +36,7 @@
             * ``ChecksumError``: bytes that are not those that were sent
         * ``SchemaVersionError``: a message of another version of ``passafe.proto``; also a ``NotAllowedError``
         * ``InvalidMessageError``: a field that may not hold what it holds; also a ``NotAllowedError``
+        * ``RobotNameError``: a name that no robot can have; also a ``NotAllowedError``
         * ``LinkSettingsError``: a link's setting outside its range; also a ``NotAllowedError``
     * ``LogFileError``: a log that cannot be used
         * ``LogWriteError``: it cannot be created or grown

@@ -10,6 +10,7 @@ from functools import partial
 from typing import Final
 
 from fastapi import FastAPI
+from passafe_protocol.keys import DEFAULT_ROBOT
 from passafe_protocol.messages import LinkConfig
 from passafe_protocol.topics import LINK_CONFIG
 from passafe_services.loop.bus import open_bus
@@ -41,6 +42,7 @@ def serve(
     *,
     host: str = LOOPBACK,
     names: Sequence[str] = (),
+    robot: str = DEFAULT_ROBOT,
     scenario: Scenario | None = None,
     epoch: int | None = None,
     lifeline: bool = False,
@@ -53,6 +55,7 @@ def serve(
         port: TCP port of the page; 0 takes a free one, which is printed.
         host: Address of the page; other than loopback, other hosts reach it too, without access control.
         names: Further names by which the page is reached; a browser that asks by any other is refused.
+        robot: Robot whose topics the page shows.
         scenario: Configuration until a ScenarioInfo arrives.
         epoch: Session number of the published messages; the wall clock in ns if not given.
         lifeline: Whether standard input is a lifeline (see ``passafe_services.loop.stop``).
@@ -68,7 +71,7 @@ def serve(
     """
     with stop_requests(lifeline=lifeline) as stop, listening_socket(host, port) as listener:
         feed = Feed(scenario)
-        with open_bus(endpoint) as bus:
+        with open_bus(endpoint, robot=robot) as bus:
             outlet = Outlet(bus, NAME, time.time_ns() if epoch is None else epoch)
             reader = BusReader(bus, feed, outlet)
             broadcast = Broadcast(feed, read=reader.read, clock=time.monotonic_ns, frame_hz=frame_hz)
@@ -126,6 +129,7 @@ def start(options: ProcessOptions) -> None:
         options.port,
         host=options.host,
         names=options.page_names,
+        robot=options.robot,
         scenario=options.scenario,
         epoch=options.epoch,
         lifeline=options.lifeline,

@@ -58,6 +58,15 @@ class SchemaVersionError(ProtocolError, NotAllowedError):
         super().__init__("schema_version", got, str(allowed))
 
 
+class RobotNameError(ProtocolError, NotAllowedError):
+    """A name that no robot can have: it would not fit into key expressions and certificates."""
+
+    quotes_got: ClassVar[bool] = True
+
+    def __init__(self, got: str, allowed: str) -> None:
+        super().__init__("robot", got, allowed)
+
+
 class LinkSettingsError(ProtocolError, NotAllowedError):
     """A link setting outside its range."""
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Final, NamedTuple
 
+from passafe_protocol.keys import DEFAULT_ROBOT, key_of
 from passafe_protocol.messages import (
     EmergencyStop,
     Event,
@@ -21,8 +22,6 @@ from passafe_protocol.messages import (
     ScenarioInfo,
     StopClear,
 )
-
-KEY_ROOT: Final = "passafe"
 
 
 class Congestion(Enum):
@@ -76,15 +75,13 @@ class Topic:
     recorded: bool = True
     links: Mapping[str, str] = field(default_factory=dict)
 
-    def key(self, source: str) -> str:
-        """Return the key expression under which the process ``source`` publishes this topic."""
-        return f"{KEY_ROOT}/{source}/{self.name}"
+    def key(self, source: str, robot: str = DEFAULT_ROBOT) -> str:
+        """Return the key expression under which the process ``source`` of a robot publishes this topic."""
+        return key_of(robot, source, self.name)
 
-    @property
-    def selector(self) -> str:
-        """Key expression that a reader subscribes to: this topic of every publisher."""
-        publisher = self.publishers[0] if len(self.publishers) == 1 else "*"
-        return f"{KEY_ROOT}/{publisher}/{self.name}"
+    def selector(self, robot: str = DEFAULT_ROBOT) -> str:
+        """Return the key expression that a reader subscribes to: this topic of every publisher of a robot."""
+        return key_of(robot, self.publishers[0] if len(self.publishers) == 1 else "*", self.name)
 
 
 PROCESSES: Final = ("router", "recorder", "dashboard", "operator", "filter", "plant")

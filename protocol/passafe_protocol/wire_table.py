@@ -126,7 +126,7 @@ def _topic_table(topics: Iterable[Topic]) -> str:
         (
             topic.name,
             f"[{topic.body.__name__}](#{topic.body.__name__.lower()})",
-            f"`{topic.selector}`",
+            f"`{topic.selector('{robot}')}`",
             ", ".join(topic.publishers),
             _rate(topic.rate_hz),
             "never" if topic.deadline_s is None else f"{topic.deadline_s:g} s",

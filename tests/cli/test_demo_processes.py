@@ -1,5 +1,6 @@
 """The child processes of a demo: their order, and how one of them is recognised."""
 
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -13,7 +14,9 @@ HERE = RouterEndpoint(port=7447)
 
 def processes(page_port: int | None = None, *, restart: bool = False) -> list[ProcessSpec]:
     files = Path("a.json"), Path("a.mcap")
-    return demo_processes(files[0], HERE, files[1], page_port=page_port, duration_s=None, restart=restart)
+    return demo_processes(
+        files[0], HERE, files[1], robot="left-arm", page_port=page_port, duration_s=None, restart=restart
+    )
 
 
 def test_plant_starts_last_and_a_headless_demo_has_no_dashboard() -> None:
@@ -31,6 +34,7 @@ def test_process_is_recognised_by_name_and_router(name: ProcessName) -> None:
     [argv] = (list(one.argv) for one in processes(8080) if is_demo_process(one.argv, name, HERE))
 
     assert argv[4] == name
+    assert ("--robot", "left-arm") in pairwise(argv)
     assert not is_demo_process(argv, name, RouterEndpoint(port=7448))
     assert not is_demo_process(["tail", "-f", *argv], name, HERE)
     assert not is_demo_process([], name, HERE)

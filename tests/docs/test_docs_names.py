@@ -10,7 +10,7 @@ from passafe_protocol.topics import PROCESSES
 
 FOLDERS = ("passafe", "protocol", "services", "dashboard", "docs", "examples", "benchmarks", "tests", "wheel_build")
 PATH = re.compile(rf"(?<![\w/.])((?:{'|'.join(FOLDERS)})/[\w./-]*\w)/?")
-KEY_EXPRESSION = re.compile(rf"passafe/({'|'.join(PROCESSES)})/\w+")
+KEY_EXPRESSION = re.compile(rf"passafe/[a-z0-9-]+/(\*|{'|'.join(PROCESSES)})/\w+")
 MODULE = re.compile(r"(?:`|^::: )(passafe(?:_\w+)?(?:\.\w+)+)", re.MULTILINE)
 
 

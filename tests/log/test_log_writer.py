@@ -10,7 +10,7 @@ from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 from passafe_protocol.codec import encode
 from passafe_protocol.messages import Event, Header, Health, TopicHealth
-from passafe_protocol.topics import EVENT, HEALTH
+from passafe_protocol.topics import EVENT, HEALTH, STATE
 from passafe_services.log.errors import LogWriteError
 from passafe_services.log.log_writer import LogWriter, run_metadata, topic_of_key
 
@@ -43,10 +43,10 @@ def test_the_standard_reader_and_decoder_read_it(tmp_path: Path) -> None:
             assert schema.encoding == channel.message_encoding == "protobuf"
             assert schema.name == f"passafe.v1.{type(decoded).__name__}"
             assert message.log_time == message.publish_time == WALL_NS + message.sequence
-            assert decoded.header.source == channel.topic.split("/")[1]
+            assert decoded.header.source == channel.topic.split("/")[2]
             assert decoded.header.sequence == message.sequence
             found[channel.topic, message.sequence] = message.data
-            if channel.topic == "passafe/plant/health":
+            if channel.topic == "passafe/robot/plant/health":
                 assert decoded.topics[0].gaps == 4
         assert found == wire
         summary = reader.get_summary()
@@ -67,7 +67,7 @@ def test_the_standard_reader_and_decoder_read_it(tmp_path: Path) -> None:
 def test_the_sequence_wraps_at_32_bits(tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"
     with LogWriter(path, {}) as log:
-        log.write("passafe/plant/event", b"", sequence=2**32 + 7, wall_ns=0)
+        log.write("passafe/robot/plant/event", b"", sequence=2**32 + 7, wall_ns=0)
     with path.open("rb") as stream:
         assert [m.sequence for _, _, m in make_reader(stream).iter_messages()] == [7]
 
@@ -77,8 +77,8 @@ def test_time_out_of_range_is_refused_before_it_reaches_a_chunk(tmp_path: Path, 
     path = tmp_path / "run.mcap"
     with LogWriter(path, {}) as log:
         with pytest.raises(ValueError, match="wall_ns"):
-            log.write("passafe/plant/event", b"", sequence=0, wall_ns=wall_ns)
-        log.write("passafe/plant/event", b"x", sequence=0, wall_ns=5)
+            log.write("passafe/robot/plant/event", b"", sequence=0, wall_ns=wall_ns)
+        log.write("passafe/robot/plant/event", b"x", sequence=0, wall_ns=5)
     with path.open("rb") as stream:
         assert [m.data for _, _, m in make_reader(stream).iter_messages()] == [b"x"]
 
@@ -86,21 +86,27 @@ def test_time_out_of_range_is_refused_before_it_reaches_a_chunk(tmp_path: Path, 
 def test_unknown_key_is_logged_without_a_schema(tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"
     with LogWriter(path, {}) as log:
-        log.write("passafe/plant/unheard_of", b"\x01", sequence=0, wall_ns=0)
+        log.write("passafe/robot/plant/unheard_of", b"\x01", sequence=0, wall_ns=0)
     with path.open("rb") as stream:
         [(schema, channel, message)] = make_reader(stream).iter_messages()
     assert schema is None
     assert (channel.topic, channel.message_encoding, message.data) == (
-        "passafe/plant/unheard_of",
+        "passafe/robot/plant/unheard_of",
         "",
         b"\x01",
     )
 
 
-@pytest.mark.parametrize("key", ["passafe/plant/state/more", "other/plant/state", "state", "passafe/plant/x"])
+@pytest.mark.parametrize(
+    "key", ["passafe/robot/plant/state/more", "passafe/state", "other/plant/state", "state", "passafe/robot/plant/x"]
+)
 def test_keys_without_a_topic(key: str) -> None:
     assert topic_of_key(key) is None
     assert topic_of_key(EVENT.key("plant")) is EVENT
+
+
+def test_keys_of_logs_without_robot_are_known() -> None:
+    assert topic_of_key("passafe/plant/state") is STATE
 
 
 def test_nothing_is_written_after_the_end(tmp_path: Path) -> None:

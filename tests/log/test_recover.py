@@ -27,7 +27,7 @@ def write_log(path: Path, *, flushes: int = 5, between: int = 10) -> list[int]:
             source = ("plant", "filter")[k % 2]
             header = Header(source, 1, k // 2, 0, 0, 0, WALL_NS + k * MS)
             data = encode(header, Event("info", f"number {k}"))
-            log.write(f"passafe/{source}/event", data, sequence=k // 2, wall_ns=header.wall_ns)
+            log.write(f"passafe/robot/{source}/event", data, sequence=k // 2, wall_ns=header.wall_ns)
             if (k + 1) % between == 0:
                 log.flush()
                 sizes.append(path.stat().st_size)
@@ -57,7 +57,7 @@ def test_everything_before_the_tear_is_kept(tmp_path: Path) -> None:
     recovery = recover(torn, out)
     assert recovery.messages == 30
     assert recovery.duration_s == pytest.approx(0.029)
-    assert recovery.channels == {"passafe/plant/event": 15, "passafe/filter/event": 15}
+    assert recovery.channels == {"passafe/robot/plant/event": 15, "passafe/robot/filter/event": 15}
     assert not recovery.was_finished
     assert f"of {sizes[2] + 30} bytes" in recovery.tear
     assert contents(out) == contents(whole)[:30]

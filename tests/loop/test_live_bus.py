@@ -102,9 +102,9 @@ def test_session_does_not_receive_its_own_messages(sender: Bus, receiver: Bus) -
 def test_recording_reader_receives_every_topic_with_its_key(sender: Bus, receiver: Bus) -> None:
     log = receiver.recording_reader()
     puts = {
-        "passafe/operator/command": sender.publisher(COMMAND, "operator"),
-        "passafe/filter/input": sender.publisher(INPUT, "filter"),
-        "passafe/console/link_config": sender.publisher(LINK_CONFIG, "console"),
+        "passafe/robot/operator/command": sender.publisher(COMMAND, "operator"),
+        "passafe/robot/filter/input": sender.publisher(INPUT, "filter"),
+        "passafe/robot/console/link_config": sender.publisher(LINK_CONFIG, "console"),
     }
     for key, put in puts.items():
         put(key.encode())
@@ -128,7 +128,7 @@ def test_a_log_reader_is_given_what_it_lost(start: Callable, router: object, por
         time.sleep(max(0.0, began + 0.001 * (sequence + 1) - time.monotonic()))
     recorder.cut_lifeline()
     output = recorder.output()
-    logged = output["passafe/operator/command"]
+    logged = output["passafe/robot/operator/command"]
     # On a busy machine the reader may discover the publisher a message late; from then on nothing is missing.
     assert logged == list(range(logged[0], 3000))
     assert logged[0] < 100
@@ -187,7 +187,7 @@ def test_recording_reader_gets_messages_of_a_router_outage(start: Callable, port
         start("router", "--port", port).wait_ready("router")
         put_for(put, range(2000, 4000))
         recorder.cut_lifeline()
-        assert recorder.output()["passafe/operator/command"] == list(range(4000))
+        assert recorder.output()["passafe/robot/operator/command"] == list(range(4000))
 
 
 def test_a_long_message_is_not_dropped_for_its_length(sender: Bus, receiver: Bus) -> None:
@@ -212,6 +212,19 @@ def test_no_router_is_an_error_in_bounded_time(port: int) -> None:
 def test_a_process_publishes_its_own_topics_only(sender: Bus) -> None:
     with pytest.raises(PublisherError, match="publisher of input: got 'operator', allowed filter"):
         sender.publisher(INPUT, "operator")
+
+
+def test_readers_receive_nothing_of_another_robot(sender: Bus, endpoint: RouterEndpoint, receiver: Bus) -> None:
+    with open_bus(endpoint, robot="other") as elsewhere:
+        own, other = receiver.reader(COMMAND), elsewhere.reader(COMMAND)
+        log = elsewhere.recording_reader()
+        put, put_elsewhere = sender.publisher(COMMAND, "operator"), elsewhere.publisher(COMMAND, "operator")
+        wait_for_reader(put, own)
+        put(b"mine")
+        put_elsewhere(b"theirs")
+        assert collect(own, 1)[-1] == b"mine"
+        assert other.drain() == []
+        assert log.drain() == [("passafe/other/operator/command", b"theirs")]  # a log has its own session's messages
 
 
 def test_the_session_is_closed_after_an_exception(endpoint: RouterEndpoint) -> None:

@@ -56,7 +56,7 @@ def log(bus: Bus) -> Log:
 def test_header_has_due_and_start_time_of_the_step(start: Callable, port: int, log: Log) -> None:
     operator = start("operator", "--port", port, "--steps", 300, "--epoch", 77)
     operator.wait_ready("operator")
-    logged = log.wait_for("passafe/operator/command", lambda logged: len(logged) == 300)
+    logged = log.wait_for("passafe/robot/operator/command", lambda logged: len(logged) == 300)
     assert operator.output()["reason"] == "FINISHED"
     first = logged[0][0].scheduled_ns
     for sequence, (header, body) in enumerate(logged):
@@ -72,8 +72,8 @@ def test_header_has_due_and_start_time_of_the_step(start: Callable, port: int, l
 def test_a_message_is_received_when_its_step_begins(start: Callable, port: int, log: Log) -> None:
     start("filter", "--port", port).wait_ready("filter")
     start("operator", "--port", port, "--steps", 300).wait_ready("operator")
-    logged = log.wait_for("passafe/filter/input", lambda logged: len(logged) >= 300)
-    commands = log.wait_for("passafe/operator/command", lambda logged: len(logged) == 300)
+    logged = log.wait_for("passafe/robot/filter/input", lambda logged: len(logged) >= 300)
+    commands = log.wait_for("passafe/robot/operator/command", lambda logged: len(logged) == 300)
     sent_ns = {header.sequence: float(header.sent_ns) for header, _ in commands}
     for header, body in logged:
         sequence, received_ns, now_ns, was_sent_ns = body.u
@@ -85,12 +85,12 @@ def test_a_message_is_received_when_its_step_begins(start: Callable, port: int, 
 def test_a_link_delays_and_drops_and_tells(start: Callable, port: int, log: Log) -> None:
     start("filter", "--port", port, "--delay", 0.05, "--loss", 0.5).wait_ready("filter")
     start("operator", "--port", port, "--steps", 400).wait_ready("operator")
-    received = log.wait_for("passafe/filter/input", lambda logged: len(logged) >= 100)
+    received = log.wait_for("passafe/robot/filter/input", lambda logged: len(logged) >= 100)
     for header, body in received:
         _, received_ns, _, was_sent_ns = body.u
         assert received_ns <= header.started_ns
         assert received_ns - was_sent_ns >= 50e6 - 1e3  # floats of 2⁵⁰ ns and more
-    dropped = log.wait_for("passafe/filter/link_event", lambda logged: len(logged) >= 100)
+    dropped = log.wait_for("passafe/robot/filter/link_event", lambda logged: len(logged) >= 100)
     assert {event.effect for _, event in dropped} == {"dropped"}
     came = {int(body.u[0]) for _, body in received}
     assert came.isdisjoint(event.sequence for _, event in dropped)
@@ -99,7 +99,7 @@ def test_a_link_delays_and_drops_and_tells(start: Callable, port: int, log: Log)
 def test_nothing_is_received_before_it_was_sent(start: Callable, port: int, log: Log) -> None:
     start("filter", "--port", port, "--held-up", 0.02).wait_ready("filter")
     start("operator", "--port", port, "--steps", 400).wait_ready("operator")
-    received = log.wait_for("passafe/filter/input", lambda logged: len(logged) >= 300)
+    received = log.wait_for("passafe/robot/filter/input", lambda logged: len(logged) >= 300)
     for header, body in received:
         _, received_ns, _, was_sent_ns = body.u
         assert was_sent_ns <= received_ns == float(header.started_ns)
@@ -111,12 +111,12 @@ def test_garbage_is_counted_and_reported_once(start: Callable, port: int, bus: B
     put = bus.publisher(COMMAND, "operator")
     for garbage in (b"", b"\xff" * 40, b"\x00", os.urandom(200), b"{}"):
         put(garbage)
-    events = log.wait_for("passafe/filter/event", lambda logged: any("refused" in e.text for _, e in logged))
+    events = log.wait_for("passafe/robot/filter/event", lambda logged: any("refused" in e.text for _, e in logged))
     assert [event for _, event in events if event.severity == "warning" and "refused" in event.text]
-    health = log.wait_for("passafe/filter/health", lambda logged: logged and logged[-1][1].topics[0].refused >= 5)
+    health = log.wait_for("passafe/robot/filter/health", lambda logged: logged and logged[-1][1].topics[0].refused >= 5)
     assert health[-1][1].topics[0].topic == "command"
     start("operator", "--port", port, "--steps", 5).wait_ready("operator")
-    log.wait_for("passafe/filter/input", lambda logged: len(logged) >= 5)
+    log.wait_for("passafe/robot/filter/input", lambda logged: len(logged) >= 5)
     os.kill(echo.pid, signal.SIGTERM)
     assert echo.output()["reason"] == "SIGNAL"
     code, errors = echo.end()
@@ -129,7 +129,7 @@ def test_what_is_not_finite_does_not_leave(start: Callable, port: int, log: Log)
     operator.wait_ready("operator")
     output = operator.output()
     assert output["withheld"] == 10
-    logged = log.wait_for("passafe/operator/command", lambda logged: len(logged) == 90)
+    logged = log.wait_for("passafe/robot/operator/command", lambda logged: len(logged) == 90)
     assert [header.sequence for header, _ in logged] == list(range(90))
     _, errors = operator.end()
     assert errors.count("error: withheld command.u_h") == 1
@@ -141,7 +141,7 @@ def test_health_is_published_once_a_second(start: Callable, port: int, log: Log)
     output = operator.output()
     assert output["reason"] == "DURATION"
     assert output["steps"] + output["missed"] == 440
-    logged = log.wait_for("passafe/operator/health", lambda logged: len(logged) == 3)
+    logged = log.wait_for("passafe/robot/operator/health", lambda logged: len(logged) == 3)
     healths = [health for _, health in logged]
     assert all(isinstance(health, Health) for health in healths)
     assert healths[-1].steps == output["steps"]
@@ -149,7 +149,7 @@ def test_health_is_published_once_a_second(start: Callable, port: int, log: Log)
     assert healths[0].rate_hz == pytest.approx(
         200.0 * healths[0].steps / (healths[0].steps + healths[0].steps_skipped), rel=0.05
     )
-    events = log.wait_for("passafe/operator/event", lambda logged: any("ended by" in e.text for _, e in logged))
+    events = log.wait_for("passafe/robot/operator/event", lambda logged: any("ended by" in e.text for _, e in logged))
     assert Event("info", f"ended by end of its duration after {output['steps']} steps") in [e for _, e in events]
 
 
@@ -157,7 +157,7 @@ def test_overload_is_reported(start: Callable, port: int, log: Log) -> None:
     """A step in a microsecond is too much; nothing is sent but what is to be looked at, so nothing of it is lost."""
     idle = start("filter", "--port", port, "--rate", 1_000_000, "--duration", 1.2)
     idle.wait_ready("filter")
-    logged = log.wait_for("passafe/filter/event", lambda logged: any("ended by" in e.text for _, e in logged))
+    logged = log.wait_for("passafe/robot/filter/event", lambda logged: any("ended by" in e.text for _, e in logged))
     [reported] = [event for _, event in logged if "skipped" in event.text]
     numbers = re.match(r"skipped (\d+) of the last (\d+) steps", reported.text)
     assert reported.severity == "warning"
@@ -201,12 +201,12 @@ def test_start_and_router_restart_are_reported(start: Callable, port: int) -> No
         log = Log(bus)
         operator = start("operator", "--port", port, "--lifeline")
         operator.wait_ready("operator")
-        log.wait_for("passafe/operator/event", lambda logged: Event("info", "started") in [e for _, e in logged])
+        log.wait_for("passafe/robot/operator/event", lambda logged: Event("info", "started") in [e for _, e in logged])
         os.kill(first.pid, signal.SIGKILL)
         first.end()
         start("router", "--port", port).wait_ready("router")
         again = "the router was restarted: messages sent in between were not delivered"
-        reported = log.wait_for("passafe/operator/event", lambda logged: any(e.text == again for _, e in logged))
+        reported = log.wait_for("passafe/robot/operator/event", lambda logged: any(e.text == again for _, e in logged))
         assert [e.text for _, e in reported].count(again) == 1
         operator.cut_lifeline()
         assert again in operator.end()[1]
@@ -215,7 +215,7 @@ def test_start_and_router_restart_are_reported(start: Callable, port: int) -> No
 def test_link_events_are_link_events(start: Callable, port: int, log: Log) -> None:
     start("filter", "--port", port, "--loss", 1.0).wait_ready("filter")
     start("operator", "--port", port, "--steps", 20).wait_ready("operator")
-    dropped = log.wait_for("passafe/filter/link_event", lambda logged: len(logged) == 20)
+    dropped = log.wait_for("passafe/robot/filter/link_event", lambda logged: len(logged) == 20)
     assert [event for _, event in dropped] == [
         LinkEvent("operator-to-filter", "dropped", "command", sequence, "loss") for sequence in range(20)
     ]

@@ -29,16 +29,17 @@ def test_each_message_type_has_exactly_one_topic() -> None:
 
 
 def test_key_names_publisher_and_topic() -> None:
-    assert INPUT.key("filter") == "passafe/filter/input"
-    assert HEALTH.key("router") == "passafe/router/health"
+    assert INPUT.key("filter") == "passafe/robot/filter/input"
+    assert INPUT.key("filter", "left-arm") == "passafe/left-arm/filter/input"
+    assert HEALTH.key("router") == "passafe/robot/router/health"
 
 
 def test_selector_of_one_publisher_is_its_key() -> None:
-    assert STATE.selector == STATE.key("plant")
+    assert STATE.selector() == STATE.key("plant")
 
 
 def test_selector_of_several_publishers_takes_any() -> None:
-    assert EVENT.selector == "passafe/*/event"
+    assert EVENT.selector("arm") == "passafe/arm/*/event"
 
 
 @pytest.mark.parametrize("topic", TOPICS, ids=lambda topic: topic.name)

@@ -43,7 +43,7 @@ def test_every_topic_message_and_field_is_described() -> None:
     markdown = render()
 
     for topic in TOPICS:
-        assert row_of(markdown, "## Topics", topic.name)[2] == f"`{topic.selector}`"
+        assert row_of(markdown, "## Topics", topic.name)[2] == f"`{topic.selector('{robot}')}`"
     for message in passafe_pb2.DESCRIPTOR.message_types_by_name.values():
         for field in message.fields:
             assert row_of(markdown, f"### {message.name}", f"`{field.name}`")[0] == str(field.number)

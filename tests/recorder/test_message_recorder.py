@@ -32,11 +32,11 @@ def recorded(
 
 
 def test_gaps_are_counted_per_key(tmp_path: Path) -> None:
-    samples = [("passafe/plant/event", event(k)) for k in (3, 4, 7)]
-    samples += [("passafe/filter/event", event(k, source="filter")) for k in (0, 2)]
+    samples = [("passafe/robot/plant/event", event(k)) for k in (3, 4, 7)]
+    samples += [("passafe/robot/filter/event", event(k, source="filter")) for k in (0, 2)]
     samples += [("passafe/router/event", event(0, source="router"))]
     recording, _ = recorded(tmp_path, samples)
-    assert recording.gaps() == {"passafe/plant/event": 2, "passafe/filter/event": 1}
+    assert recording.gaps() == {"passafe/robot/plant/event": 2, "passafe/robot/filter/event": 1}
     assert recording.health() == (TopicHealth("event", received=6, gaps=3, refused=0),)
     assert recording.bytes_recorded == sum(len(data) for _, data in samples)
 
@@ -62,9 +62,9 @@ def test_duplicates_and_ended_sessions_are_logged_and_counted(tmp_path: Path) ->
 
 
 def test_a_key_of_no_topic_is_logged(tmp_path: Path) -> None:
-    recording, found = recorded(tmp_path, [("passafe/plant/news", b"\x01\x02")])
-    assert found == [("passafe/plant/news", 0, NOW_NS, b"\x01\x02")]
-    assert recording.health() == (TopicHealth("passafe/plant/news", received=0, gaps=0, refused=1),)
+    recording, found = recorded(tmp_path, [("passafe/robot/plant/news", b"\x01\x02")])
+    assert found == [("passafe/robot/plant/news", 0, NOW_NS, b"\x01\x02")]
+    assert recording.health() == (TopicHealth("passafe/robot/plant/news", received=0, gaps=0, refused=1),)
 
 
 def test_the_header_is_the_codecs() -> None:

@@ -106,7 +106,7 @@ def test_health_every_second_and_a_warning_for_missing_messages(tmp_path: Path) 
     assert (topic.topic, topic.gaps, topic.refused) == ("event", 2, 0)
     assert topic.received == pytest.approx(298, abs=3)
     [warning] = [body for topic, body in desk.published if topic is EVENT]
-    assert warning == Event("warning", "messages missing in the log so far: passafe/plant/event 2")
+    assert warning == Event("warning", "messages missing in the log so far: passafe/robot/plant/event 2")
 
 
 def test_logged_messages_are_on_disk_within_a_quarter_second(tmp_path: Path) -> None:

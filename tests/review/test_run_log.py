@@ -125,7 +125,7 @@ def test_published_scenario_replaces_missing_metadata(tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"
     info = ScenarioInfo(scenario(mode="safe").model_dump_json(), "lockstep", json.dumps({"piqp": "0.7"}))
     with LogWriter(path, {}) as log:
-        log.write("passafe/filter/scenario", encode(header("filter", 0), info), sequence=0, wall_ns=0)
+        log.write("passafe/robot/filter/scenario", encode(header("filter", 0), info), sequence=0, wall_ns=0)
     read = RunLog.read(path)
     assert read.identity.scenario.filter.mode == "safe"
     assert read.identity.driver == "lockstep"
@@ -144,7 +144,7 @@ def unfit(tmp_path: Path) -> dict[str, tuple[Path, type[LogFileError], str]]:
         writer.add_message(channel, 0, b"pixels", 0)
         writer.finish()  # type: ignore[no-untyped-call]  # mcap leaves it unannotated
     with LogWriter(files["silent"], {}) as log:
-        log.write("passafe/filter/tick", encode(header("filter", 0), tick(0, (0, 0))), sequence=0, wall_ns=0)
+        log.write("passafe/robot/filter/tick", encode(header("filter", 0), tick(0, (0, 0))), sequence=0, wall_ns=0)
     newer = scenario().model_dump_json().replace('"schema_version":1', '"schema_version":2')
     with LogWriter(files["newer"], run_metadata(scenario_json=newer, versions={}, driver="live")):
         pass

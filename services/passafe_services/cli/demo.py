@@ -6,6 +6,7 @@ from typing import Annotated, Final
 
 import typer
 from passafe_dashboard.address import require_free_page_port
+from passafe_protocol.keys import DEFAULT_ROBOT, require_robot_name
 from rich.console import Console
 
 from passafe_services.cli.check import warn_at_load
@@ -19,6 +20,7 @@ from passafe_services.cli.options import (
     LinkOption,
     ModeOption,
     RateOption,
+    RobotOption,
     ScenarioOption,
     scenario_from_options,
     writable_folder,
@@ -66,6 +68,7 @@ def demo(
     out: Annotated[Path, typer.Option("--out", "-o", metavar="FOLDER", help="Folder for the log.")] = Path("runs"),
     port: PortOption = 8080,
     router_port: RouterPortOption = DEFAULT_PORT,
+    robot: RobotOption = DEFAULT_ROBOT,
     link: LinkOption = None,
     restart: RestartOption = False,
     keep_awake: KeepAwakeOption = False,
@@ -106,6 +109,7 @@ def demo(
             effective,
             endpoint,
             log,
+            robot=require_robot_name(robot),
             page_port=None if headless else port,
             duration_s=duration,
             restart=restart,

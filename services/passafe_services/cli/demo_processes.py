@@ -26,6 +26,7 @@ def demo_processes(
     endpoint: RouterEndpoint,
     log: Path,
     *,
+    robot: str,
     page_port: int | None,
     duration_s: float | None,
     restart: bool,
@@ -36,6 +37,7 @@ def demo_processes(
         scenario_file: Effective scenario, the same for all of them.
         endpoint: Where the router listens.
         log: MCAP log that the recorder writes.
+        robot: Name of the robot.
         page_port: Port of the dashboard's page; ``None``: no dashboard.
         duration_s: Plant time after which the plant ends, s; ``None``: never.
         restart: Whether those of ``RESTARTED`` are started again when they die.
@@ -51,7 +53,8 @@ def demo_processes(
     }
     if page_port is None:
         del arguments[ProcessName.DASHBOARD]
-    common = ["--scenario", str(scenario_file), _ROUTER, f"{endpoint.host}:{endpoint.port}", "--lifeline"]
+    router = [_ROUTER, f"{endpoint.host}:{endpoint.port}"]
+    common = ["--scenario", str(scenario_file), *router, "--robot", robot, "--lifeline"]
     return [
         ProcessSpec(
             name=name,

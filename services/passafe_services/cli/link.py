@@ -4,6 +4,7 @@ from typing import Annotated
 
 import typer
 from msgspec import json as msgspec_json
+from passafe_protocol.keys import DEFAULT_ROBOT, require_robot_name
 from passafe_protocol.link_wire import settings_of
 from passafe_protocol.messages import LinkState
 from passafe_protocol.shapes import as_dict
@@ -11,7 +12,7 @@ from passafe_protocol.topics import LINKS
 
 from passafe_services.cli.errors import OptionError
 from passafe_services.cli.link_text import LINK_KEYS, changed_parameters, link_fields, require_ranges, settings_text
-from passafe_services.cli.options import DEFAULT_ROUTER, RouterOption, parse_endpoint
+from passafe_services.cli.options import DEFAULT_ROUTER, RobotOption, RouterOption, parse_endpoint
 from passafe_services.loop.errors import LinkSilentError
 from passafe_services.loop.inlet import require_links
 from passafe_services.loop.link_console import ANSWER_S, open_link_console
@@ -28,6 +29,7 @@ WaitOption = Annotated[
 def show(
     name: Annotated[str | None, typer.Argument(metavar="NAME", help=f"Link: {NAMES}; all if not given.")] = None,
     router: RouterOption = DEFAULT_ROUTER,
+    robot: RobotOption = DEFAULT_ROBOT,
     wait: WaitOption = ANSWER_S,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object with an entry for each link.")] = False,
 ) -> None:
@@ -39,7 +41,7 @@ def show(
     - `passafe link show plant-to-filter --json`
     """
     require_links([] if name is None else [name])
-    with open_link_console(parse_endpoint(router), answer_s=wait) as console:
+    with open_link_console(parse_endpoint(router), robot=require_robot_name(robot), answer_s=wait) as console:
         states = console.states() if name is None else {name: console.state(name)}
     if not states:
         raise LinkSilentError("of any name", "any process", wait)
@@ -51,6 +53,7 @@ def set_link(
     name: Annotated[str, typer.Argument(metavar="NAME", help=f"Link: {NAMES}.")],
     settings: Annotated[list[str], typer.Argument(metavar="KEY=VALUE", help=f"Keys: {', '.join(LINK_KEYS)}.")],
     router: RouterOption = DEFAULT_ROUTER,
+    robot: RobotOption = DEFAULT_ROBOT,
     wait: WaitOption = ANSWER_S,
     json: Annotated[bool, typer.Option("--json", help="Print the state of the link as JSON.")] = False,
 ) -> None:
@@ -69,7 +72,7 @@ def set_link(
     if "trace" in fields:
         raise OptionError("trace", repr(fields["trace"]), "only when a system starts: by --link or in the scenario")
     require_ranges(fields, f"link {name}")  # refused before any process is asked
-    with open_link_console(parse_endpoint(router), answer_s=wait) as console:
+    with open_link_console(parse_endpoint(router), robot=require_robot_name(robot), answer_s=wait) as console:
         before = console.state(name)
         wanted = changed_parameters(settings_of(before.parameters), fields, f"link {name}")
         state = console.configure(name, wanted)

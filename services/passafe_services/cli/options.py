@@ -51,6 +51,9 @@ RouterOption = Annotated[
     str,
     typer.Option("--router", metavar="HOST:PORT", help="Where the router of the running system listens."),
 ]
+RobotOption = Annotated[
+    str, typer.Option("--robot", metavar="NAME", help="Robot, whose name is part of every key on the bus.")
+]
 DEFAULT_ROUTER: Final = f"{LOOPBACK}:{DEFAULT_PORT}"
 
 

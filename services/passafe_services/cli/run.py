@@ -6,9 +6,17 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from passafe_protocol.keys import DEFAULT_ROBOT, require_robot_name
 
 from passafe_services.cli.failure import run_reporting_errors
-from passafe_services.cli.options import DEFAULT_ROUTER, DEFAULT_SCENARIO, RouterOption, ScenarioOption, parse_endpoint
+from passafe_services.cli.options import (
+    DEFAULT_ROUTER,
+    DEFAULT_SCENARIO,
+    RobotOption,
+    RouterOption,
+    ScenarioOption,
+    parse_endpoint,
+)
 from passafe_services.loop.process_options import Device, ProcessName, ProcessOptions
 from passafe_services.scenarios.load import load_scenario
 
@@ -17,6 +25,7 @@ def run(
     process: Annotated[ProcessName, typer.Argument(metavar="PROCESS", help="Process to run.")],
     scenario: ScenarioOption = DEFAULT_SCENARIO,
     router: RouterOption = DEFAULT_ROUTER,
+    robot: RobotOption = DEFAULT_ROBOT,
     device: Annotated[Device, typer.Option(help="Operator: the scenario's script, or a keyboard.")] = Device.SCRIPT,
     duration: Annotated[
         float | None,
@@ -58,6 +67,7 @@ def run(
     options = ProcessOptions(
         scenario=load_scenario(scenario),
         endpoint=parse_endpoint(router),
+        robot=require_robot_name(robot),
         device=device,
         duration_s=duration,
         out=out,

@@ -10,7 +10,8 @@ from typing import Final, Literal, Self
 
 from mcap.well_known import MessageEncoding, SchemaEncoding
 from passafe_protocol.codec import file_descriptor_set, schema_name
-from passafe_protocol.topics import KEY_ROOT, TOPIC_OF_NAME, Topic
+from passafe_protocol.keys import parts_of
+from passafe_protocol.topics import TOPIC_OF_NAME, Topic
 
 from passafe_services.log.log_file import LogFile
 
@@ -23,8 +24,6 @@ DRIVER_RECORD: Final = "driver"
 
 SEQUENCE_MODULUS: Final = 2**32
 TIME_LIMIT_NS: Final = 2**64
-
-KEY_CHUNKS: Final = 3
 
 RunMetadata = Mapping[str, Mapping[str, str]]
 
@@ -53,11 +52,9 @@ def run_metadata(
 
 
 def topic_of_key(key: str) -> Topic | None:
-    """Return the topic of a key expression ``passafe/<process>/<topic>``; ``None`` for any other key."""
-    chunks = key.split("/")
-    if len(chunks) != KEY_CHUNKS or chunks[0] != KEY_ROOT:
-        return None
-    return TOPIC_OF_NAME.get(chunks[2])
+    """Return the topic of a key expression of passafe; ``None`` for any other key."""
+    parts = parts_of(key)
+    return None if parts is None else TOPIC_OF_NAME.get(parts.topic)
 
 
 class LogWriter:

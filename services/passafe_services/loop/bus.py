@@ -12,7 +12,8 @@ from itertools import islice
 from typing import Final
 
 import zenoh
-from passafe_protocol.topics import KEY_ROOT, Congestion, Priority, Topic
+from passafe_protocol.keys import DEFAULT_ROBOT, key_of
+from passafe_protocol.topics import Congestion, Priority, Topic
 from zenoh import ext, handlers
 
 from passafe_services.loop.errors import BusError, PublisherError
@@ -90,9 +91,10 @@ class RecordingReader:
 
 
 class Bus:
-    """Open session; created by ``open_bus``."""
+    """Open session of a process of one robot; created by ``open_bus``."""
 
-    def __init__(self, session: zenoh.Session) -> None:
+    def __init__(self, session: zenoh.Session, robot: str) -> None:
+        self._robot = robot
         self._session = session
         self._recording_readers: list[RecordingReader] = []
         self._replies = ext.RepliesConfig(
@@ -120,11 +122,11 @@ class Bus:
         congestion, priority = _CONGESTION[topic.congestion], _PRIORITY[topic.priority]
         if not topic.recorded:
             return self._session.declare_publisher(
-                topic.key(source), congestion_control=congestion, priority=priority
+                topic.key(source, self._robot), congestion_control=congestion, priority=priority
             ).put
         return ext.declare_advanced_publisher(
             self._session,
-            topic.key(source),
+            topic.key(source, self._robot),
             congestion_control=congestion,
             priority=priority,
             cache=ext.CacheConfig(max_samples=CACHED_SAMPLES, replies_config=self._replies),
@@ -134,19 +136,19 @@ class Bus:
     def reader(self, topic: Topic) -> TopicReader:
         """Return a reader of what other sessions publish on a topic."""
         subscriber = self._session.declare_subscriber(
-            topic.selector,
+            topic.selector(self._robot),
             handlers.RingChannel(topic.queue),
             allowed_origin=zenoh.Locality.REMOTE,
         )
         return TopicReader(subscriber, topic.queue)
 
     def recording_reader(self) -> RecordingReader:
-        """Return a reader of all topics, for the recorder."""
+        """Return a reader of all topics of the robot, for the recorder."""
         self._recording_readers.append(
             RecordingReader(
                 ext.declare_advanced_subscriber(
                     self._session,
-                    f"{KEY_ROOT}/*/*",
+                    key_of(self._robot, "*", "*"),
                     handlers.FifoChannel(RECORDING_QUEUE),
                     recovery=ext.RecoveryConfig(periodic_queries=None, heartbeat=True),
                 )
@@ -163,7 +165,7 @@ class Bus:
 
 
 @contextmanager
-def open_bus(endpoint: RouterEndpoint, *, timeout_s: float = 5.0) -> Iterator[Bus]:
+def open_bus(endpoint: RouterEndpoint, *, robot: str = DEFAULT_ROBOT, timeout_s: float = 5.0) -> Iterator[Bus]:
     """Open a session with the router at ``endpoint`` and close it at the end of the block.
 
     If the router disappears later, published messages are lost and readers receive nothing until it is back; nothing
@@ -171,6 +173,7 @@ def open_bus(endpoint: RouterEndpoint, *, timeout_s: float = 5.0) -> Iterator[Bu
 
     Args:
         endpoint: Address of the router.
+        robot: Robot whose topics are published and read.
         timeout_s: Connection timeout, s. Ctrl-C takes effect after it.
 
     Raises:
@@ -186,7 +189,7 @@ def open_bus(endpoint: RouterEndpoint, *, timeout_s: float = 5.0) -> Iterator[Bu
         session = _open(settings)
     except zenoh.ZError as error:
         raise BusError(endpoint.locator, f"no router answered within {timeout_s:g} s") from error
-    with closing(Bus(session)) as bus:
+    with closing(Bus(session, robot)) as bus:
         yield bus
 
 

@@ -7,6 +7,7 @@ from typing import Final, TypeVar
 
 from passafe_protocol.codec import decode
 from passafe_protocol.errors import ProtocolError
+from passafe_protocol.keys import DEFAULT_ROBOT
 from passafe_protocol.messages import LinkConfig, LinkParameters, LinkState
 from passafe_protocol.topics import LINK_CONFIG, LINK_STATE, LINKS
 
@@ -104,15 +105,18 @@ class LinkConsole:
 
 
 @contextmanager
-def open_link_console(endpoint: RouterEndpoint, *, answer_s: float = ANSWER_S) -> Iterator[LinkConsole]:
+def open_link_console(
+    endpoint: RouterEndpoint, *, robot: str = DEFAULT_ROBOT, answer_s: float = ANSWER_S
+) -> Iterator[LinkConsole]:
     """Open a session with the links of a system and close it at the end of the block.
 
     Args:
         endpoint: Address of the router.
+        robot: Robot whose links they are.
         answer_s: Timeout of each answer, s.
 
     Raises:
         BusError: There is no router.
     """
-    with open_bus(endpoint) as bus:
+    with open_bus(endpoint, robot=robot) as bus:
         yield LinkConsole(bus, answer_s=answer_s)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from time import monotonic_ns
 from typing import Final
 
+from passafe_protocol.keys import DEFAULT_ROBOT
 from passafe_protocol.link_change import LinkChange
 from passafe_protocol.link_settings import LinkSettings
 
@@ -47,6 +48,7 @@ def run_live(
     *,
     rate_hz: float,
     endpoint: RouterEndpoint,
+    robot: str = DEFAULT_ROBOT,
     links: Mapping[str, LinkSettings],
     link_changes: Sequence[LinkChange] = (),
     duration_s: float | None = None,
@@ -64,6 +66,7 @@ def run_live(
         node: The node.
         rate_hz: Steps per second.
         endpoint: Address of the router.
+        robot: Robot whose node it is.
         links: Settings of injected links by name; those at other nodes are ignored.
         link_changes: Scheduled changes of these settings; those at other nodes are ignored.
         duration_s: Duration of the run, s; ``None``: until it is stopped.
@@ -84,7 +87,7 @@ def run_live(
         refusal = request_realtime()
         if refusal is None:
             pin_to_processor(node.name)
-        bus = stack.enter_context(open_bus(endpoint))
+        bus = stack.enter_context(open_bus(endpoint, robot=robot))
         driver = Driver(node, bus, links, link_changes, time.time_ns() if epoch is None else epoch, log)
         if refusal is not None:
             driver.report("realtime", "warning", refusal)

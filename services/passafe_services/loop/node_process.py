@@ -18,13 +18,14 @@ def run_node(
 
     Args:
         node: The node.
-        options: Scenario, endpoint, epoch and lifeline.
+        options: Scenario, endpoint, robot, epoch and lifeline.
         finished: Called before each step; true ends the run.
     """
     run_live(
         node,
         rate_hz=options.scenario.rate_hz,
         endpoint=options.endpoint,
+        robot=options.robot,
         links=link_settings(options.scenario),
         link_changes=link_changes(options.scenario),
         epoch=options.epoch,

@@ -33,6 +33,7 @@ class ProcessOptions:
     Attributes:
         scenario: Effective scenario, the same for all processes of a system.
         endpoint: Address of the router.
+        robot: Robot whose process it is.
         device: Operator: input device.
         duration_s: Plant and recorder: plant time after which the plant ends, s; ``None``: never.
         out: Recorder: log to write.
@@ -45,6 +46,7 @@ class ProcessOptions:
 
     scenario: Scenario
     endpoint: RouterEndpoint
+    robot: str
     device: Device
     duration_s: float | None
     out: Path

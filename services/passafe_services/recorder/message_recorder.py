@@ -4,6 +4,7 @@ from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
+from passafe_protocol.keys import parts_of
 from passafe_protocol.messages import Header, TopicHealth
 from passafe_protocol.sequence import SequenceGuard
 from passafe_protocol.topics import Topic
@@ -77,8 +78,8 @@ class MessageRecorder:
         )
 
     def _open(self, key: str) -> _Channel:
-        topic = topic_of_key(key)
-        channel = _Channel(topic=topic, source=key.split("/")[1] if topic else "")
+        parts = parts_of(key)
+        channel = _Channel(topic=topic_of_key(key), source=parts.source if parts else "")
         self._channels[key] = channel
         return channel
 

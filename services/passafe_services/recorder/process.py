@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Final
 
+from passafe_protocol.keys import DEFAULT_ROBOT
 from passafe_protocol.messages import Message
 from passafe_protocol.topics import Topic
 
@@ -22,9 +23,15 @@ NAME: Final = "recorder"
 
 
 def run_recorder(
-    endpoint: RouterEndpoint, path: Path, metadata: RunMetadata, *, epoch: int, lifeline: bool = False
+    endpoint: RouterEndpoint,
+    path: Path,
+    metadata: RunMetadata,
+    *,
+    epoch: int,
+    robot: str = DEFAULT_ROBOT,
+    lifeline: bool = False,
 ) -> MessageRecorder:
-    """Record all messages on the bus until stopped; main thread only.
+    """Record all messages of a robot on the bus until stopped; main thread only.
 
     The log is opened first, so that a folder that cannot be written is reported before anything else starts. The
     process reports that it is ready once no message published from then on can be missed.
@@ -34,6 +41,7 @@ def run_recorder(
         path: The log to write.
         metadata: Metadata records of the log, see ``run_metadata``.
         epoch: Session number of the published messages.
+        robot: Robot whose messages are recorded.
         lifeline: Whether standard input is a lifeline (see ``passafe_services.loop.stop``).
 
     Returns:
@@ -47,7 +55,7 @@ def run_recorder(
     with (
         stop_requests(lifeline=lifeline) as stop,
         LogWriter(path, metadata) as log,
-        open_bus(endpoint) as bus,
+        open_bus(endpoint, robot=robot) as bus,
     ):
         reader = bus.recording_reader()
         outlet = Outlet(bus, NAME, epoch)
@@ -67,4 +75,11 @@ def start(options: ProcessOptions) -> None:
         driver="live",
         planned_s=options.duration_s,
     )
-    run_recorder(options.endpoint, options.out, metadata, epoch=options.epoch, lifeline=options.lifeline)
+    run_recorder(
+        options.endpoint,
+        options.out,
+        metadata,
+        epoch=options.epoch,
+        robot=options.robot,
+        lifeline=options.lifeline,
+    )

@@ -9,8 +9,9 @@ from mcap.records import Channel, Metadata
 from mcap.records import Message as Record
 from passafe_protocol import codec
 from passafe_protocol.errors import ProtocolError
+from passafe_protocol.keys import KEY_ROOT
 from passafe_protocol.messages import Message, ScenarioInfo
-from passafe_protocol.topics import KEY_ROOT, SCENARIO, TOPIC_OF_BODY, TOPICS, Topic
+from passafe_protocol.topics import SCENARIO, TOPIC_OF_BODY, TOPICS, Topic
 
 from passafe_services.log.log_reader import LogReader
 from passafe_services.log.log_writer import SCENARIO_RECORD, topic_of_key
