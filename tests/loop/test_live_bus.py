@@ -222,7 +222,7 @@ def test_readers_receive_nothing_of_another_robot(sender: Bus, endpoint: RouterE
         wait_for_reader(put, own)
         put(b"mine")
         put_elsewhere(b"theirs")
-        assert collect(own, 1)[-1] == b"mine"
+        assert collect(own.drain, 1)[-1] == b"mine"
         assert other.drain() == []
         assert log.drain() == [("passafe/other/operator/command", b"theirs")]  # a log has its own session's messages
 
