@@ -14,6 +14,7 @@ from passafe_protocol.keys import DEFAULT_ROBOT
 from passafe_protocol.messages import LinkConfig
 from passafe_protocol.topics import LINK_CONFIG
 from passafe_services.loop.bus import open_bus
+from passafe_services.loop.health_report import HealthReporter
 from passafe_services.loop.outlet import Outlet
 from passafe_services.loop.process_options import ProcessOptions
 from passafe_services.loop.readiness import announce_ready
@@ -47,6 +48,7 @@ def serve(
     epoch: int | None = None,
     lifeline: bool = False,
     frame_hz: float = FRAME_HZ,
+    health: HealthReporter | None = None,
 ) -> StopReason | None:
     """Serve the live page of the system behind a router until asked to stop; main thread only.
 
@@ -60,6 +62,7 @@ def serve(
         epoch: Session number of the published messages; the wall clock in ns if not given.
         lifeline: Whether standard input is a lifeline (see ``passafe_services.loop.stop``).
         frame_hz: Frames a second for each page, at most.
+        health: Reports the health of the loop that reads the bus, to what supervises the process.
 
     Returns:
         The reason why it ended.
@@ -72,7 +75,7 @@ def serve(
     with stop_requests(lifeline=lifeline) as stop, listening_socket(host, port) as listener:
         feed = Feed(scenario)
         with open_bus(endpoint, robot=robot) as bus:
-            outlet = Outlet(bus, NAME, time.time_ns() if epoch is None else epoch)
+            outlet = Outlet(bus, NAME, time.time_ns() if epoch is None else epoch, health)
             reader = BusReader(bus, feed, outlet)
             broadcast = Broadcast(feed, read=reader.read, clock=time.monotonic_ns, frame_hz=frame_hz)
             links = LinkRequests(broadcast, partial(_request_settings, outlet))
@@ -133,4 +136,5 @@ def start(options: ProcessOptions) -> None:
         scenario=options.scenario,
         epoch=options.epoch,
         lifeline=options.lifeline,
+        health=options.health,
     )

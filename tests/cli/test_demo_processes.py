@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 from passafe_services.cli.demo_processes import RESTARTED, demo_processes, is_demo_process
-from passafe_services.loop.process_options import ProcessName
+from passafe_services.loop.process_name import ProcessName
 from passafe_services.loop.process_spec import ProcessSpec
 from passafe_services.loop.router_endpoint import RouterEndpoint
 

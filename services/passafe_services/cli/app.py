@@ -10,6 +10,7 @@ from passafe_services.cli import (
     demo,
     experiment,
     feasibility,
+    health,
     kill,
     link,
     recover,
@@ -56,6 +57,7 @@ LOGS = "Read logs"
 app.command("demo", rich_help_panel=LIVE)(demo.demo)
 app.command("run", rich_help_panel=LIVE)(run.run)
 app.add_typer(link.app, name="link", rich_help_panel=LIVE)
+app.command("health", rich_help_panel=LIVE)(health.health)
 app.command("kill", rich_help_panel=LIVE)(kill.kill)
 app.command("scenarios", rich_help_panel=LIVE)(scenarios.scenarios)
 app.command("check", rich_help_panel=VIRTUAL)(check.check)

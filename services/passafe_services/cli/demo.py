@@ -1,6 +1,5 @@
 """``passafe demo``: run the whole system as processes on this machine."""
 
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Final
 
@@ -13,6 +12,7 @@ from passafe_services.cli.check import warn_at_load
 from passafe_services.cli.demo_outcome import report_outcome
 from passafe_services.cli.demo_processes import demo_processes
 from passafe_services.cli.demo_rate import limited_beside_page
+from passafe_services.cli.log_name import log_name
 from passafe_services.cli.options import (
     DEFAULT_SCENARIO,
     DurationOption,
@@ -98,8 +98,7 @@ def demo(
     require_free_router_port(endpoint)
     if not headless:
         require_free_page_port(LOOPBACK, port)
-    stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
-    base = folder / f"{chosen.name}-{chosen.filter.mode}-{stamp}"
+    base = folder / log_name(chosen)
     effective = base.with_suffix(".scenario.json")
     effective.write_text(chosen.model_dump_json(indent=2), encoding="utf-8")
     log = base.with_suffix(".mcap")

@@ -7,7 +7,7 @@ from rich.console import Console
 
 from passafe_services.cli.verdict import exit_code, print_verdict
 from passafe_services.loop.process_exit import ExitCause, RunOutcome
-from passafe_services.loop.process_options import ProcessName
+from passafe_services.loop.process_name import ProcessName
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.recover import recover
 from passafe_services.tools.review.core_evaluator import CoreEvaluator

@@ -6,7 +6,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Final
 
-from passafe_services.loop.process_options import ProcessName
+from passafe_services.loop.process_name import ProcessName
 from passafe_services.loop.process_spec import GRACE_S, ProcessSpec, RestartPolicy
 from passafe_services.loop.router_endpoint import RouterEndpoint
 

@@ -9,7 +9,7 @@ import typer
 from passafe_services.cli.demo_processes import is_demo_process
 from passafe_services.cli.errors import OptionError
 from passafe_services.cli.options import DEFAULT_ROUTER, RouterOption, parse_endpoint
-from passafe_services.loop.process_options import ProcessName
+from passafe_services.loop.process_name import ProcessName
 
 
 def kill(

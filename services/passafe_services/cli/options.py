@@ -19,6 +19,16 @@ ScenarioOption = Annotated[
     str,
     typer.Option("--scenario", "-s", metavar="NAME|FILE", help="Shipped scenario (`passafe scenarios`) or TOML file."),
 ]
+RunScenarioOption = Annotated[
+    str,
+    typer.Option(
+        "--scenario",
+        "-s",
+        metavar="NAME|FILE",
+        envvar="PASSAFE_SCENARIO",
+        help="Shipped scenario (`passafe scenarios`) or TOML file.",
+    ),
+]
 ModeOption = Annotated[
     str | None,
     typer.Option("--mode", "-m", metavar="MODE", help="What the filter enforces: off, safe, passive or both."),
@@ -49,7 +59,12 @@ WorkersOption = Annotated[
 ]
 RouterOption = Annotated[
     str,
-    typer.Option("--router", metavar="HOST:PORT", help="Where the router of the running system listens."),
+    typer.Option(
+        "--router",
+        metavar="HOST:PORT",
+        envvar="PASSAFE_ROUTER",
+        help="Where the router of the running system listens.",
+    ),
 ]
 RobotOption = Annotated[
     str, typer.Option("--robot", metavar="NAME", help="Robot, whose name is part of every key on the bus.")

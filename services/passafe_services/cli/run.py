@@ -9,21 +9,24 @@ import typer
 from passafe_protocol.keys import DEFAULT_ROBOT, require_robot_name
 
 from passafe_services.cli.failure import run_reporting_errors
+from passafe_services.cli.log_name import log_path
 from passafe_services.cli.options import (
     DEFAULT_ROUTER,
     DEFAULT_SCENARIO,
     RobotOption,
     RouterOption,
-    ScenarioOption,
+    RunScenarioOption,
     parse_endpoint,
 )
-from passafe_services.loop.process_options import Device, ProcessName, ProcessOptions
+from passafe_services.loop.health_report import HealthReporter
+from passafe_services.loop.process_name import ProcessName
+from passafe_services.loop.process_options import Device, ProcessOptions
 from passafe_services.scenarios.load import load_scenario
 
 
 def run(
     process: Annotated[ProcessName, typer.Argument(metavar="PROCESS", help="Process to run.")],
-    scenario: ScenarioOption = DEFAULT_SCENARIO,
+    scenario: RunScenarioOption = DEFAULT_SCENARIO,
     router: RouterOption = DEFAULT_ROUTER,
     robot: RobotOption = DEFAULT_ROBOT,
     device: Annotated[Device, typer.Option(help="Operator: the scenario's script, or a keyboard.")] = Device.SCRIPT,
@@ -31,15 +34,29 @@ def run(
         float | None,
         typer.Option(metavar="SECONDS", min=0.0, help="Plant and recorder: plant time after which the plant ends."),
     ] = None,
-    out: Annotated[Path, typer.Option("--out", "-o", metavar="FILE", help="Recorder: MCAP log to write.")] = Path(
-        "run.mcap"
-    ),
-    port: Annotated[int, typer.Option(metavar="PORT", min=1, max=65535, help="Dashboard: port of its page.")] = 8080,
-    host: Annotated[str, typer.Option(metavar="ADDRESS", help="Dashboard: address of its page.")] = "127.0.0.1",
+    out: Annotated[
+        Path,
+        typer.Option(
+            "--out",
+            "-o",
+            metavar="FILE|FOLDER",
+            envvar="PASSAFE_OUT",
+            help="Recorder: MCAP log to write; in an existing folder a new one, named after scenario, mode and time.",
+        ),
+    ] = Path("run.mcap"),
+    port: Annotated[
+        int,
+        typer.Option(metavar="PORT", min=1, max=65535, envvar="PASSAFE_PORT", help="Dashboard: port of its page."),
+    ] = 8080,
+    host: Annotated[
+        str, typer.Option(metavar="ADDRESS", envvar="PASSAFE_HOST", help="Dashboard: address of its page.")
+    ] = "127.0.0.1",
     page_name: Annotated[
         list[str] | None,
         typer.Option(
-            metavar="NAME", help="Dashboard: further host name by which its page is opened; repeat for others."
+            metavar="NAME",
+            envvar="PASSAFE_PAGE_NAME",
+            help="Dashboard: further host name by which its page is opened; repeat for others.",
         ),
     ] = None,
     epoch: Annotated[
@@ -49,6 +66,14 @@ def run(
             min=1,
             max=2**63 - 1,
             help="Epoch of its session, larger than that of every earlier one; the wall clock in ns if not given.",
+        ),
+    ] = None,
+    health_folder: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FOLDER",
+            envvar="PASSAFE_HEALTH",
+            help="Folder, on a file system in memory, in which its loop reports for `passafe health`.",
         ),
     ] = None,
     lifeline: Annotated[
@@ -64,17 +89,19 @@ def run(
     - `passafe run operator --device keyboard` drives the robot of a running demo
     - `passafe run recorder --router 192.0.2.7:7447 --out runs/remote.mcap`
     """
+    effective = load_scenario(scenario)
     options = ProcessOptions(
-        scenario=load_scenario(scenario),
+        scenario=effective,
         endpoint=parse_endpoint(router),
         robot=require_robot_name(robot),
         device=device,
         duration_s=duration,
-        out=out,
+        out=log_path(out, effective),
         port=port,
         host=host,
         epoch=time.time_ns() if epoch is None else epoch,
         lifeline=lifeline,
+        health=HealthReporter(process, health_folder),
         page_names=tuple(page_name or ()),
     )
     if process is ProcessName.FILTER and not lifeline:  # `passafe demo` has done so

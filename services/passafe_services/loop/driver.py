@@ -12,6 +12,7 @@ from passafe_protocol.messages import Event, Health, LinkConfig, Message
 from passafe_protocol.topics import EVENT, HEALTH, LINK_CONFIG, LINK_EVENT, LINK_STATE, Topic
 
 from passafe_services.loop.bus import Bus
+from passafe_services.loop.health_report import HealthReporter
 from passafe_services.loop.inlet import Inlet, inlets_of, pop_inbox, require_links
 from passafe_services.loop.link_control import LinkControl
 from passafe_services.loop.outlet import Outlet
@@ -39,6 +40,7 @@ class Driver:
         changes: Sequence[LinkChange],
         epoch: int,
         log: RateLimitedLog,
+        health: HealthReporter | None = None,
     ) -> None:
         """Declare the readers and publishers of the node.
 
@@ -49,6 +51,7 @@ class Driver:
             changes: Scheduled changes of these settings.
             epoch: Session number of the published messages.
             log: Log that limits the rate of repeated messages.
+            health: Reports the health of the loop to what supervises the process.
 
         Raises:
             LinkNameError: ``links`` or ``changes`` name a link that does not exist.
@@ -64,7 +67,7 @@ class Driver:
         sources = {inlet.link.name: inlet for inlet in self._inlets if inlet.link is not None}
         linked = [inlet.link for inlet in self._inlets if inlet.link is not None]
         self._links = LinkControl(linked, changes, lambda link: sources[link.name].sources)
-        self._outlet = Outlet(bus, node.name, epoch)
+        self._outlet = Outlet(bus, node.name, epoch, health)
         self._scheduled_ns = self._started_ns = monotonic_ns()
 
     @property

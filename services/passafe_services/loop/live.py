@@ -13,6 +13,7 @@ from passafe_protocol.link_settings import LinkSettings
 
 from passafe_services.loop.bus import open_bus
 from passafe_services.loop.driver import Driver
+from passafe_services.loop.health_report import HealthReporter
 from passafe_services.loop.pace import Pace
 from passafe_services.loop.rate_limited_log import RateLimitedLog
 from passafe_services.loop.readiness import announce_ready
@@ -55,6 +56,7 @@ def run_live(
     epoch: int | None = None,
     lifeline: bool = False,
     finished: Callable[[], bool] | None = None,
+    health: HealthReporter | None = None,
 ) -> LiveReport:
     """Step a node in real time until it is stopped; main thread only.
 
@@ -73,6 +75,7 @@ def run_live(
         epoch: Session number of the published messages; the wall clock in ns if not given.
         lifeline: Whether standard input is a lifeline (see ``passafe_services.loop.stop``).
         finished: Called before each step; true ends the run.
+        health: Reports the health of the loop to what supervises the process.
 
     Returns:
         Counts, and the reason for the end: a signal, the end of the lifeline or of the duration, or ``finished``.
@@ -88,7 +91,7 @@ def run_live(
         if refusal is None:
             pin_to_processor(node.name)
         bus = stack.enter_context(open_bus(endpoint, robot=robot))
-        driver = Driver(node, bus, links, link_changes, time.time_ns() if epoch is None else epoch, log)
+        driver = Driver(node, bus, links, link_changes, time.time_ns() if epoch is None else epoch, log, health)
         if refusal is not None:
             driver.report("realtime", "warning", refusal)
         announce_ready(node.name)

@@ -18,7 +18,7 @@ def run_node(
 
     Args:
         node: The node.
-        options: Scenario, endpoint, robot, epoch and lifeline.
+        options: Scenario, endpoint, robot, epoch, lifeline and health.
         finished: Called before each step; true ends the run.
     """
     run_live(
@@ -31,4 +31,5 @@ def run_node(
         epoch=options.epoch,
         lifeline=options.lifeline,
         finished=finished,
+        health=options.health,
     )

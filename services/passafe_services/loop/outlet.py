@@ -6,11 +6,12 @@ from time import monotonic_ns, time_ns
 
 from passafe_protocol.codec import encode
 from passafe_protocol.errors import ProtocolError
-from passafe_protocol.messages import Header, Message, Record
+from passafe_protocol.messages import Header, Health, Message, Record
 from passafe_protocol.topics import TOPICS, Topic
 
 from passafe_services.loop.bus import Bus, PublishBytes
 from passafe_services.loop.errors import PublisherError
+from passafe_services.loop.health_report import HealthReporter
 from passafe_services.loop.monotonic_clock import monotonic_clock_id
 
 
@@ -29,6 +30,7 @@ class Outlet:
         bus: The session.
         source: Name of the process; the table of topics lists what it may publish.
         epoch: Session number, larger than that of every previous session of this process.
+        health: Reports the health that the process publishes, also to what supervises it.
 
     Attributes:
         source: Name of the process.
@@ -36,10 +38,12 @@ class Outlet:
         withheld: Invalid messages, which were not sent.
     """
 
-    def __init__(self, bus: Bus, source: str, epoch: int) -> None:
+    def __init__(self, bus: Bus, source: str, epoch: int, health: HealthReporter | None = None) -> None:
         self.source = source
         self.epoch = epoch
         self.withheld = 0
+        self._bus = bus
+        self._health = health
         self._clock_id = monotonic_clock_id()
         self._channels = {
             topic.name: _Channel(bus.publisher(topic, source)) for topic in TOPICS if source in topic.publishers
@@ -70,6 +74,8 @@ class Outlet:
         if channel is None:
             raise PublisherError(self.source, topic.name, topic.publishers)
         message = body if isinstance(body, Record) else body()
+        if isinstance(message, Health) and self._health is not None:
+            self._health.report(connected=self._bus.connected, steps=message.steps, skipped=message.steps_skipped)
         times = (scheduled_ns, started_ns, monotonic_ns(), time_ns())
         header = Header(self.source, self.epoch, channel.sequence, *times, self._clock_id)
         try:

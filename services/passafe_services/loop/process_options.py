@@ -4,19 +4,9 @@ from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 
+from passafe_services.loop.health_report import HealthReporter
 from passafe_services.loop.router_endpoint import RouterEndpoint
 from passafe_services.scenarios.schema import Scenario
-
-
-class ProcessName(StrEnum):
-    """Processes of ``passafe run``."""
-
-    ROUTER = "router"
-    RECORDER = "recorder"
-    DASHBOARD = "dashboard"
-    OPERATOR = "operator"
-    FILTER = "filter"
-    PLANT = "plant"
 
 
 class Device(StrEnum):
@@ -42,6 +32,7 @@ class ProcessOptions:
         page_names: Dashboard: further names by which its page is reached.
         epoch: Epoch of its session, larger than those of all earlier ones of this process.
         lifeline: Whether to end when standard input closes.
+        health: Reporter of the health of its loop.
     """
 
     scenario: Scenario
@@ -54,4 +45,5 @@ class ProcessOptions:
     host: str
     epoch: int
     lifeline: bool
+    health: HealthReporter
     page_names: tuple[str, ...] = ()

@@ -1,7 +1,9 @@
-"""Readiness protocol between a process and its supervisor: one line on standard output."""
+"""Readiness protocol between a process and its supervisor: one line on standard output, or systemd's notification."""
 
 import sys
 from typing import Final
+
+from passafe_services.loop.service_manager import READY, notify_service_manager
 
 _PREFIX: Final = "passafe-ready"
 
@@ -12,6 +14,7 @@ def ready_line(name: str) -> str:
 
 
 def announce_ready(name: str) -> None:
-    """Print the ready line of the process ``name``."""
+    """Print the ready line of the process ``name`` and notify a service manager."""
     sys.stdout.write(f"{ready_line(name)}\n")
     sys.stdout.flush()
+    notify_service_manager(READY)

@@ -9,6 +9,7 @@ from passafe_protocol.topics import Topic
 
 from passafe_services.log.log_writer import LogWriter, RunMetadata, run_metadata
 from passafe_services.loop.bus import open_bus
+from passafe_services.loop.health_report import HealthReporter
 from passafe_services.loop.outlet import Outlet
 from passafe_services.loop.process_options import ProcessOptions
 from passafe_services.loop.readiness import announce_ready
@@ -30,6 +31,7 @@ def run_recorder(
     epoch: int,
     robot: str = DEFAULT_ROBOT,
     lifeline: bool = False,
+    health: HealthReporter | None = None,
 ) -> MessageRecorder:
     """Record all messages of a robot on the bus until stopped; main thread only.
 
@@ -43,6 +45,7 @@ def run_recorder(
         epoch: Session number of the published messages.
         robot: Robot whose messages are recorded.
         lifeline: Whether standard input is a lifeline (see ``passafe_services.loop.stop``).
+        health: Reports the health of its loop to what supervises the process.
 
     Returns:
         The recorder with its counts.
@@ -58,7 +61,7 @@ def run_recorder(
         open_bus(endpoint, robot=robot) as bus,
     ):
         reader = bus.recording_reader()
-        outlet = Outlet(bus, NAME, epoch)
+        outlet = Outlet(bus, NAME, epoch, health)
 
         def publish(topic: Topic, body: Message, now_ns: int) -> None:
             outlet.publish(topic, body, scheduled_ns=now_ns, started_ns=now_ns)
@@ -82,4 +85,5 @@ def start(options: ProcessOptions) -> None:
         epoch=options.epoch,
         robot=options.robot,
         lifeline=options.lifeline,
+        health=options.health,
     )

@@ -2,24 +2,29 @@
 
 from typing import Final
 
-from passafe_services.loop.bus import listening_router
+from passafe_services.loop.bus import listening_router, open_bus
 from passafe_services.loop.errors import BusError, PortInUseError
+from passafe_services.loop.health_report import HealthReporter
 from passafe_services.loop.process_options import ProcessOptions
 from passafe_services.loop.readiness import announce_ready
 from passafe_services.loop.realtime import request_realtime
 from passafe_services.loop.router_endpoint import RouterEndpoint
-from passafe_services.loop.stop import StopReason, stop_requests
+from passafe_services.loop.stop import Stop, StopReason, stop_requests
 from passafe_services.router.port import is_taken
 
 NAME: Final = "router"
+HEALTH_PERIOD_S: Final = 1.0
 
 
-def run_router(endpoint: RouterEndpoint, *, lifeline: bool = False) -> StopReason | None:
+def run_router(
+    endpoint: RouterEndpoint, *, lifeline: bool = False, health: HealthReporter | None = None
+) -> StopReason | None:
     """Route messages until stopped; main thread only.
 
     Args:
         endpoint: Address to listen on: loopback, unless other hosts are to connect.
         lifeline: Whether standard input is a lifeline (see ``passafe_services.loop.stop``).
+        health: Reports whether it answers a client, to what supervises the process.
 
     Returns:
         Reason for the end.
@@ -33,6 +38,8 @@ def run_router(endpoint: RouterEndpoint, *, lifeline: bool = False) -> StopReaso
         try:
             with listening_router(endpoint):
                 announce_ready(NAME)
+                if health is not None and health.wanted:
+                    _report_until_stopped(endpoint, stop, health)
                 stop.wait()
         except BusError as error:
             if is_taken(endpoint):
@@ -41,6 +48,15 @@ def run_router(endpoint: RouterEndpoint, *, lifeline: bool = False) -> StopReaso
     return stop.reason
 
 
+def _report_until_stopped(endpoint: RouterEndpoint, stop: Stop, health: HealthReporter) -> None:
+    """Be a client of this router and report, once a second, whether it answers."""
+    with open_bus(endpoint) as client:
+        steps = 0
+        while not stop.wait(HEALTH_PERIOD_S):
+            steps += 1
+            health.report(connected=client.connected, steps=steps, skipped=0)
+
+
 def start(options: ProcessOptions) -> None:
     """Route messages until stopped."""
-    run_router(options.endpoint, lifeline=options.lifeline)
+    run_router(options.endpoint, lifeline=options.lifeline, health=options.health)
