@@ -67,7 +67,13 @@ RouterOption = Annotated[
     ),
 ]
 RobotOption = Annotated[
-    str, typer.Option("--robot", metavar="NAME", help="Robot, whose name is part of every key on the bus.")
+    str,
+    typer.Option(
+        "--robot",
+        metavar="NAME",
+        envvar="PASSAFE_ROBOT",
+        help="Robot, whose name is part of every key on the bus.",
+    ),
 ]
 DEFAULT_ROUTER: Final = f"{LOOPBACK}:{DEFAULT_PORT}"
 
