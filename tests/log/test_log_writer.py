@@ -173,3 +173,33 @@ def test_a_full_disk_is_a_typed_error_at_once(tmp_path: Path) -> None:
     with pytest.raises(LogWriteError, match="No space left on device") as caught:
         LogWriter(path, {})
     assert caught.value.errno == errno.ENOSPC
+
+
+@pytest.mark.parametrize("how", ["removed", "moved", "replaced", "folder removed"])
+def test_log_that_is_taken_away_is_an_error_at_once(how: str, tmp_path: Path) -> None:
+    path = tmp_path / "runs" / "run.mcap"
+    path.parent.mkdir()
+    log = LogWriter(path, run_metadata(scenario_json="{}", versions={}, driver="live"))
+    match how:
+        case "moved":
+            path.rename(tmp_path / "other.mcap")
+        case "replaced":
+            (tmp_path / "other.mcap").write_bytes(b"x")
+            (tmp_path / "other.mcap").rename(path)
+        case _:
+            path.unlink()
+            if how == "folder removed":
+                path.parent.rmdir()
+
+    with pytest.raises(LogWriteError, match="it was removed, moved or replaced while it was written") as gone:
+        log.flush()
+    assert gone.value.errno == errno.ENOENT
+
+
+def test_log_that_is_gone_at_the_end_is_not_finished(tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    log = LogWriter(path, run_metadata(scenario_json="{}", versions={}, driver="live"))
+    path.unlink()
+
+    with pytest.raises(LogWriteError, match="removed"):
+        log.close()

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from passafe_services.loop.child_process import ChildProcess
 from passafe_services.loop.process_exit import ExitCause
 from passafe_services.loop.process_spec import ProcessSpec, RestartPolicy
 from passafe_services.loop.supervisor import supervise
@@ -399,3 +400,17 @@ def test_a_live_system_is_stopped_in_order(terminal: Terminal, port: int) -> Non
     assert outcome.clean, terminal.texts
     assert [end.name for end in outcome.exits] == ["operator", "filter", "router"]
     assert sum('"reason": "SIGNAL"' in line for line in terminal.texts) == 3
+
+
+@pytest.mark.parametrize("error", [RuntimeError("can't start new thread"), MemoryError(), OSError(24, "Too many")])
+def test_lack_of_resources_is_one_line_and_no_traceback(error: Exception, monkeypatch: pytest.MonkeyPatch) -> None:
+    async def fail(*_arguments: object, **_options: object) -> ChildProcess:
+        raise error
+
+    lines: list[str] = []
+    monkeypatch.setattr(ChildProcess, "start", fail)
+    outcome = supervise([toy("one")], emit=lines.append)
+
+    assert outcome.cause is ExitCause.NOT_STARTED
+    assert not outcome.clean
+    assert lines == [f"one cannot be started: {error}"]

@@ -3,7 +3,7 @@
 import os
 import sys
 
-from passafe_services.cli.failure import REFUSED
+from passafe_services.cli.failure import refuse
 from passafe_services.cli.version import version_text
 
 
@@ -22,8 +22,11 @@ def main() -> None:
     except ModuleNotFoundError as error:
         if error.name is None or error.name.startswith("passafe"):
             raise
-        sys.stderr.write(f"passafe: no module {error.name!r}: install the commands: pip install 'passafe[service]'\n")
-        sys.exit(REFUSED)
+        refuse(f"no module {error.name!r}: install the commands: pip install 'passafe[service]'")
+    except ImportError as error:  # a library that cannot be mapped into the address space
+        refuse(f"cannot load a library: {error}: is memory limited (ulimit -v, a container's)?")
+    except MemoryError:
+        refuse("out of memory while loading: is there a limit (ulimit -v, a container's)?")
     run_commands()
 
 

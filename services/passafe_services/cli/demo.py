@@ -12,6 +12,7 @@ from passafe_services.cli.check import warn_at_load
 from passafe_services.cli.demo_outcome import report_outcome
 from passafe_services.cli.demo_processes import demo_processes
 from passafe_services.cli.demo_rate import limited_beside_page
+from passafe_services.cli.errors import OptionError
 from passafe_services.cli.log_name import log_name
 from passafe_services.cli.options import (
     DEFAULT_SCENARIO,
@@ -100,7 +101,10 @@ def demo(
         require_free_page_port(LOOPBACK, port)
     base = folder / log_name(chosen)
     effective = base.with_suffix(".scenario.json")
-    effective.write_text(chosen.model_dump_json(indent=2), encoding="utf-8")
+    try:
+        effective.write_text(chosen.model_dump_json(indent=2), encoding="utf-8")
+    except OSError as error:
+        raise OptionError("--out", f"{folder} ({error.strerror})", "a folder with room for a log") from error
     log = base.with_suffix(".mcap")
     specs = [
         *(awake_specs() if keep_awake else ()),

@@ -4,8 +4,10 @@ from pathlib import Path
 from typing import Final
 
 from rich.console import Console
+from rich.markup import escape
 
 from passafe_services.cli.verdict import exit_code, print_verdict
+from passafe_services.log.errors import LogFileError, LogWriteError
 from passafe_services.loop.process_exit import ExitCause, RunOutcome
 from passafe_services.loop.process_name import ProcessName
 from passafe_services.scenarios.schema import Scenario
@@ -27,22 +29,48 @@ def report_outcome(outcome: RunOutcome, log: Path, scenario: Scenario, console: 
         scenario: The effective scenario.
         console: Where to print.
     """
-    too_long = outcome.cause is ExitCause.DURATION  # a run in order is ended by the plant, or by a signal
-    deserted = outcome.cause is ExitCause.LEFT and outcome.culprit != ProcessName.PLANT
+    try:
+        read = RunLog.read(log)
+    except LogFileError as error:
+        _report_end(outcome, console, has_end=True)
+        console.print(f"[bold red]this run has no log[/]: {escape(str(error))}")
+        return DIED
+    in_order = _report_end(outcome, console, has_end=read.identity.planned_s is not None)
+    verdict = Verdict.of(read, CoreEvaluator(scenario))
+    print_verdict(verdict, log if read.finished else _recovered(log, console))
+    return exit_code(verdict) if in_order else DIED
+
+
+def _report_end(outcome: RunOutcome, console: Console, *, has_end: bool) -> bool:
+    """Print how the run ended if it did not end as it should; return whether it did.
+
+    A run in order is ended by a signal, or, if it ``has_end``, by the plant.
+    """
+    too_long = outcome.cause is ExitCause.DURATION
+    by_plant = has_end and outcome.culprit == ProcessName.PLANT
+    deserted = outcome.cause is ExitCause.LEFT and not by_plant
     in_order = outcome.clean and not too_long and not deserted
     if not in_order:
-        console.print(f"[bold red]{outcome.detail}{', and the plant has not come to its end' if too_long else ''}[/]")
+        late = ", and the plant has not come to its end" if too_long else ""
+        console.print(f"[bold red]{escape(outcome.detail)}{late}[/]")
     if outcome.restarts:
         counts = ", ".join(f"{name} {count}" for name, count in outcome.restarts.items())
         console.print(f"restarts  {counts}", highlight=False)
-    if not log.exists():
-        return DIED
-    read = RunLog.read(log)
-    if not read.finished:
-        torn = log.with_suffix(".torn.mcap")
+    return in_order
+
+
+def _recovered(log: Path, console: Console) -> Path:
+    """Put a complete copy in the place of a log that the recorder did not finish; return the path of what there is."""
+    torn = log.with_suffix(".torn.mcap")
+    try:
         log.rename(torn)
         kept = recover(torn, log)
-        console.print(f"the recorder did not finish its log; {kept.messages} messages were recovered from {torn}")
-    verdict = Verdict.of(read, CoreEvaluator(scenario))
-    print_verdict(verdict, log)
-    return exit_code(verdict) if in_order else DIED
+    except (OSError, LogWriteError) as error:  # most likely a full disk
+        if torn.exists():
+            log.unlink(missing_ok=True)
+        left = torn if torn.exists() else log
+        console.print(f"the recorder did not finish its log, and a copy cannot be written: {escape(str(error))}")
+        console.print(f"what was recorded is in {left}; `passafe recover` completes it where there is room")
+        return left
+    console.print(f"the recorder did not finish its log; {kept.messages} messages were recovered from {torn}")
+    return log

@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Callable
-from typing import Final
+from typing import Final, NoReturn
 
 from passafe.errors import PassafeError
 
@@ -15,5 +15,12 @@ def run_reporting_errors(command: Callable[[], object]) -> None:
     try:
         command()
     except PassafeError as error:
-        sys.stderr.write(f"passafe: {error}\n")
-        sys.exit(REFUSED)
+        refuse(str(error))
+    except MemoryError:
+        refuse("out of memory: is there a limit (ulimit -v, a container's)?")
+
+
+def refuse(text: str) -> NoReturn:
+    """Print a line on standard error and exit with ``REFUSED``."""
+    sys.stderr.write(f"passafe: {text}\n")
+    sys.exit(REFUSED)

@@ -1,5 +1,6 @@
 """MCAP file open for writing: flushed data survives a kill, and every write error is a ``LogWriteError``."""
 
+import errno
 import io
 import os
 from collections.abc import Iterator
@@ -60,14 +61,15 @@ class LogFile:
         return LogWriteError(self.path, error)
 
     def flush(self) -> None:
-        """End the current chunk and synchronize the file to disk.
+        """End the current chunk, synchronize the file to disk, and check that it is still there.
 
         Raises:
-            LogWriteError: The file cannot be written.
+            LogWriteError: The file cannot be written, or was removed, moved or replaced.
         """
         with self.guarded():
             self.mcap.flush()  # type: ignore[no-untyped-call]  # mcap leaves it unannotated
             os.fdatasync(self._raw.fileno())
+            self._require_in_place()
 
     def close(self) -> None:
         """Write the summary, which completes the file, and close it; a second call has no effect.
@@ -81,7 +83,17 @@ class LogFile:
             self.mcap.finish()  # type: ignore[no-untyped-call]  # mcap leaves it unannotated
             self._stream.flush()
             os.fdatasync(self._raw.fileno())
+            self._require_in_place()
             self._stream.close()
+
+    def _require_in_place(self) -> None:
+        """Check that the path still leads to this file: one that was removed can be written on without an error."""
+        try:
+            in_place = os.path.samestat(self.path.stat(), os.fstat(self._raw.fileno()))
+        except FileNotFoundError:
+            in_place = False
+        if not in_place:
+            raise OSError(errno.ENOENT, "it was removed, moved or replaced while it was written")
 
     def __enter__(self) -> Self:
         return self

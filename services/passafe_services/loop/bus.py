@@ -186,7 +186,7 @@ def open_bus(endpoint: RouterEndpoint, *, robot: str = DEFAULT_ROBOT, timeout_s:
         "connect/retry": {"period_init_ms": 50, "period_max_ms": 200, "period_increase_factor": 2},
     }
     try:
-        session = _open(settings)
+        session = _open(endpoint, settings)
     except zenoh.ZError as error:
         raise BusError(endpoint.locator, f"no router answered within {timeout_s:g} s") from error
     with closing(Bus(session, robot)) as bus:
@@ -206,7 +206,7 @@ def listening_router(endpoint: RouterEndpoint) -> Iterator[None]:
         "adminspace/enabled": False,
     }
     try:
-        session = _open(settings)
+        session = _open(endpoint, settings)
     except zenoh.ZError as error:
         reason, _, _ = str(error).partition(" at /")  # the rest are locations in Zenoh's source
         raise BusError(endpoint.locator, reason) from error
@@ -214,8 +214,13 @@ def listening_router(endpoint: RouterEndpoint) -> Iterator[None]:
         yield
 
 
-def _open(settings: Mapping[str, object]) -> zenoh.Session:
+def _open(endpoint: RouterEndpoint, settings: Mapping[str, object]) -> zenoh.Session:
     config = zenoh.Config()
     for key, value in settings.items():
         config.insert_json5(key, json.dumps(value))
-    return zenoh.open(config)
+    try:
+        return zenoh.open(config)
+    except BaseException as error:
+        if type(error).__name__ == "PanicException":  # of the extension, which exports no name for it
+            raise BusError(endpoint.locator, f"the bus cannot start: {error}: is memory limited?") from error
+        raise

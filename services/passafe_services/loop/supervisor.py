@@ -17,6 +17,9 @@ from passafe_services.loop.session_epochs import SessionEpochs
 READY_TIMEOUT_S: Final = 20.0
 _SIGNALS: Final = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
+_NO_RESOURCES: Final = (OSError, RuntimeError, MemoryError)
+"""No program, file descriptor or process; no thread; no memory."""
+
 PrintLine = Callable[[str], None]
 
 
@@ -48,6 +51,8 @@ def supervise(
     Returns:
         Cause of the end and exit of each process.
     """
+    if sys.platform == "linux" and sys.version_info < (3, 12):  # later ones do so by themselves
+        asyncio.set_child_watcher(asyncio.PidfdChildWatcher())  # no thread for each process: each takes address space
     width = max((len(spec.name) for spec in specs), default=0)
     run = _Run(emit or _print, width, ready_timeout_s, epochs or SessionEpochs())
     return asyncio.run(_supervise(specs, duration_s, on_ready, run))
@@ -152,7 +157,7 @@ class _Run:
     async def _start(self, spec: ProcessSpec) -> ChildProcess | _End:
         try:
             child = await ChildProcess.start(spec, self._relay, epoch=self._epochs.next())
-        except OSError as error:
+        except _NO_RESOURCES as error:
             return self._report_end(ExitCause.NOT_STARTED, spec.name, f"{spec.name} cannot be started: {error}")
         child.prioritize_startup()
         child.ended.add_done_callback(partial(self._note_end, child))

@@ -1,0 +1,148 @@
+"""Ends of a demo: exit code, verdict, and where the log is."""
+
+import io
+from pathlib import Path
+
+import passafe_services.cli.demo_outcome
+import pytest
+from passafe_services.cli.demo_outcome import DIED, report_outcome
+from passafe_services.log.errors import LogWriteError
+from passafe_services.log.log_writer import LogWriter, run_metadata
+from passafe_services.loop.process_exit import Exit, ExitCause, RunOutcome
+from passafe_services.recorder.lockstep_log import LockstepLog
+from passafe_services.scenarios.info import versions
+from passafe_services.scenarios.load import load_scenario
+from passafe_services.scenarios.schema import Scenario
+from passafe_services.simulation import lockstep_loop
+from rich.console import Console
+
+RUN_S = 0.3
+
+
+@pytest.fixture(scope="module")
+def scenario() -> Scenario:
+    return load_scenario("notomista-cai-2020", {"rate_hz": 200.0, "filter.k_i": 50.0, "plant.hold_s": 0.01})
+
+
+@pytest.fixture
+def console() -> Console:
+    return Console(file=io.StringIO(), width=300)
+
+
+@pytest.fixture
+def printed(console: Console, capsys: pytest.CaptureFixture[str]) -> "Printed":
+    return Printed(console, capsys)
+
+
+class Printed:
+    """What was printed so far."""
+
+    def __init__(self, console: Console, capsys: pytest.CaptureFixture[str]) -> None:
+        self._console, self._capsys = console, capsys
+
+    def text(self) -> str:
+        assert isinstance(self._console.file, io.StringIO)
+        return self._console.file.getvalue() + self._capsys.readouterr().out
+
+
+def write_log(path: Path, scenario: Scenario, *, planned_s: float | None = RUN_S, finished: bool = True) -> Path:
+    text = scenario.model_dump_json()
+    metadata = run_metadata(scenario_json=text, versions=versions(), driver="live", planned_s=planned_s)
+    log = LogWriter(path, metadata)
+    lockstep_loop(scenario, observer=LockstepLog(log)).run(round((RUN_S + 0.1) * scenario.rate_hz))
+    log.flush()
+    torn = path.read_bytes()
+    log.close()
+    if not finished:
+        path.write_bytes(torn)
+    return path
+
+
+def ended(cause: ExitCause, culprit: str | None, *, returncode: int = 0) -> RunOutcome:
+    exits = (Exit(name=culprit, returncode=returncode, requested=False, killed=False),) if culprit else ()
+    return RunOutcome(cause=cause, culprit=culprit, detail=f"{culprit} ended", exits=exits)
+
+
+def test_whole_run_ended_by_its_plant_holds(
+    tmp_path: Path, scenario: Scenario, console: Console, printed: Printed
+) -> None:
+    log = write_log(tmp_path / "run.mcap", scenario)
+
+    assert report_outcome(ended(ExitCause.LEFT, "plant"), log, scenario, console) == 0
+    assert "verdict   holds" in printed.text()
+
+
+@pytest.mark.parametrize("leaver", ["router", "recorder", "dashboard", "operator", "filter"])
+def test_run_that_another_process_left_is_no_success(
+    leaver: str, tmp_path: Path, scenario: Scenario, console: Console, printed: Printed
+) -> None:
+    log = write_log(tmp_path / "run.mcap", scenario)
+
+    assert report_outcome(ended(ExitCause.LEFT, leaver), log, scenario, console) == DIED
+    assert f"{leaver} ended" in printed.text()
+
+
+def test_a_plant_that_was_to_run_on_may_not_leave(
+    tmp_path: Path, scenario: Scenario, console: Console, printed: Printed
+) -> None:
+    log = write_log(tmp_path / "run.mcap", scenario, planned_s=None)
+
+    assert report_outcome(ended(ExitCause.LEFT, "plant"), log, scenario, console) == DIED
+    assert "plant ended" in printed.text()
+    assert report_outcome(ended(ExitCause.SIGNAL, None), log, scenario, console) == 0
+
+
+def test_run_without_a_log_says_so(tmp_path: Path, scenario: Scenario, console: Console, printed: Printed) -> None:
+    gone, empty = tmp_path / "gone" / "run.mcap", tmp_path / "empty.mcap"
+    empty.touch()
+
+    assert report_outcome(ended(ExitCause.LEFT, "plant"), gone, scenario, console) == DIED
+    assert report_outcome(ended(ExitCause.LEFT, "plant"), empty, scenario, console) == DIED
+    text = printed.text()
+    assert f"this run has no log: {gone}: no such file" in text
+    assert f"this run has no log: {empty}: " in text
+
+
+def test_unfinished_log_is_recovered_and_no_proof(
+    tmp_path: Path, scenario: Scenario, console: Console, printed: Printed
+) -> None:
+    log = write_log(tmp_path / "run.mcap", scenario, finished=False)
+
+    assert report_outcome(ended(ExitCause.DIED, "recorder", returncode=-9), log, scenario, console) == DIED
+    text = printed.text()
+    assert "messages were recovered from" in text
+    assert "verdict   unproven" in text
+    assert {path.name for path in tmp_path.iterdir()} == {"run.mcap", "run.torn.mcap"}
+
+
+def test_full_disk_leaves_verdict_and_path(
+    tmp_path: Path, scenario: Scenario, console: Console, printed: Printed, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(torn: Path, out: Path) -> None:
+        out.write_bytes(b"the first bytes")
+        raise LogWriteError(out, OSError(28, f"No space left on device, reading {torn.name}"))
+
+    monkeypatch.setattr(passafe_services.cli.demo_outcome, "recover", full)
+    log = write_log(tmp_path / "run.mcap", scenario, finished=False)
+
+    assert report_outcome(ended(ExitCause.DIED, "recorder", returncode=2), log, scenario, console) == DIED
+    text, torn = printed.text(), tmp_path / "run.torn.mcap"
+    assert "No space left on device" in text
+    assert f"what was recorded is in {torn}" in text
+    assert f"log       {torn}" in text
+    assert "verdict   unproven" in text
+    assert list(tmp_path.iterdir()) == [torn]
+
+
+def test_folder_that_cannot_be_written_keeps_the_log(
+    tmp_path: Path, scenario: Scenario, console: Console, printed: Printed, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(_from: Path, _to: Path) -> None:
+        raise OSError(30, "Read-only file system")
+
+    log = write_log(tmp_path / "run.mcap", scenario, finished=False)
+    monkeypatch.setattr(Path, "rename", refuse)
+
+    assert report_outcome(ended(ExitCause.SIGNAL, None), log, scenario, console) == 1
+    assert f"what was recorded is in {log}" in printed.text()
+    assert list(tmp_path.iterdir()) == [log]
