@@ -44,7 +44,7 @@ def test_no_input_is_for_a_plant_time_that_was_decided() -> None:
     state = plant_state(0, PlantPhase.WAITING)
     node.confirm(state)
     assert node.next_input(state, 4 * MS) == (4 * MS, False)
-    node.message(5, (4.0, -1.0), 4 * MS)
+    node.message(5, (4.0, -1.0), 4 * MS, 0)
 
     assert node.next_input(state, 4 * MS) == (5 * MS, False)
     assert node.next_input(state, 7 * MS) == (7 * MS, False)

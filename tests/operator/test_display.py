@@ -7,7 +7,8 @@ from passafe_services.operator.keyboard.display import OperatorView, line
 FULL = OperatorView(
     u_h=(-14.5, 0.0),
     enabled=True,
-    superseded=False,
+    holder="",
+    stop_source="",
     position=(-1.25, 0.031),
     status=FilterStatus.MODIFIED,
     nearest=("disk", 0.0021),
@@ -34,10 +35,14 @@ def test_line_shows_unknown_values() -> None:
     assert "h(" not in text
 
 
-def test_a_silent_operator_sees_no_command_as_if_it_were_sent() -> None:
-    text = line(FULL._replace(superseded=True), 120)
-    assert "SILENT" in text
-    assert "u_h" not in text
+def test_a_waiting_operator_sees_no_command_as_if_it_were_sent() -> None:
+    text = line(FULL._replace(holder="session 7 (lag\x1b)"), 120)
+    assert text == "WAITING: t takes over, q ends; operator session 7 (lag?) holds the lease"
+
+
+def test_a_stop_takes_the_whole_line() -> None:
+    text = line(FULL._replace(stop_source="console", holder="session 7 (lag)"), 120)
+    assert text == "EMERGENCY STOP by console: clear it on the page or with `passafe clear`"
 
 
 @pytest.mark.parametrize("columns", [-1, 0, 1, 40, 79])

@@ -21,6 +21,8 @@ ARROWS = [Key.UP, Key.DOWN, Key.RIGHT, Key.LEFT]
         (b"WSDAKJLH", ARROWS * 2),
         (b"yubn", [Key.UP_LEFT, Key.UP_RIGHT, Key.DOWN_LEFT, Key.DOWN_RIGHT]),
         (b" ", [Key.STOP]),
+        (b"x", [Key.EMERGENCY_STOP]),
+        (b"T", [Key.TAKE_OVER]),
         (b"q", [Key.QUIT]),
         (b"Q", [Key.QUIT]),
         (b"\x03", [Key.QUIT]),
@@ -33,7 +35,7 @@ def test_keys_by_their_bytes(data: bytes, keys: list[Key]) -> None:
 
 @pytest.mark.parametrize(
     "data",
-    [b"", b"x7;", b"\x1b", b"\x1b[3~", b"\x1b[15~", b"\x1b[H", b"\x1bOP", b"\x1b[200~", "é☃".encode()],
+    [b"", b"z7;", b"\x1b", b"\x1b[3~", b"\x1b[15~", b"\x1b[H", b"\x1bOP", b"\x1b[200~", "é☃".encode()],
 )
 def test_other_bytes_mean_nothing(data: bytes) -> None:
     assert KeyReader().feed(data) == []

@@ -15,11 +15,12 @@ from passafe_protocol.messages import (
     Header,
     Message,
     OperatorCommand,
+    OperatorLease,
     PlantPhase,
     PlantState,
     Received,
 )
-from passafe_protocol.topics import COMMAND, EVENT, STATE, TICK
+from passafe_protocol.topics import COMMAND, EVENT, LEASE, STATE, STOP, TICK
 from passafe_services.operator.keyboard.display import OperatorView
 from passafe_services.operator.keyboard.keyboard import RAMP_S, Keyboard
 from passafe_services.operator.keyboard.keys import Key
@@ -87,8 +88,14 @@ def state(plant_ns: int, at_ns: int, phase: PlantPhase = PlantPhase.RUNNING) -> 
     return received(body, at_ns)
 
 
-def command_of(epoch: int, at_ns: int = 0) -> Received:
-    return received(OperatorCommand((9.0,), (), True, "other"), at_ns, epoch=epoch, source="operator")
+def stopped(at_ns: int, *, stop: int) -> Received:
+    body = state(0, at_ns).body
+    assert isinstance(body, PlantState)
+    return received(replace(body, stop=stop, stop_source="console" if stop else ""), at_ns)
+
+
+def lease(holder: int, *, number: int = 1) -> Received:
+    return received(OperatorLease(number, holder, "other", 0), 0, source="filter")
 
 
 def tick(at_ns: int, levels: dict[str, float]) -> Received:
@@ -218,7 +225,7 @@ def test_observing_source_gets_the_newest_state_first() -> None:
     node.step(0, ())
     node.step(1 * MS, [state(1 * MS, 1 * MS), state(2 * MS, 1 * MS)])
     node.step(2 * MS, ())
-    node.step(3 * MS, [command_of(EPOCH), tick(3 * MS, {})])
+    node.step(3 * MS, [lease(EPOCH), tick(3 * MS, {})])
     node.step(4 * MS, [state(3 * MS, 4 * MS)])
 
     assert source.seen == [2, 3]
@@ -257,48 +264,107 @@ def test_quitting_sends_a_released_zero_and_tells_the_driver() -> None:
     assert node.finished
 
 
-@pytest.mark.parametrize("epoch", [0, EPOCH - 1, EPOCH])
-def test_older_and_own_sessions_do_not_silence_a_node(epoch: int) -> None:
+@pytest.mark.parametrize("holder", [0, EPOCH])
+def test_a_free_lease_and_its_own_silence_no_node(holder: int) -> None:
     node = OperatorNode(TimeTeller(), epoch=EPOCH)
     for step in range(5):
-        (outgoing,) = node.step(step, [command_of(epoch)])
+        (outgoing,) = node.step(step, [lease(holder)])
         assert outgoing[0] is COMMAND
-    assert not node.superseded
+        assert outgoing[1].take_over == 0
 
 
-def test_newer_session_silences_a_node_and_is_reported_once() -> None:
+@pytest.mark.parametrize("other", [EPOCH - 1, EPOCH + 1])
+def test_the_second_operator_sends_nothing_and_says_so_once(other: int) -> None:
     node = OperatorNode(TimeTeller(), epoch=EPOCH)
     assert node.step(0, ())[0][0] is COMMAND
-    (outgoing,) = node.step(1, [command_of(EPOCH + 1)])
-    assert outgoing[0] is EVENT
-    assert isinstance(outgoing[1], Event)
-    assert outgoing[1].severity == "warning"
-    assert str(EPOCH + 1) in outgoing[1].text
-    assert str(EPOCH) in outgoing[1].text
-    assert node.superseded
+
+    (outgoing,) = node.step(1, [lease(other)])
+
+    assert outgoing == (
+        EVENT,
+        Event("warning", f"operator session {EPOCH} sends nothing: session {other} (other) holds the lease"),
+    )
     for step in range(2, 50):
-        inbox = [command_of(EPOCH + 2)] if step % 2 else [command_of(EPOCH)]
-        assert list(node.step(step, inbox)) == []
+        assert list(node.step(step, [lease(other)] if step % 2 else [])) == []
 
 
-@pytest.mark.parametrize("started_first", [True, False])
-def test_of_two_operators_the_later_session_remains(started_first: bool) -> None:
-    old, new = OperatorNode(TimeTeller(), epoch=1), OperatorNode(TimeTeller(), epoch=2)
-    nodes = {1: old, 2: new} if started_first else {2: new, 1: old}
-    inbox: list[Received] = []
-    received: list[list[int]] = []
-    for step in range(5):
-        outbox = [(epoch, out) for epoch, node in nodes.items() for out in node.step(step * MS, inbox)]
-        commanding = [epoch for epoch, out in outbox if out[0] is COMMAND]
-        received.append(sorted(commanding))
-        inbox = [command_of(epoch, step * MS) for epoch in commanding]
-    assert received == [[1, 2], [2], [2], [2], [2]]
+def test_a_waiting_operator_follows_when_the_lease_is_free() -> None:
+    node = OperatorNode(TimeTeller(), epoch=EPOCH)
+    node.step(0, [lease(7)])
+
+    event, command = node.step(1, [lease(0)])
+
+    assert event == (EVENT, Event("info", f"operator session {EPOCH} waits no longer"))
+    assert command[0] is COMMAND
+    assert [out[0] for out in node.step(2, [lease(EPOCH)])] == [COMMAND]
+
+
+def test_a_take_over_names_the_lease_until_it_is_granted() -> None:
+    node = OperatorNode(TimeTeller(), epoch=EPOCH, takes_over=True)
+
+    inboxes = [[], [lease(7, number=3)], [], [lease(EPOCH, number=4)], [], [lease(7, number=5)], []]
+    sent = [[out[1].take_over for out in node.step(k, inbox) if out[0] is COMMAND] for k, inbox in enumerate(inboxes)]
+
+    assert sent == [[0], [3], [3], [0], [0], [], []]  # asked once: whoever takes over in turn keeps it
+
+
+def test_a_key_takes_the_lease_over() -> None:
+    keys = [[], [Key.TAKE_OVER], [], [Key.TAKE_OVER], []]
+    node = OperatorNode(Keyboard(authority=10.0, inputs=2, keys=keys.pop), epoch=EPOCH)
+
+    sent = [node.step(k, inbox) for k, inbox in enumerate([[], [], [lease(7, number=2)], [], []])]
+
+    requested = [[out[1].take_over for out in outgoing if out[0] is COMMAND] for outgoing in sent]
+    assert requested == [[0], [0], [], [2], [2]]
+
+
+def test_the_stop_is_pressed_until_a_state_names_it() -> None:
+    keys = [[], [], [], [], [Key.EMERGENCY_STOP], [Key.LEFT]]
+    node = OperatorNode(Keyboard(authority=10.0, inputs=2, keys=lambda: keys.pop() if keys else []), epoch=EPOCH)
+    node.step(0, ())
+    presses = [out[1] for k in range(1, 30) for out in node.step(k * MS, ()) if out[0] is STOP]
+
+    assert len(presses) == 3  # at 1, 11 and 21 ms
+    assert len(set(presses)) == 1
+    named = stopped(30 * MS, stop=presses[0].id)
+    assert [out[0] for k in range(30, 60) for out in node.step(k * MS, [named] if k == 30 else [])] == [COMMAND] * 30
+
+
+def test_presses_have_ids_of_their_own() -> None:
+    keys = [[Key.EMERGENCY_STOP] for _ in range(3)]
+    sources = [Keyboard(authority=1.0, inputs=2, keys=lambda: keys[0]) for _ in range(2)]
+    nodes = [OperatorNode(source, epoch=epoch) for source, epoch in zip(sources, (EPOCH, 2**64 - 1), strict=True)]
+    found = [node.step(k * MS, ())[0][1].id for node in nodes for k in range(3)]
+
+    assert len(set(found)) == 6
+
+
+def test_a_stop_releases_a_scripts_dead_man_until_the_clear() -> None:
+    node = OperatorNode(Lag(target=(-3.0, 0.0), time_constant_s=0.2), epoch=EPOCH)
+    inboxes = [[], [stopped(1, stop=5)], [], [stopped(3, stop=0)]]
+
+    sent = [node.step(k, inbox)[-1][1] for k, inbox in enumerate(inboxes)]
+
+    assert [command.enabled for command in sent] == [True, False, False, True]
+    assert (sent[1].u_h, sent[1].u_h_rate) == ((0.0, 0.0), (0.0, 0.0))
+
+
+def test_a_person_lets_go_once_after_a_stop() -> None:
+    held = [[Key.LEFT]] * 3 + [[]] * 200 + [[Key.LEFT]]
+    node = OperatorNode(Keyboard(authority=9.0, inputs=2, keys=lambda: held.pop(0) if held else []), epoch=EPOCH)
+    inboxes = {1: [stopped(1, stop=5)], 2: [stopped(2, stop=0)]}
+
+    enabled = [node.step(k * 10 * MS, inboxes.get(k, []))[-1][1].enabled for k in range(205)]
+
+    assert enabled[0]
+    assert not any(enabled[1:203])  # the key counts as held for a while after the clear
+    assert enabled[203]
 
 
 def test_a_silenced_person_can_still_quit() -> None:
     keys = [[Key.QUIT], [], []]
     node = OperatorNode(Keyboard(authority=10.0, inputs=2, keys=keys.pop), epoch=EPOCH)
-    node.step(0, [command_of(EPOCH + 1)])
+    node.step(0, [lease(7)])
     node.step(1, ())
     assert not node.finished
     assert list(node.step(2, ())) == []
@@ -306,8 +372,8 @@ def test_a_silenced_person_can_still_quit() -> None:
 
 
 def test_a_node_reads_filter_ticks_only_for_somebody_to_see() -> None:
-    assert OperatorNode(TimeTeller(), epoch=EPOCH).subscribes == (STATE, COMMAND)
-    assert OperatorNode(TimeTeller(), epoch=EPOCH, show=lambda _: None).subscribes == (STATE, COMMAND, TICK)
+    assert OperatorNode(TimeTeller(), epoch=EPOCH).subscribes == (STATE, LEASE)
+    assert OperatorNode(TimeTeller(), epoch=EPOCH, show=lambda _: None).subscribes == (STATE, LEASE, TICK)
 
 
 def test_the_display_is_fed_ten_times_a_second_at_most() -> None:
@@ -326,7 +392,8 @@ def test_display_shows_position_and_nearest_limit() -> None:
         OperatorView(
             u_h=(0.0,),
             enabled=True,
-            superseded=False,
+            holder="",
+            stop_source="",
             position=(1.0,),
             status=FilterStatus.MODIFIED,
             nearest=("disk", -0.25),
@@ -352,7 +419,13 @@ def test_a_tick_without_barriers_shows_its_status() -> None:
     assert views[0].nearest is None
 
 
-def test_display_shows_a_newer_session() -> None:
+def test_display_shows_who_holds_the_lease_and_who_stopped() -> None:
     views: list[OperatorView] = []
-    OperatorNode(TimeTeller(), epoch=EPOCH, show=views.append).step(0, [command_of(EPOCH + 1)])
-    assert views[0].superseded
+    node = OperatorNode(TimeTeller(), epoch=EPOCH, show=views.append)
+    node.step(0, [lease(7)])
+    node.step(DISPLAY_PERIOD_NS, [stopped(0, stop=3)])
+
+    assert [(view.holder, view.stop_source) for view in views] == [
+        ("session 7 (other)", ""),
+        ("session 7 (other)", "console"),
+    ]

@@ -18,7 +18,7 @@ from passafe_services.operator.keyboard.display import OperatorView
 from passafe_services.operator.keyboard.keys import Key
 from passafe_services.operator.keyboard.terminal import HELP, Terminal
 
-VIEW = OperatorView(u_h=(1.0, 2.0), enabled=True, superseded=False, position=None, status=None, nearest=None)
+VIEW = OperatorView(u_h=(1.0, 2.0), enabled=True, holder="", stop_source="", position=None, status=None, nearest=None)
 ROOT = Path(__file__).parents[2]
 LIMIT_S = 20.0
 
@@ -162,7 +162,7 @@ from passafe_services.operator.keyboard.keys import Key
 from passafe_services.operator.keyboard.terminal import Terminal
 from passafe_services.loop.stop import stop_requests
 
-view = OperatorView((0.0, 0.0), False, False, None, None, None)
+view = OperatorView((0.0, 0.0), False, "", "", None, None, None)
 with stop_requests(lifeline=False) as stop, Terminal() as terminal:
     terminal.show(view)
     while not stop.wait(0.005):

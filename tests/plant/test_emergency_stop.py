@@ -121,7 +121,7 @@ def test_the_fail_safe_law_is_in_force_with_the_next_period(kind: type[Node]) ->
 
 
 @NODES
-def test_what_waited_in_the_buffer_does_not_move_it_after_the_clear(kind: type[Node]) -> None:
+def test_no_waiting_input_moves_it_after_the_clear(kind: type[Node]) -> None:
     driver = running(kind, inputs=60)
     driver.step(press(9, driver.at_ms), steps=5)
 

@@ -101,7 +101,7 @@ def test_a_latch_may_start_latched() -> None:
     assert press(latch, 77) is None  # spent
 
 
-def test_memory_of_presses_is_bounded_and_forgets_to_the_safe_side() -> None:
+def test_memory_of_presses_is_bounded_to_the_safe_side() -> None:
     latch = StopLatch()
     for number in range(1, 10_000):
         press(latch, number)

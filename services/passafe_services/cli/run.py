@@ -76,6 +76,17 @@ def run(
             help="Folder, on a file system in memory, in which its loop reports for `passafe health`.",
         ),
     ] = None,
+    take_over: Annotated[
+        bool,
+        typer.Option("--take-over", help="Operator: take over from the operator that drives; otherwise wait for it."),
+    ] = False,
+    start_stopped: Annotated[
+        bool,
+        typer.Option(
+            "--start-stopped",
+            help="Plant: start with the emergency stop latched, so that a start moves nothing before `passafe clear`.",
+        ),
+    ] = False,
     lifeline: Annotated[
         bool, typer.Option("--lifeline", help="End when standard input is closed; `passafe demo` uses this.")
     ] = False,
@@ -86,7 +97,7 @@ def run(
     with the name of a process concerns that process alone.
 
     Examples:
-    - `passafe run operator --device keyboard` drives the robot of a running demo
+    - `passafe run operator --device keyboard --take-over` drives the robot of a running demo
     - `passafe run recorder --router 192.0.2.7:7447 --out runs/remote.mcap`
     """
     effective = load_scenario(scenario)
@@ -100,6 +111,8 @@ def run(
         port=port,
         host=host,
         epoch=time.time_ns() if epoch is None else epoch,
+        take_over=take_over,
+        start_stopped=start_stopped,
         lifeline=lifeline,
         health=HealthReporter(process, health_folder),
         page_names=tuple(page_name or ()),

@@ -11,6 +11,7 @@ from passafe.human_input import HandModel, HumanInputEstimator
 from passafe.models.robot import Robot
 from passafe.override import Explainer
 from passafe_services.filter.command_events import CommandEventEmitter
+from passafe_services.filter.command_intake import CommandIntake
 from passafe_services.filter.command_send_time import CommandSendTime
 from passafe_services.filter.dead_man import DeadManFade
 from passafe_services.filter.decision_loop import DecisionLoop
@@ -87,9 +88,9 @@ def filter_node(
         compiled.core,
         period_ns=model.period_ns,
         schedule=PlayoutSchedule(period_ns=model.period_ns, playout_ns=model.playout_ns, epoch=epoch),
-        request=request_of(scenario, model.robot.system.m, CommandSendTime(clock_id, plant_clock)),
-        command_events=CommandEventEmitter(
-            round(scenario.operator.stale_s * 1e9), round(scenario.operator.resume_s * 1e9)
+        commands=CommandIntake(
+            request_of(scenario, model.robot.system.m, CommandSendTime(clock_id, plant_clock)),
+            CommandEventEmitter(round(scenario.operator.stale_s * 1e9), round(scenario.operator.resume_s * 1e9)),
         ),
         plant_clock=plant_clock,
         clock_id=clock_id,

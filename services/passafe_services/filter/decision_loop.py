@@ -15,11 +15,11 @@ from passafe_protocol.topics import EVENT, INPUT, SCENARIO, TICK
 
 from passafe.filter import SafetyPassivityFilter
 from passafe.override import Explainer
-from passafe_services.filter.command_events import CommandEventEmitter
+from passafe_services.filter.command_intake import CommandIntake
 from passafe_services.filter.event_emitter import OverrideEventEmitter, StatusEventEmitter
 from passafe_services.filter.input_path import InputPath
 from passafe_services.filter.newest_state import NewestState
-from passafe_services.filter.operator_request import OperatorRequest, PassThroughRequest
+from passafe_services.filter.operator_request import OperatorRequest
 from passafe_services.filter.override_text import OverrideText
 from passafe_services.filter.plant_clock import PlantClock
 from passafe_services.filter.playout_schedule import PlayoutSchedule
@@ -28,6 +28,7 @@ from passafe_services.filter.telemetry import STATUS, Telemetry, TickRecord
 from passafe_services.node import Outgoing
 
 _STALE: Final = FilterStatus.STALE
+_STOPPED: Final = FilterStatus.STOPPED
 _WAITING: Final = PlantPhase.WAITING
 
 MOST_AT_ONCE: Final = 64
@@ -46,8 +47,7 @@ class DecisionLoop:
         *,
         period_ns: int,
         schedule: PlayoutSchedule,
-        request: PassThroughRequest,
-        command_events: CommandEventEmitter,
+        commands: CommandIntake,
         plant_clock: PlantClock,
         clock_id: int,
         state_stale_ns: int,
@@ -62,9 +62,8 @@ class DecisionLoop:
             core: The filter.
             period_ns: Period of a step, ns.
             schedule: Assigns a plant time to every step.
-            request: OperatorRequest of the operator, from its commands.
-            command_events: Says when commands are too old to count.
-            plant_clock: Clock of the plant, which the request knows as well.
+            commands: Decides which commands count.
+            plant_clock: Clock of the plant, which the commands' request knows as well.
             clock_id: Which monotonic clock the loop reads.
             state_stale_ns: Time without a newer state after which nothing is sent, ns.
             starts_nearest: Whether the very first input is the nearest to û, rather than one step from u = 0.
@@ -78,8 +77,7 @@ class DecisionLoop:
         self._telemetry = Telemetry(core, explainer)
         self._status_events = StatusEventEmitter()
         self._override_events = OverrideEventEmitter(explainer, override_text, max(core.design.limits.magnitude))
-        self._request = request
-        self._command_events = command_events
+        self._commands = commands
         self._plant_clock = plant_clock
         self._period_ns = period_ns
         self._state_stale_ns = state_stale_ns
@@ -93,8 +91,8 @@ class DecisionLoop:
     def step(self, now_ns: int, inbox: Sequence[Received], path: InputPath) -> Sequence[Outgoing]:
         """Return the inputs for the plant and the record of each; nothing before the first plant state.
 
-        There is one input per step, none while the state is stale or the schedule moves back, and several after it
-        moved forward or steps were skipped.
+        There is one input per step, none while the state is stale, an emergency stop is latched or the schedule moves
+        back, and several after it moved forward or steps were skipped.
 
         Args:
             now_ns: Time at which this step was due, monotonic, ns.
@@ -102,20 +100,18 @@ class DecisionLoop:
             path: Prediction and sequencing of the node.
         """
         self._read(inbox, path)
-        outgoing = self._scenario_info()
+        outgoing = [*self._scenario_info(), *self._commands.reports(now_ns)]
         state, state_age_ns = self._newest.state, self._newest.age_ns(now_ns)
-        is_blind = state is None or self._newest.silence_ns(now_ns) > self._state_stale_ns
-        effective = () if state is None or is_blind else self._due(now_ns, state, path)
+        silence = self._silence(now_ns)
+        effective = () if state is None or silence is not None else self._due(now_ns, state, path)
         if self._last is None:
             self._unreported += inbox
             if not effective:
                 self._wait(path)
-                return outgoing if state is None else [*outgoing, *self._status_event(now_ns, _STALE)]
+                return outgoing if state is None else [*outgoing, *self._status_event(now_ns, silence or _STALE)]
             inbox, self._unreported = self._unreported, []
-        request = self._request.at(now_ns)
-        event = self._command_events.event(now_ns, request)
-        if event is not None:
-            outgoing.append((EVENT, event))
+        request = self._commands.at(now_ns)
+        outgoing += self._commands.event(now_ns, request)
         for effective_ns in effective:
             self._last = self._decide(effective_ns, request, inbox, state_age_ns, path, outgoing)
             inbox = ()
@@ -125,7 +121,7 @@ class DecisionLoop:
         last = self._last
         if last is None:
             return outgoing
-        status = _STALE if is_blind else last.status
+        status = last.status if silence is None else silence
         outgoing += self._status_event(now_ns, status)
         if not effective:  # the last decision remains in force
             self._last = last = last.for_step(status, inbox, state_age_ns, request)
@@ -142,9 +138,17 @@ class DecisionLoop:
                     self._plant_clock.observe(received, body)
                     if newest.epoch != epoch:
                         self._start_plant_session(path)
+                    if self._commands.observe(received.header, body):
+                        path.void()
                     path.confirm(body)
             elif type(body) is OperatorCommand:
-                self._request.receive(received, body)
+                self._commands.receive(received, body)
+
+    def _silence(self, now_ns: int) -> FilterStatus | None:
+        """Return the reason for which nothing is sent in this step; ``None`` if there is none."""
+        if self._newest.state is None or self._newest.silence_ns(now_ns) > self._state_stale_ns:
+            return _STALE
+        return _STOPPED if self._commands.stop.is_stopped else None
 
     def _start_plant_session(self, path: InputPath) -> None:
         """Restart for a newer session of the plant."""
@@ -160,7 +164,7 @@ class DecisionLoop:
         self._schedule.restart()
         if len(self._unreported) > MOST_UNREPORTED:
             self._unreported = []
-            self._request.restart()
+            self._commands.restart()
             self._newest.restart(0)
             self._start_plant_session(path)
 
@@ -192,7 +196,7 @@ class DecisionLoop:
         )
         self._starts = False
         self._tick += 1
-        outgoing.append((INPUT, path.message(self._tick, decision.u, effective_ns)))
+        outgoing.append((INPUT, path.message(self._tick, decision.u, effective_ns, self._commands.stop.cleared)))
         stale = request.is_stale and not decision.status.is_fallback
         return TickRecord(
             self._telemetry,

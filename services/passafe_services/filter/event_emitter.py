@@ -25,6 +25,10 @@ LEAST_NOTABLE: Final = 1e-3
 
 _EVENTS: Final = {
     FilterStatus.STALE: ("warning", "the operator command or the plant state is stale"),
+    FilterStatus.STOPPED: (
+        "warning",
+        "an emergency stop is latched at the plant: nothing is sent until it is cleared there",
+    ),
     FilterStatus.UNCERTIFIED: (
         "error",
         "no solution passed the certificate: fail-safe law in force",

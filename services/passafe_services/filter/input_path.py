@@ -19,6 +19,10 @@ class InputPath(Protocol):
         """Discard all state: the plant was restarted."""
         ...
 
+    def void(self) -> None:
+        """Discard what was sent: an emergency stop or its clear voids it at the plant."""
+        ...
+
     def confirm(self, state: PlantState) -> None:
         """Receive the newest plant state."""
         ...
@@ -37,6 +41,13 @@ class InputPath(Protocol):
         """Return the plant at the effective time of an input."""
         ...
 
-    def message(self, tick: int, u: tuple[float, ...], effective_ns: int) -> PlantInput:
-        """Return the message of the input decided for the last prediction."""
+    def message(self, tick: int, u: tuple[float, ...], effective_ns: int, stops_cleared: int) -> PlantInput:
+        """Return the message of the input decided for the last prediction.
+
+        Args:
+            tick: Tick of the decision.
+            u: The input.
+            effective_ns: Plant time at which it takes effect, ns.
+            stops_cleared: Number of cleared stops of the newest plant state.
+        """
         ...

@@ -35,7 +35,7 @@ class InputSequencer:
         self._previous_u: Vector = ()
 
     def restart(self) -> None:
-        """End the sequence: the plant was restarted."""
+        """End the sequence: the plant was restarted, or stopped."""
         self._start_ns = None
 
     def next_input(self, state: PlantState, target_ns: int) -> tuple[int, bool]:
@@ -56,10 +56,12 @@ class InputSequencer:
         self._previous_u = ()
         return target_ns, True
 
-    def message(self, tick: int, u: Vector, effective_ns: int) -> PlantInput:
-        """Return the message of the next input."""
+    def message(self, tick: int, u: Vector, effective_ns: int, stops_cleared: int = 0) -> PlantInput:
+        """Return the message of the next input, see ``InputPath``."""
         start_ns = effective_ns if self._start_ns is None else self._start_ns
-        message = PlantInput(tick, u, effective_ns, self._hold_ns, start_ns, self._break_ns, self._previous_u)
+        message = PlantInput(
+            tick, u, effective_ns, self._hold_ns, start_ns, self._break_ns, self._previous_u, stops_cleared
+        )
         self._previous_u = (u + self._previous_u)[: self._repeats * len(u)]
         self._next_ns = effective_ns + self._period_ns
         return message

@@ -51,6 +51,18 @@ class NewestCommand:
         self.expires_ns = 0
         self._sent_ns: int | None = None
         self._is_late = False
+        self._resumes_next = False
+
+    def begin_session(self) -> None:
+        """Begin with the commands of another sender, of whatever epoch; the last one before fades."""
+        self._send_time.restart()
+        if self._sent_ns is not None:
+            self._resumes_next = True
+        self.order = (-1, -1)
+
+    def resume_next(self) -> None:
+        """Let the next enabled command that counts be the first after a stretch without any."""
+        self._resumes_next = True
 
     def receive(self, received: Received, command: OperatorCommand) -> Reception:
         """Receive a command.
@@ -68,6 +80,8 @@ class NewestCommand:
         self.body, self.expires_ns = command, sent_ns + self._stale_ns
         if self._is_late:
             return Reception.LATE
+        if self._resumes_next and command.enabled:
+            self._resumes_next, was_missed = False, True
         return Reception.RESUMES if was_missed else Reception.COUNTS
 
     def is_recent(self, delay_ns: int) -> bool:

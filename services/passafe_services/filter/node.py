@@ -47,6 +47,10 @@ class FilterNode:
         self._predictor.restart()
         self._sequencer.restart()
 
+    def void(self) -> None:
+        """End the sequence: an emergency stop or its clear voids it at the plant."""
+        self._sequencer.restart()
+
     def confirm(self, state: PlantState) -> None:
         """Compare the prediction with the newest plant state."""
         self._predictor.confirm(state)
@@ -62,7 +66,7 @@ class FilterNode:
         """Return the plant at the effective time of an input."""
         return self._predictor.predict(effective_ns)
 
-    def message(self, tick: int, u: Vector, effective_ns: int) -> PlantInput:
+    def message(self, tick: int, u: Vector, effective_ns: int, stops_cleared: int) -> PlantInput:
         """Return the message of the input decided for the last prediction."""
         self._predictor.record_sent(effective_ns, u)
-        return self._sequencer.message(tick, u, effective_ns)
+        return self._sequencer.message(tick, u, effective_ns, stops_cleared)

@@ -67,6 +67,14 @@ class PassThroughRequest:
         self._dead_man.restart()
         self._ramp.restart()
 
+    def begin_session(self) -> None:
+        """Begin with the commands of another sender: its first one that counts ramps in, what was before fades."""
+        self._newest.begin_session()
+
+    def resume_next(self) -> None:
+        """Let the next command that counts ramp in, as after a stale stretch."""
+        self._newest.resume_next()
+
     def receive(self, received: Received, command: OperatorCommand) -> None:
         """Receive a command; one older than the newest is ignored.
 

@@ -42,6 +42,10 @@ class UnpredictedFilterNode:
         self._state.restart()
         self._next_ns = None
 
+    def void(self) -> None:
+        """Forget the input sent last: an emergency stop or its clear voids it at the plant."""
+        self._state.void()
+
     def confirm(self, state: PlantState) -> None:
         """Keep the newest plant state."""
         self._state.confirm(state)
@@ -57,8 +61,8 @@ class UnpredictedFilterNode:
         """Return the newest plant state, as if the plant still had it when the input takes effect."""
         return self._state.at(effective_ns)
 
-    def message(self, tick: int, u: Vector, effective_ns: int) -> PlantInput:
+    def message(self, tick: int, u: Vector, effective_ns: int, stops_cleared: int) -> PlantInput:
         """Return the message of the input decided last."""
         self._state.record_sent(u)
         self._next_ns = effective_ns + self._period_ns
-        return PlantInput(tick, u, effective_ns, self._hold_ns)
+        return PlantInput(tick, u, effective_ns, self._hold_ns, stops_cleared=stops_cleared)

@@ -25,6 +25,10 @@ class UnpredictedState:
         self._tank_j = 0.0
         self._u: Vector | None = None
 
+    def void(self) -> None:
+        """Forget the input sent last: the plant did not apply it."""
+        self._u = None
+
     def confirm(self, state: PlantState) -> None:
         """Keep a plant state; a state older than the newest is ignored."""
         before = self._confirmed

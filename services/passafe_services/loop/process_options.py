@@ -31,6 +31,8 @@ class ProcessOptions:
         host: Dashboard: address of its page.
         page_names: Dashboard: further names by which its page is reached.
         epoch: Epoch of its session, larger than those of all earlier ones of this process.
+        take_over: Operator: whether to take the lease over from the operator that holds it.
+        start_stopped: Plant: whether its emergency stop is latched from the start.
         lifeline: Whether to end when standard input closes.
         health: Reporter of the health of its loop.
     """
@@ -44,6 +46,8 @@ class ProcessOptions:
     port: int
     host: str
     epoch: int
+    take_over: bool
+    start_stopped: bool
     lifeline: bool
     health: HealthReporter
     page_names: tuple[str, ...] = ()

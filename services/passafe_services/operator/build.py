@@ -5,6 +5,12 @@ from passafe_services.operator.sources.scenario_source import source_of
 from passafe_services.scenarios.schema import Scenario
 
 
-def operator_node(scenario: Scenario, epoch: int) -> OperatorNode:
-    """Return the operator of a scenario, script or simulated person, with session ``epoch``."""
-    return OperatorNode(source_of(scenario), epoch=epoch)
+def operator_node(scenario: Scenario, epoch: int, *, takes_over: bool = False) -> OperatorNode:
+    """Return the operator of a scenario, script or simulated person.
+
+    Args:
+        scenario: The scenario.
+        epoch: Its session.
+        takes_over: Whether it takes the lease over from the operator that holds it.
+    """
+    return OperatorNode(source_of(scenario), epoch=epoch, takes_over=takes_over)

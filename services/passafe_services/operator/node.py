@@ -3,13 +3,15 @@
 from collections.abc import Callable, Sequence
 from typing import Final
 
-from passafe_protocol.messages import Event, FilterTick, OperatorCommand, PlantPhase, PlantState, Received
-from passafe_protocol.topics import COMMAND, EVENT, STATE, TICK, Topic
+from passafe_protocol.messages import FilterTick, OperatorCommand, OperatorLease, PlantPhase, PlantState, Received
+from passafe_protocol.topics import COMMAND, EVENT, LEASE, STATE, STOP, TICK, Topic
 
 from passafe_services.node import Outgoing
 from passafe_services.operator.keyboard.display import OperatorView
+from passafe_services.operator.lease_view import LeaseView
 from passafe_services.operator.sources.command import Command
-from passafe_services.operator.sources.source import CommandSource, ObservingSource, SourceClock
+from passafe_services.operator.sources.source import ButtonSource, CommandSource, ObservingSource, SourceClock
+from passafe_services.operator.stop_button import StopButton
 
 DISPLAY_PERIOD_NS: Final = 100_000_000
 DISPLAY_STALE_NS: Final = 500_000_000
@@ -20,15 +22,14 @@ LOCAL: Final = SourceClock.LOCAL
 
 
 class OperatorNode:
-    """Sends one ``OperatorCommand`` per step.
+    """Sends one ``OperatorCommand`` per step, as long as no other operator holds the filter's lease.
 
     A script starts with the robot. Its time is ``plant_ns`` of the newest ``PlantState`` plus the local time since its
     arrival, and 0 while the plant is ``WAITING`` or unknown; so a script returns the same command at the same plant
     time with every driver. A person's device runs on local time.
 
-    With two operators, the session with the larger epoch, the one started later, drives. A node that receives a command
-    of a larger epoch than its own reports it in one ``Event`` and stops sending: a filter refuses the smaller epoch
-    once it has received the larger one.
+    A second operator that joins reports in one ``Event`` that it waits, and sends nothing: until the lease is free, or
+    it takes over. While an emergency stop is latched, commands are released; a ``ButtonSource`` can press it.
 
     An ``ObservingSource`` receives every newer plant state before it is asked for the command of the step.
 
@@ -36,25 +37,34 @@ class OperatorNode:
 
     Attributes:
         name: ``operator``.
-        subscribes: Plant states and commands of operators; with a display, also filter ticks.
+        subscribes: Plant states and the filter's lease; with a display, also filter ticks.
     """
 
     name = COMMAND.publishers[0]
 
     def __init__(
-        self, source: CommandSource, *, epoch: int, show: Callable[[OperatorView], None] | None = None
+        self,
+        source: CommandSource,
+        *,
+        epoch: int,
+        takes_over: bool = False,
+        show: Callable[[OperatorView], None] | None = None,
     ) -> None:
         """Start with nothing received.
 
         Args:
             source: Source of the commands.
             epoch: Session epoch of this node's messages.
+            takes_over: Whether to take the lease over from the operator that holds it.
             show: Called with the view for the display, at most every ``DISPLAY_PERIOD_NS``; must not block.
         """
-        self.subscribes: tuple[Topic, ...] = (STATE, COMMAND) if show is None else (STATE, COMMAND, TICK)
+        self.subscribes: tuple[Topic, ...] = (STATE, LEASE) if show is None else (STATE, LEASE, TICK)
         self._source = source
         self._observe = source.observe if isinstance(source, ObservingSource) else None
-        self._epoch = epoch
+        self._buttons = source if isinstance(source, ButtonSource) else None
+        self._pressed = (0, 0)
+        self._lease = LeaseView(epoch, takes_over=takes_over)
+        self._stop = StopButton(epoch, is_person=source.clock is LOCAL)
         self._show = show
         self._state: PlantState | None = None
         self._state_ns = 0
@@ -62,8 +72,6 @@ class OperatorNode:
         self._echoed = (0, 0)
         self._tick: FilterTick | None = None
         self._tick_ns = 0
-        self._newer_epoch: int | None = None
-        self._reported = False
         self._first_ns: int | None = None
         self._show_due_ns = 0
 
@@ -72,13 +80,8 @@ class OperatorNode:
         """True when the operator has ended the session; the driver then stops."""
         return self._source.finished
 
-    @property
-    def superseded(self) -> bool:
-        """True when a newer operator session drives and this one no longer sends."""
-        return self._newer_epoch is not None
-
     def step(self, now_ns: int, inbox: Sequence[Received]) -> Sequence[Outgoing]:
-        """Return the command at ``now_ns``, or nothing once a newer session drives.
+        """Return the command at ``now_ns``, or none while another session holds the lease; a due press comes first.
 
         Args:
             now_ns: Monotonic time of this step, ns; non-decreasing.
@@ -86,15 +89,37 @@ class OperatorNode:
         """
         if inbox:
             self._read(inbox)
-        command = self._source.command(self._source_time_s(now_ns))
+        command = self._stop.limit(self._source.command(self._source_time_s(now_ns)))
+        self._read_buttons()
         if self._show is not None and now_ns >= self._show_due_ns:
             self._show_due_ns = now_ns + DISPLAY_PERIOD_NS
             self._show(self._view(now_ns, command))
-        if self._newer_epoch is None:
-            echo = (*self._echoed, max(now_ns - self._state_ns, 0)) if self._state is not None else ()
-            body = OperatorCommand(command.u_h, command.u_h_rate, command.enabled, self._source.device, *echo)
-            return ((COMMAND, body),)
-        return self._supersession_event(self._newer_epoch)
+        outgoing: list[Outgoing] = []
+        press, event = self._stop.due(now_ns), self._lease.event()
+        if press is not None:
+            outgoing.append((STOP, press))
+        if event is not None:
+            outgoing.append((EVENT, event))
+        if self._lease.sends:
+            outgoing.append((COMMAND, self._message(now_ns, command)))
+        return outgoing
+
+    def _message(self, now_ns: int, command: Command) -> OperatorCommand:
+        waited_ns = 0 if self._state is None else max(now_ns - self._state_ns, 0)
+        echo = (*self._echoed, waited_ns)
+        return OperatorCommand(
+            command.u_h, command.u_h_rate, command.enabled, self._source.device, *echo, self._lease.requested
+        )
+
+    def _read_buttons(self) -> None:
+        if self._buttons is None:
+            return
+        stops, take_overs = self._pressed
+        self._pressed = (self._buttons.stops, self._buttons.take_overs)
+        if self._buttons.stops > stops:
+            self._stop.press()
+        if self._buttons.take_overs > take_overs:
+            self._lease.take_over()
 
     def _read(self, inbox: Sequence[Received]) -> None:
         known = self._state
@@ -106,9 +131,9 @@ class OperatorNode:
                     self._state_number = number
                     self._state, self._state_ns = body, received.received_ns
                     self._echoed = (received.header.epoch, received.header.scheduled_ns)
-            elif isinstance(body, OperatorCommand):
-                if received.header.epoch > self._epoch:
-                    self._newer_epoch = received.header.epoch
+                    self._stop.observe(body)
+            elif isinstance(body, OperatorLease):
+                self._lease.receive(body)
             elif isinstance(body, FilterTick):
                 self._tick, self._tick_ns = body, received.received_ns
         if self._observe is not None and self._state is not known and self._state is not None:
@@ -125,13 +150,6 @@ class OperatorNode:
         time_ns = state.plant_ns + now_ns - self._state_ns
         return time_ns / 1e9 if time_ns > 0 else 0.0
 
-    def _supersession_event(self, newer_epoch: int) -> Sequence[Outgoing]:
-        if self._reported:
-            return ()
-        self._reported = True
-        text = f"operator session {newer_epoch} is newer than {self._epoch}: this one no longer sends"
-        return ((EVENT, Event("warning", text)),)
-
     def _view(self, now_ns: int, command: Command) -> OperatorView:
         state = self._state if now_ns - self._state_ns <= DISPLAY_STALE_NS else None
         tick = self._tick if now_ns - self._tick_ns <= DISPLAY_STALE_NS else None
@@ -140,7 +158,8 @@ class OperatorNode:
         return OperatorView(
             u_h=command.u_h,
             enabled=command.enabled,
-            superseded=self.superseded,
+            holder=self._lease.holder,
+            stop_source=self._stop.source,
             position=None if state is None else state.x[: len(command.u_h)],
             status=None if tick is None else tick.status,
             nearest=(name, h) if levels else None,

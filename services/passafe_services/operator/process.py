@@ -19,7 +19,7 @@ def start(options: ProcessOptions) -> None:
             terminal = stack.enter_context(Terminal())
             m = robot_of(options.scenario).system.m
             source = build_source(KeyboardSource(kind="keyboard"), m, keys=terminal.poll)
-            node = OperatorNode(source, epoch=options.epoch, show=terminal.show)
+            node = OperatorNode(source, epoch=options.epoch, takes_over=options.take_over, show=terminal.show)
         else:
-            node = operator_node(options.scenario, options.epoch)
+            node = operator_node(options.scenario, options.epoch, takes_over=options.take_over)
         run_node(node, options, finished=lambda: node.finished)

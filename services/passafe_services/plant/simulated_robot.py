@@ -135,6 +135,7 @@ class SimulatedRobot:
         before = self.phase
         if self._latch.is_latched:
             self.phase, self._u = FAIL_SAFE, self._fail_safe.law(self._sample.x)
+            self._since_ns = self.plant_ns - self._fail_safe.hold_ns  # nothing is held after the clear
         else:
             choose_input()
         if self.phase is not before and (before is FAIL_SAFE or self.phase is FAIL_SAFE):

@@ -18,6 +18,9 @@ class FailSafe:
 
     An input is in force for at most ``hold_ns`` in total, and for at least one period; the filter's margin ε covers
     that time (``docs/theory.md``, section 6). The law that follows has the properties of its model (section 10).
+
+    Attributes:
+        hold_ns: Longest time for which any input may be in force, ns.
     """
 
     def __init__(self, robot: Robot, limits: Limits, *, period_ns: int, hold_ns: int) -> None:
@@ -36,7 +39,7 @@ class FailSafe:
         self._evaluate = self._space.bind(dense_function("fail_safe", [system.x], [clipped]), ["x"], ["u"])
         self._write_x, self._read_u = self._space.writer("x"), self._space.reader("u")
         self._period_ns = period_ns
-        self._hold_ns = hold_ns
+        self.hold_ns = hold_ns
 
     def law(self, x: Vector) -> Vector:
         """Return the fail-safe law's input at a state, within the limits, m numbers."""
@@ -56,7 +59,7 @@ class FailSafe:
             x: State now.
             hold_ns: Longest time for which that input may be in force, if its message limits it, ns.
         """
-        longest_ns = self._hold_ns if hold_ns is None or hold_ns > self._hold_ns else hold_ns
+        longest_ns = self.hold_ns if hold_ns is None or hold_ns > self.hold_ns else hold_ns
         if now_ns - input_since_ns + self._period_ns <= longest_ns:
             return HOLDING, u
         return FAIL_SAFE, self.law(x)

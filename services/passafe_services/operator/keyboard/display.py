@@ -11,7 +11,8 @@ class OperatorView(NamedTuple):
     Attributes:
         u_h: The command being sent, units of u.
         enabled: Whether the dead-man switch is held.
-        superseded: Whether a newer operator session drives and this one no longer sends.
+        holder: Other operator session that holds the lease, so that this one sends nothing; empty: none.
+        stop_source: Process that pressed the emergency stop that is latched; empty: none is.
         position: First m states of the plant, the robot's position in every shipped model.
         status: Status of the filter.
         nearest: Name and h of the barrier with the smallest h; its limit is h = 0.
@@ -19,7 +20,8 @@ class OperatorView(NamedTuple):
 
     u_h: Vector
     enabled: bool
-    superseded: bool
+    holder: str
+    stop_source: str
     position: Vector | None
     status: FilterStatus | None
     nearest: tuple[str, float] | None
@@ -27,8 +29,10 @@ class OperatorView(NamedTuple):
 
 def line(view: OperatorView, columns: int) -> str:
     """Return ``view`` as one line of at most ``columns`` characters, ASCII only."""
-    if view.superseded:
-        text = "SILENT: a newer operator session drives; q ends this one"
+    if view.stop_source:
+        text = f"EMERGENCY STOP by {_printable(view.stop_source)}: clear it on the page or with `passafe clear`"
+    elif view.holder:
+        text = f"WAITING: t takes over, q ends; operator {_printable(view.holder)} holds the lease"
     else:
         parts = (
             "HELD    " if view.enabled else "released",

@@ -34,12 +34,15 @@ class Keyboard:
     and for ``REPEAT_HOLD_S`` after an event within ``REPEAT_HOLD_S`` of the previous one, which must be a repeat. A key
     releases those that oppose it. When none is held, u_h fades to zero with the same time constant; the dead-man switch
     counts as held until then. ``STOP`` zeroes u_h at once; keys count again only after ``REPEAT_HOLD_S`` without any,
-    so that pending repeats cannot undo it. ``QUIT`` stops for good and sets ``finished``.
+    so that pending repeats cannot undo it. ``QUIT`` stops for good and sets ``finished``. ``EMERGENCY_STOP`` stops
+    likewise and is counted for the node to press, ``TAKE_OVER`` is counted only.
 
     Between key events u_h is the exact solution, so that it does not depend on the rate of the commands.
 
     Attributes:
         finished: Whether the person has ended the session.
+        stops: Presses of the emergency stop.
+        take_overs: Requests to take the lease over.
     """
 
     device: ClassVar[str] = "keyboard"
@@ -55,6 +58,7 @@ class Keyboard:
                 so playing back a list of keys reproduces the commands.
         """
         self.finished = False
+        self.stops = self.take_overs = 0
         self._authority = authority
         self._keys = keys
         self._rest: Vector = (0.0,) * inputs
@@ -74,8 +78,11 @@ class Keyboard:
         for key in self._keys():
             if key in DIRECTIONS:
                 self._press(key, t_s)
+            elif key is Key.TAKE_OVER:
+                self.take_overs += 1
             else:
                 self._stop(t_s)
+                self.stops += key is Key.EMERGENCY_STOP
                 self.finished = self.finished or key is Key.QUIT
         rate = tuple([(goal - c) / RAMP_S for goal, c in zip(self._target, self._u_h, strict=True)])
         return Command(self._u_h, rate, bool(self._held) or self._u_h != self._rest)

@@ -20,6 +20,8 @@ class Key(Enum):
     DOWN_LEFT = "down-left"
     DOWN_RIGHT = "down-right"
     STOP = "stop"
+    EMERGENCY_STOP = "emergency stop"
+    TAKE_OVER = "take over"
     QUIT = "quit"
 
 
@@ -45,6 +47,8 @@ _LETTERS: Final = {
     **dict.fromkeys(b"bB", Key.DOWN_LEFT),
     **dict.fromkeys(b"nN", Key.DOWN_RIGHT),
     **dict.fromkeys(b" ", Key.STOP),
+    **dict.fromkeys(b"xX", Key.EMERGENCY_STOP),
+    **dict.fromkeys(b"tT", Key.TAKE_OVER),
     **dict.fromkeys(b"qQ\x03\x04", Key.QUIT),  # also Ctrl-C and Ctrl-D if the terminal passes them on
 }
 _ARROWS: Final = {ord("A"): Key.UP, ord("B"): Key.DOWN, ord("C"): Key.RIGHT, ord("D"): Key.LEFT}

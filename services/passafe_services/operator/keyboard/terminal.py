@@ -22,7 +22,7 @@ from passafe_services.operator.errors import TerminalError
 from passafe_services.operator.keyboard.display import OperatorView, line
 from passafe_services.operator.keyboard.keys import Key, KeyReader
 
-HELP: Final = "arrows, WASD or hjkl push (yubn: diagonals)   release: fades   space: stop   q: quit"
+HELP: Final = "arrows, WASD or hjkl push (yubn: diagonals)   release: fades   space: stop   x: emergency stop   q: quit"
 _READ_BYTES: Final = 1024
 _STANDARD_INPUT: Final = 0
 _STANDARD_OUTPUT: Final = 1

@@ -46,6 +46,17 @@ class CommandSource(Protocol):
 
 
 @runtime_checkable
+class ButtonSource(Protocol):
+    """Source with buttons beside its command; each counts how often it was pressed so far."""
+
+    stops: int
+    """Presses of the emergency stop."""
+
+    take_overs: int
+    """Requests to take the lease over."""
+
+
+@runtime_checkable
 class ObservingSource(Protocol):
     """Source that closes the loop: it observes the plant states that its node receives."""
 
