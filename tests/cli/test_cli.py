@@ -185,3 +185,15 @@ def test_campaign_resumes_and_reports_its_worst(tmp_path: Path) -> None:
     summary = json.loads((tmp_path / "notomista-cai-2020.summary.json").read_text())
     assert summary["rollouts"] == 5
     assert summary["worst"]["h_min"]["value"] > 0
+
+
+def test_experiment_without_its_packages_prints_what_to_install() -> None:
+    program = (
+        "import sys; sys.modules['pyarrow'] = None; sys.argv = ['passafe', 'experiment', 'delay', '--out', 'x'];"
+        "from passafe_services.cli.__main__ import main; main()"
+    )
+
+    done = subprocess.run([sys.executable, "-P", "-c", program], capture_output=True, text=True, check=False)
+
+    assert done.returncode == 2
+    assert done.stderr == "passafe: no module 'pyarrow': install the commands: pip install 'passafe[service]'\n"

@@ -3,7 +3,7 @@
 import os
 import sys
 
-from passafe_services.cli.failure import refuse
+from passafe_services.cli.failure import refuse, refuse_missing_module
 from passafe_services.cli.version import version_text
 
 
@@ -20,9 +20,7 @@ def main() -> None:
     try:
         from passafe_services.cli.app import main as run_commands  # noqa: PLC0415 - a base install lacks its packages
     except ModuleNotFoundError as error:
-        if error.name is None or error.name.startswith("passafe"):
-            raise
-        refuse(f"no module {error.name!r}: install the commands: pip install 'passafe[service]'")
+        refuse_missing_module(error)
     except ImportError as error:  # a library that cannot be mapped into the address space
         refuse(f"cannot load a library: {error}: is memory limited (ulimit -v, a container's)?")
     except MemoryError:

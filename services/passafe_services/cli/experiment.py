@@ -10,7 +10,6 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from passafe_services.cli.check import warn_at_load
 from passafe_services.cli.experiment_live import live_beside_lockstep, show_agreement
-from passafe_services.cli.experiment_report import show, show_kept, write_report
 from passafe_services.cli.options import WorkersOption, writable_folder
 from passafe_services.cli.sweep import exit_if_interrupted, workers_for
 from passafe_services.loop.realtime import available_processors
@@ -65,6 +64,12 @@ def experiment(
     - `passafe experiment delay --seeds 2 --out runs/delay`
     - `passafe experiment ./mine.toml --workers 8 --keep none --out runs/mine`
     """
+    from passafe_services.cli.experiment_report import (  # noqa: PLC0415 - passafe[run] lacks its packages
+        show,
+        show_kept,
+        write_report,
+    )
+
     study = _study(file, seeds)
     check(study)
     warn_at_load(study.scenario_with({}))

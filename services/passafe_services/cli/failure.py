@@ -16,8 +16,17 @@ def run_reporting_errors(command: Callable[[], object]) -> None:
         command()
     except PassafeError as error:
         refuse(str(error))
+    except ModuleNotFoundError as error:  # of a command that needs more than passafe[run]
+        refuse_missing_module(error)
     except MemoryError:
         refuse("out of memory: is there a limit (ulimit -v, a container's)?")
+
+
+def refuse_missing_module(error: ModuleNotFoundError) -> NoReturn:
+    """Print what to install and exit with ``REFUSED``; raise the error if the module is one of ours."""
+    if error.name is None or error.name.startswith("passafe"):
+        raise error
+    refuse(f"no module {error.name!r}: install the commands: pip install 'passafe[service]'")
 
 
 def refuse(text: str) -> NoReturn:
