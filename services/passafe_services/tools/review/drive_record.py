@@ -11,6 +11,9 @@ from passafe_services.tools.review.trajectory import NS_PER_S
 LONGEST_END_S: Final = 1.0
 """Plant time for which a run may end without an input of the filter or a fresh command: the end is never sharp."""
 
+NOTABLE_SHARE: Final = 0.25
+"""Share of a run without an input or a command above which a verdict mentions it."""
+
 
 class _LastSeen:
     """Record of when something was last so, and the newest time at which it was looked at, plant time, ns."""
@@ -39,6 +42,7 @@ class DriveRecord:
     def __init__(self) -> None:
         self._ticks = self._states = 0
         self._is_answered = False
+        self._without = self._uncommanded = 0
         self._commanded, self._driven = _LastSeen(), _LastSeen()
 
     @classmethod
@@ -60,18 +64,21 @@ class DriveRecord:
         """Add a tick that takes effect at a plant time, ns."""
         self._ticks += 1
         self._is_answered = self._is_answered or not status.is_fallback
-        self._commanded.add(at_ns, so=status is not FilterStatus.STALE)
+        is_commanded = status is not FilterStatus.STALE
+        self._uncommanded += not is_commanded
+        self._commanded.add(at_ns, so=is_commanded)
 
     def add_state(self, at_ns: int, *, runs: bool) -> None:
         """Add a state of the plant with its first input behind it, and whether an input of the filter is in force."""
         self._states += 1
+        self._without += not runs
         self._driven.add(at_ns, so=runs)
 
     def property(self) -> Property:
         """Return the property that the robot could be driven, to the end of the run."""
         worst_s = max(self._driven.since_s, self._commanded.since_s)
         is_known = bool(self._states and self._ticks)
-        note = self._note()
+        note = self._against()
         return Property(
             holds=not note if is_known else None,
             required=True,
@@ -82,10 +89,23 @@ class DriveRecord:
                 f"filter or a fresh command, s, > {LONGEST_END_S:g}"
             ),
             allowed=f"≤ {LONGEST_END_S:g}",
-            note=note,
+            note=note or self._share(),
         )
 
-    def _note(self) -> str:
+    def _share(self) -> str:
+        """Return in words of how much of the run the verdict speaks, if that is notably less than all of it."""
+        without, stale = (
+            count / total if total else 0.0
+            for count, total in ((self._without, self._states), (self._uncommanded, self._ticks))
+        )
+        parts = []
+        if without > NOTABLE_SHARE:
+            parts.append(f"without an input of the filter for {_percent(without)} of the run")
+        if stale > NOTABLE_SHARE:
+            parts.append(f"without a fresh command for {_percent(stale)} of the ticks")
+        return f"the robot was {' and '.join(parts)}" if parts else ""
+
+    def _against(self) -> str:
         if not self._states:
             return "the robot never had an input of the filter"
         found = []
@@ -96,3 +116,7 @@ class DriveRecord:
         if self._commanded.since_s > LONGEST_END_S:
             found.append(f"no fresh command came in the last {self._commanded.since_s:.3g} s")
         return ", ".join(found)
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.0f} %" if share < 1.0 else "all"

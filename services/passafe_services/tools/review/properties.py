@@ -17,6 +17,7 @@ from passafe_services.tools.review.input_limits import judge_inputs
 from passafe_services.tools.review.link_accounts import LinkAccount
 from passafe_services.tools.review.property import Property, at_least, at_most
 from passafe_services.tools.review.run_log import RunLog
+from passafe_services.tools.review.sole_plant import two_plants
 from passafe_services.tools.review.trajectory import NS_PER_S, Trajectory
 
 CONTROL_TOPICS: Final = (COMMAND, INPUT, STATE, TICK)
@@ -118,7 +119,7 @@ def judge_margins(margins: RecomputedMargins, scenario: Scenario, tolerances: To
 def judge_completeness(log: RunLog, trajectory: Trajectory) -> Property:
     """Return the property that the log contains the whole run."""
     missing = sum(log.counts[topic.name].gaps for topic in CONTROL_TOPICS)
-    cut_short = _cut_short(log, trajectory)
+    cut_short = _cut_short(log, trajectory) or two_plants(log.of(PlantState))
     return Property(
         holds=missing == 0 and log.finished and _shows_the_start(log, trajectory) and not cut_short,
         required=True,

@@ -13,6 +13,7 @@ from passafe_services.tools.review.command_use import CommandUse
 from passafe_services.tools.review.errors import MismatchedLogError
 from passafe_services.tools.review.extremum import Extremum
 from passafe_services.tools.review.filter_claims import Decisions, SentInputs
+from passafe_services.tools.review.input_origin import driven_by_the_filter, foreign_inputs
 from passafe_services.tools.review.link_accounts import LinkAccount, link_accounts
 from passafe_services.tools.review.plant_evaluator import PlantEvaluator
 from passafe_services.tools.review.properties import (
@@ -158,6 +159,9 @@ class Verdict(BaseModel):
         passivity = scenario.filter.passivity
         margins = RecomputedMargins.of(trajectory, evaluator, passivity, points_per_period, decisions)
         properties = judge_driving(decisions, running_states(log.of(PlantState)), scenario.dt_s)
+        properties["driven"] = driven_by_the_filter(
+            properties["driven"], foreign_inputs(log.of(PlantState), log.of(FilterTick))
+        )
         properties |= judge_properties(scenario, inputs, decisions, trajectory, margins, tolerances)
         properties["complete"] = judge_completeness(log, trajectory)
         accounts = link_accounts(log)
