@@ -22,6 +22,7 @@
         * ``PublisherError``: a process that may not publish a topic
         * ``LinkNameError``: settings for a link that does not exist
         * ``LinkUpdateError``: settings of a link that do not go together
+        * ``StopNameError``: a clear of another emergency stop than the one that is latched
         * ``PageAddressError``: an address that the page cannot listen on
             * ``PagePortInUseError``: another program listens on its port
         * ``SeriesError``: a series for the report that does not fit together
@@ -50,6 +51,9 @@
     * ``LinkSilentError``: nothing was received of a link
     * ``LinkRefusedError``: the process that reads a link refused its settings
     * ``LinkAnswerError``: nothing was received of a link that the page was to change
+    * ``PlantSilentError``: no plant acknowledged a press of the emergency stop, or its clear
+    * ``StopPressedAgainError``: the emergency stop was pressed again while it was being cleared
+    * ``StopAnswerError``: no plant acknowledged a press or a clear that the page asked for
     * ``WorkerLostError``: a worker process is gone
 """
 

@@ -59,3 +59,22 @@ class LinkAnswerError(PassafeError):
         self.reader = reader
         self.reason = reason
         super().__init__(f"link {link}: {reason}: is {reader} running?")
+
+
+class StopNameError(NotAllowedError):
+    """A clear that names another emergency stop than the one that is latched."""
+
+    def __init__(self, got: int, latched: int) -> None:
+        super().__init__("emergency stop to clear", got, str(latched) if latched else "none: no stop is latched")
+
+
+class StopAnswerError(PassafeError):
+    """No plant acknowledged a press of the emergency stop, or its clear.
+
+    Attributes:
+        waited_s: For how long.
+    """
+
+    def __init__(self, waited_s: float) -> None:
+        self.waited_s = waited_s
+        super().__init__(f"emergency stop: no answer from plant within {waited_s:g} s: is it running?")

@@ -11,8 +11,8 @@ from typing import Final
 
 from fastapi import FastAPI
 from passafe_protocol.keys import DEFAULT_ROBOT
-from passafe_protocol.messages import LinkConfig
-from passafe_protocol.topics import LINK_CONFIG
+from passafe_protocol.messages import EmergencyStop, LinkConfig, StopClear
+from passafe_protocol.topics import LINK_CONFIG, TOPIC_OF_BODY
 from passafe_services.loop.bus import open_bus
 from passafe_services.loop.health_report import HealthReporter
 from passafe_services.loop.outlet import Outlet
@@ -27,6 +27,7 @@ from passafe_dashboard.live.broadcast import FRAME_HZ, Broadcast
 from passafe_dashboard.live.bus_reader import BusReader
 from passafe_dashboard.live.feed import Feed
 from passafe_dashboard.live.link_requests import LinkRequests
+from passafe_dashboard.live.stop_requests import StopRequests
 from passafe_dashboard.routes.application import create_app
 from passafe_dashboard.routes.own_hosts import OwnHosts
 from passafe_dashboard.server import page_server
@@ -79,7 +80,8 @@ def serve(
             reader = BusReader(bus, feed, outlet)
             broadcast = Broadcast(feed, read=reader.read, clock=time.monotonic_ns, frame_hz=frame_hz)
             links = LinkRequests(broadcast, partial(_request_settings, outlet))
-            app = create_app(broadcast, links, hosts=OwnHosts.of(host, names))
+            stops = StopRequests(broadcast, partial(_request_stop, outlet), epoch=outlet.epoch)
+            app = create_app(broadcast, links, stops, hosts=OwnHosts.of(host, names))
             asyncio.run(_run(app, broadcast, listener, stop))
     return stop.reason
 
@@ -89,6 +91,11 @@ def _request_settings(outlet: Outlet, config: LinkConfig, now_ns: int) -> tuple[
     number = outlet.sent(LINK_CONFIG)
     outlet.publish(LINK_CONFIG, config, scheduled_ns=now_ns, started_ns=now_ns)
     return outlet.source, outlet.epoch, number
+
+
+def _request_stop(outlet: Outlet, body: EmergencyStop | StopClear, now_ns: int) -> None:
+    """Publish a press of the emergency stop, or its clear."""
+    outlet.publish(TOPIC_OF_BODY[type(body)], body, scheduled_ns=now_ns, started_ns=now_ns)
 
 
 async def _run(app: FastAPI, broadcast: Broadcast, listener: socket.socket, stop: Stop) -> None:

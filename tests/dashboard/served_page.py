@@ -12,15 +12,18 @@ from typing import Any
 import httpx
 from answering_links import AnsweringLinks
 from closed_form import ClosedFormRun
+from fastapi import FastAPI
 from msgspec import structs
 from passafe_dashboard.address import listening_socket
 from passafe_dashboard.live.broadcast import Broadcast
 from passafe_dashboard.live.feed import Feed
 from passafe_dashboard.live.link_requests import LinkRequests
+from passafe_dashboard.live.stop_requests import StopRequests
 from passafe_dashboard.routes.application import create_app
 from passafe_dashboard.server import page_server
-from passafe_protocol.messages import FilterTick
+from passafe_protocol.messages import EmergencyStop, FilterTick, Header, PlantState, Received, StopClear
 from passafe_services.loop.pace import Pace
+from passafe_services.plant.stop_latch import StopLatch
 from websockets.sync.client import ClientConnection, connect
 
 
@@ -32,6 +35,8 @@ class FastRun:
         fails: Set it to make reading raise.
         next_tick: Fields to change in the next tick, once.
         links: Links that answer.
+        latch: Emergency stop that answers.
+        stop_requests: Requests to it.
     """
 
     def __init__(self, feed: Feed, *, speed: float = 5.0, frame_hz: float = 100.0) -> None:
@@ -41,9 +46,23 @@ class FastRun:
         self.next_tick: dict[str, Any] = {}
         self.links = AnsweringLinks(feed)
         self.broadcast = Broadcast(feed, read=self._read, clock=time.monotonic_ns, frame_hz=frame_hz)
+        self.latch = StopLatch()
+        self.stop_requests: list[EmergencyStop | StopClear] = []
         self._before_ns: int | None = None
         self._run_ns = 0.0
         self._run = ClosedFormRun(period_ms=10, scenario=feed.scenario)
+
+    def app(self, answer_s: float = 3.0) -> FastAPI:
+        """Return the application that shows the run."""
+        links = LinkRequests(self.broadcast, self.links.request, answer_s=answer_s)
+        stops = StopRequests(self.broadcast, self.request_stop, epoch=1, answer_s=answer_s)
+        return create_app(self.broadcast, links, stops)
+
+    def request_stop(self, body: EmergencyStop | StopClear, _now_ns: int) -> None:
+        """Answer as a plant with a latch does, unless it is silent."""
+        self.stop_requests.append(body)
+        if not self.links.silent:
+            self.latch.receive(Received(Header("dashboard", 1, 0, 0, 0, 0, 0), body, 0))
 
     def _read(self, now_ns: int, pace: Pace) -> None:
         del pace
@@ -58,6 +77,10 @@ class FastRun:
             if isinstance(body, FilterTick) and self.next_tick:
                 body = structs.replace(body, **self.next_tick)  # noqa: PLW2901 - stands in for what came
                 self.next_tick = {}
+            if isinstance(body, PlantState):
+                latch = self.latch
+                stop = {"stop": latch.stop, "stop_source": latch.source, "stops_cleared": latch.cleared}
+                body = structs.replace(body, **stop)  # noqa: PLW2901 - likewise
             self.feed.push(header, body, now_ns)
 
 
@@ -95,10 +118,9 @@ class ServedPage:
 @contextmanager
 def serve_page(run: FastRun, *, port: int = 0, answer_s: float = 30.0) -> Iterator[ServedPage]:
     """Serve until the end of the block."""
-    broadcast = run.broadcast
     with listening_socket("127.0.0.1", port) as listener, httpx.Client(timeout=30, verify=False) as client:  # noqa: S501 - no TLS here
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 4096)  # so that a slow reader is felt soon
-        server = page_server(create_app(broadcast, LinkRequests(broadcast, run.links.request, answer_s=answer_s)))
+        server = page_server(run.app(answer_s))
         loop = asyncio.new_event_loop()
         thread = threading.Thread(target=_run, args=(loop, server.serve(sockets=[listener])))
         thread.start()

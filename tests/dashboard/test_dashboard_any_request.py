@@ -12,14 +12,13 @@ from closed_form import paper_scenario
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from passafe_dashboard.live.feed import Feed
-from passafe_dashboard.live.link_requests import LinkRequests, LinkUpdate
-from passafe_dashboard.routes.application import create_app
+from passafe_dashboard.live.link_requests import LinkUpdate
 from passafe_protocol.topics import LINKS
 from served_page import FastRun, ServedPage, serve_page
 
 METHODS = ("GET", "PUT", "POST", "DELETE", "PATCH", "HEAD", "OPTIONS")
-ANSWERS = {200, 400, 404, 405, 413, 422, 504}
-"""Statuses that an answer may have: 504 is that of a link whose process is silent."""
+ANSWERS = {200, 400, 404, 405, 409, 413, 422, 504}
+"""Statuses that an answer may have: 504 is that of a process that is silent, 409 that of a stop that is not latched."""
 
 scalars = st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=20)
 values = st.recursive(
@@ -40,7 +39,7 @@ def page() -> Iterator[ServedPage]:
 
 def documented() -> dict[str, Any]:
     run = FastRun(Feed(paper_scenario()))
-    paths: dict[str, Any] = create_app(run.broadcast, LinkRequests(run.broadcast, run.links.request)).openapi()["paths"]
+    paths: dict[str, Any] = run.app().openapi()["paths"]
     return paths
 
 
@@ -48,12 +47,13 @@ PATHS = sorted(documented())
 
 
 def test_every_route_is_in_the_description() -> None:
-    assert {"/", "/charts.js", "/api/status", "/healthz", "/api/links", "/api/links/{name}"} <= set(PATHS)
+    assert {"/", "/charts.js", "/api/status", "/healthz", "/api/links", "/api/links/{name}", "/api/stop"} <= set(PATHS)
 
 
 @pytest.mark.parametrize(("path", "method"), list(product(PATHS, METHODS)))
 def test_every_method_is_answered_or_not_allowed(page: ServedPage, path: str, method: str) -> None:
-    answer = httpx.request(method, page.url + path.replace("{name}", "plant-to-filter"), timeout=30)
+    url = page.url + path.replace("{name}", "plant-to-filter").replace("{stop}", "7")
+    answer = httpx.request(method, url, timeout=30)
 
     described = method.lower() in documented()[path]
     assert (answer.status_code != 405) is described
@@ -72,7 +72,7 @@ def test_every_method_is_answered_or_not_allowed(page: ServedPage, path: str, me
 def test_no_request_makes_the_server_fail(
     page: ServedPage, path: str, method: str, name: str, body: bytes, kind: str
 ) -> None:
-    url = page.url + path.replace("{name}", quote(name, safe=""))
+    url = page.url + path.replace("{name}", quote(name, safe="")).replace("{stop}", quote(name, safe=""))
     answer = httpx.request(method, url, content=body, headers={"content-type": kind.encode("latin-1")}, timeout=30)  # type: ignore[dict-item]
 
     assert answer.status_code in ANSWERS, answer.text

@@ -234,4 +234,5 @@ def test_there_are_only_our_own_files_beside_bokeh_s() -> None:
         "live.js",
         "readouts.js",
         "report.css",
+        "stop.js",
     }

@@ -16,11 +16,23 @@ from passafe_protocol.messages import (
     LinkEvent,
     LinkState,
     Message,
+    OperatorLease,
     PlantState,
     ScenarioInfo,
     TopicHealth,
 )
-from passafe_protocol.topics import EVENT, HEALTH, LINK_EVENT, LINK_STATE, SCENARIO, STATE, TICK, TOPIC_OF_BODY, Topic
+from passafe_protocol.topics import (
+    EVENT,
+    HEALTH,
+    LEASE,
+    LINK_EVENT,
+    LINK_STATE,
+    SCENARIO,
+    STATE,
+    TICK,
+    TOPIC_OF_BODY,
+    Topic,
+)
 from passafe_services.loop.link_states import NewestLinkStates
 from passafe_services.scenarios.schema import Scenario
 from pydantic import ValidationError
@@ -32,7 +44,7 @@ from passafe_dashboard.decimation import NS_PER_S
 from passafe_dashboard.live.run_state import RunState
 from passafe_dashboard.live.topic_monitor import TopicMonitor
 
-TOPICS_READ: Final[tuple[Topic, ...]] = (TICK, STATE, HEALTH, EVENT, SCENARIO, LINK_EVENT, LINK_STATE)
+TOPICS_READ: Final[tuple[Topic, ...]] = (TICK, STATE, LEASE, HEALTH, EVENT, SCENARIO, LINK_EVENT, LINK_STATE)
 """Topics of the feed; it ignores messages of others."""
 
 [PLANT] = STATE.publishers
@@ -85,6 +97,7 @@ class Feed:
         topic_monitors: Monitor of each topic of each source.
         refused: Messages refused before they were counted, by topic.
         links: Newest states of the links.
+        lease: Newest lease of the operator.
         end: Why the run is over, once it is.
         capacity: Rows kept for charts.
 
@@ -114,6 +127,7 @@ class Feed:
         self.topic_monitors: dict[tuple[str, str], TopicMonitor] = {}
         self.refused: dict[str, int] = {}
         self.links = NewestLinkStates()
+        self.lease: OperatorLease | None = None
         self._events_received = 0
         self._epochs: dict[str, int] = {}
         self._bin_ns = NS_PER_S // frame_hz
@@ -126,6 +140,7 @@ class Feed:
             ScenarioInfo: self._push_scenario,
             LinkEvent: self._push_link_event,
             LinkState: self.links.receive,
+            OperatorLease: self._push_lease,
         }
         self.run = self._new_run(0)
         if scenario is not None:
@@ -231,6 +246,9 @@ class Feed:
 
     def _push_event(self, header: Header, event: Event, received_ns: int) -> None:
         self._add_event(header.source, event.severity, event.text, received_ns)
+
+    def _push_lease(self, _header: Header, lease: OperatorLease, _received_ns: int) -> None:
+        self.lease = lease
 
     def _push_link_event(self, _header: Header, event: LinkEvent, _received_ns: int) -> None:
         self.run.add_link_event(event)

@@ -8,7 +8,7 @@ from math import hypot
 from typing import Any, Final, TypeAlias
 
 from passafe_protocol.link_effect import LinkCounts
-from passafe_protocol.messages import FilterTick, PlantState
+from passafe_protocol.messages import FilterTick, OperatorLease, PlantState
 from passafe_protocol.shapes import as_dict
 from passafe_protocol.topics import HEALTH, LINKS, PROCESSES, STATE, TICK, TOPIC_OF_NAME
 from passafe_services.tools.review.extremum import Extremum
@@ -50,6 +50,8 @@ def page_state(feed: Feed, now_ns: int) -> Json:
         "topics": [
             monitor.statistics(now_ns)._asdict() for _, monitor in sorted(feed.topic_monitors.items(), key=_table_order)
         ],
+        "stop": stop_json(feed),
+        "lease": None if feed.lease is None else _lease_json(feed.lease),
         "links": [
             {"link": link, "effect": effect, "count": count}
             for (link, effect), count in sorted(feed.run.link_effects.items())
@@ -156,6 +158,24 @@ def _plant_json(feed: Feed, state: PlantState) -> Json:
         "energy_stored_j": state.energy_stored_j,
         "inputs_late": state.inputs_late,
         "inputs_refused": state.inputs_refused,
+    }
+
+
+def stop_json(feed: Feed) -> Json:
+    """Return the emergency stop that is latched at the plant; an id as text, since JavaScript has no such integers."""
+    state = feed.run.state
+    if state is None or not state.stop:
+        return {"id": None, "source": None}
+    return {"id": str(state.stop), "source": state.stop_source}
+
+
+def _lease_json(lease: OperatorLease) -> Json:
+    return {
+        "number": lease.number,
+        "holder": str(lease.holder) if lease.holder else None,
+        "device": lease.device,
+        "heartbeat_ms": _age_ms(lease.command_age_ns),
+        "refused": str(lease.refused) if lease.refused else None,
     }
 
 

@@ -13,12 +13,14 @@ from fastapi.staticfiles import StaticFiles
 from passafe_dashboard.live.broadcast import Broadcast
 from passafe_dashboard.live.link_requests import LinkRequests
 from passafe_dashboard.live.page import LivePage
+from passafe_dashboard.live.stop_requests import StopRequests
 from passafe_dashboard.markup import STATIC
 from passafe_dashboard.routes.links import link_routes
 from passafe_dashboard.routes.own_hosts import OwnHosts, OwnHostsOnly
 from passafe_dashboard.routes.page import page_routes
 from passafe_dashboard.routes.refusals import answer_invalid
 from passafe_dashboard.routes.state import state_routes
+from passafe_dashboard.routes.stop import stop_routes
 
 HEADERS: Final = {
     "Content-Security-Policy": (
@@ -36,7 +38,12 @@ MAX_BODY_BYTES: Final = 65_536
 
 
 def create_app(
-    broadcast: Broadcast, links: LinkRequests, *, hosts: OwnHosts | None = None, window_s: float = 20.0
+    broadcast: Broadcast,
+    links: LinkRequests,
+    stops: StopRequests,
+    *,
+    hosts: OwnHosts | None = None,
+    window_s: float = 20.0,
 ) -> FastAPI:
     """Return the application.
 
@@ -45,6 +52,7 @@ def create_app(
     Args:
         broadcast: Source of the state and of the frames.
         links: Changes links.
+        stops: Presses and clears the emergency stop.
         hosts: Hosts by which the page may be asked for; those of loopback if not given.
         window_s: Stretch of time that charts show.
     """
@@ -72,6 +80,7 @@ def create_app(
     app.include_router(page_routes(page))
     app.include_router(state_routes(broadcast))
     app.include_router(link_routes(links))
+    app.include_router(stop_routes(stops))
     app.mount("/static/bokeh", StaticFiles(directory=bokeh_settings.bokehjs_path()), name="bokeh")
     app.mount("/static", StaticFiles(directory=STATIC), name="static")
     return app

@@ -4,6 +4,7 @@
 import { applyRows, chartsReady, moveObstacles, moveRobot, startOver } from "./charts.js";
 import { connect } from "./connection.js";
 import { showLinks } from "./links.js";
+import { showStop } from "./stop.js";
 import { forgetEvents, showConnection, showLost, showState } from "./readouts.js";
 
 const setup = JSON.parse(document.getElementById("setup").textContent);
@@ -67,6 +68,7 @@ function draw(at) {
     numbersShownAt = at;
     showState(now);
     showLinks(now);
+    showStop(now);
   }
   restAfter(begin);
 }

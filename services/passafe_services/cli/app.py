@@ -19,6 +19,7 @@ from passafe_services.cli import (
     run,
     scenarios,
     simulate,
+    stop,
 )
 from passafe_services.cli.failure import run_reporting_errors
 from passafe_services.cli.version import version_text
@@ -58,6 +59,8 @@ app.command("demo", rich_help_panel=LIVE)(demo.demo)
 app.command("run", rich_help_panel=LIVE)(run.run)
 app.add_typer(link.app, name="link", rich_help_panel=LIVE)
 app.command("health", rich_help_panel=LIVE)(health.health)
+app.command("stop", rich_help_panel=LIVE)(stop.stop)
+app.command("clear", rich_help_panel=LIVE)(stop.clear)
 app.command("kill", rich_help_panel=LIVE)(kill.kill)
 app.command("scenarios", rich_help_panel=LIVE)(scenarios.scenarios)
 app.command("check", rich_help_panel=VIRTUAL)(check.check)

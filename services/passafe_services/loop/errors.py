@@ -87,3 +87,27 @@ class LinkRefusedError(PassafeError):
         self.link = link
         self.reason = reason
         super().__init__(f"{link} refused: {reason}")
+
+
+class PlantSilentError(PassafeError):
+    """No plant acknowledged a press of the emergency stop, or its clear.
+
+    Attributes:
+        waited_s: For how long.
+    """
+
+    def __init__(self, waited_s: float) -> None:
+        self.waited_s = waited_s
+        super().__init__(f"emergency stop: no answer from plant within {waited_s:g} s: is it running?")
+
+
+class StopPressedAgainError(PassafeError):
+    """The emergency stop was pressed again while it was being cleared.
+
+    Attributes:
+        source: Process that pressed it.
+    """
+
+    def __init__(self, source: str) -> None:
+        self.source = source
+        super().__init__(f"emergency stop: still latched, {source} pressed it again: ask there, then clear again")
