@@ -10,6 +10,7 @@ from passafe_services.scenarios.design import robot_of
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.review.between_samples import RecomputedMargins
 from passafe_services.tools.review.command_use import CommandUse
+from passafe_services.tools.review.emergency_stops import driven_but_for_stops, emergency_stops
 from passafe_services.tools.review.errors import MismatchedLogError
 from passafe_services.tools.review.extremum import Extremum
 from passafe_services.tools.review.filter_claims import Decisions, SentInputs
@@ -162,6 +163,7 @@ class Verdict(BaseModel):
         properties["driven"] = driven_by_the_filter(
             properties["driven"], foreign_inputs(log.of(PlantState), log.of(FilterTick))
         )
+        properties["driven"] = driven_but_for_stops(properties["driven"], emergency_stops(log.of(PlantState)))
         properties |= judge_properties(scenario, inputs, decisions, trajectory, margins, tolerances)
         properties["complete"] = judge_completeness(log, trajectory)
         accounts = link_accounts(log)
