@@ -111,7 +111,7 @@ def live_demo(scenario: Path, out: Path, rate_hz: float) -> Iterator[LiveDemo]:
         request_realtime(RECORDER_PRIORITY)  # after the demo was started, which would inherit it
         try:
             wait_for_router(process, port, out / "demo.txt")
-            with open_bus(RouterEndpoint(port=port), timeout_s=START_S) as bus:
+            with open_bus(RouterEndpoint.of_demo(port, "recorder"), timeout_s=START_S) as bus:
                 demo = LiveDemo(process, bus)
                 if not demo.receives(STATE, lambda _, body: is_running(body), START_S):
                     raise NoRobotError(f"no robot moved; see {out / 'demo.txt'}")

@@ -41,7 +41,8 @@ if __name__ == "__main__":
     parser.add_argument("--duration", type=float, default=10.0, help="seconds to drive")
     options = parser.parse_args()
     node = CirclingOperator()
-    # The live driver: connects to the router, steps the node 100 times a second, publishes what it returns.
-    endpoint = RouterEndpoint(port=options.port)
+    # The live driver: connects to the router with the demo's keys for an operator, steps the node 100 times a second,
+    # and publishes what it returns.
+    endpoint = RouterEndpoint.of_demo(options.port, "operator")
     report = run_live(node, rate_hz=100.0, endpoint=endpoint, links={}, duration_s=options.duration)
     print(f"{report.steps} steps; the robot was last seen at {node.position}")

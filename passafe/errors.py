@@ -20,6 +20,8 @@
         * ``TerminalError``: no terminal that a person could drive from
         * ``EndpointError``: a host or port that can be no endpoint
         * ``PublisherError``: a process that may not publish a topic
+        * ``RoleError``: a process that publishes in the name of another
+        * ``KeysMismatchError``: a certificate of another robot or role
         * ``LinkNameError``: settings for a link that does not exist
         * ``LinkUpdateError``: settings of a link that do not go together
         * ``StopNameError``: a clear of another emergency stop than the one that is latched
@@ -38,6 +40,7 @@
         * ``SchemaVersionError``: a message of another version of ``passafe.proto``; also a ``NotAllowedError``
         * ``InvalidMessageError``: a field that may not hold what it holds; also a ``NotAllowedError``
         * ``RobotNameError``: a name that no robot can have; also a ``NotAllowedError``
+        * ``IdentityError``: a role or name that no process can have; also a ``NotAllowedError``
         * ``LinkSettingsError``: a link's setting outside its range; also a ``NotAllowedError``
     * ``LogFileError``: a log that cannot be used
         * ``LogWriteError``: it cannot be created or grown
@@ -46,7 +49,15 @@
             * ``ForeignLogError``: it is not of a run of passafe
             * ``ScenarioRecordError``: this build cannot read its scenario
             * ``MismatchedLogError``: its messages do not fit its scenario
+    * ``KeysError``: keys that cannot be used
+        * ``KeysMissingError``: a file of keys that is not there
+        * ``KeysUnreadableError``: a file that cannot be read or is no such file, or one that others can read
+        * ``KeysExpiredError``: a certificate before or after its time
+        * ``ForeignKeysError``: a certificate of another authority
+        * ``KeysExistError``: a deployment that would be overwritten
+    * ``NotAdmittedError``: a certificate that the router does not list
     * ``BusError``: the router cannot be reached, or cannot listen
+    * ``OpenRouterError``: a router without access control
     * ``PortInUseError``: the router's port is taken
     * ``LinkSilentError``: nothing was received of a link
     * ``LinkRefusedError``: the process that reads a link refused its settings

@@ -67,6 +67,12 @@ class RobotNameError(ProtocolError, NotAllowedError):
         super().__init__("robot", got, allowed)
 
 
+class IdentityError(ProtocolError, NotAllowedError):
+    """A role, a name or a certificate's common name that no process of ours can have."""
+
+    quotes_got: ClassVar[bool] = True
+
+
 class LinkSettingsError(ProtocolError, NotAllowedError):
     """A link setting outside its range."""
 

@@ -15,7 +15,7 @@ HERE = RouterEndpoint(port=7447)
 def processes(page_port: int | None = None, *, restart: bool = False) -> list[ProcessSpec]:
     files = Path("a.json"), Path("a.mcap")
     return demo_processes(
-        files[0], HERE, files[1], robot="left-arm", page_port=page_port, duration_s=None, restart=restart
+        files[0], HERE, files[1], robot="left-arm", keys=None, page_port=page_port, duration_s=None, restart=restart
     )
 
 

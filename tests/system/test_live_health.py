@@ -8,6 +8,7 @@ from pathlib import Path
 from time import monotonic_ns
 
 import pytest
+from passafe_services.keys.deployment import Deployment, identities_of
 from passafe_services.loop.health_report import HealthReport
 from running_demo import free_port
 
@@ -17,7 +18,8 @@ PATIENCE_S = 60.0
 
 
 def start(process: str, router: str, folder: Path) -> subprocess.Popen[bytes]:
-    options = ("--router", router, "--health-folder", str(folder), "--scenario", "moving-disk")
+    keys = ("--keys", str(folder / "keys"))
+    options = ("--router", router, *keys, "--health-folder", str(folder), "--scenario", "moving-disk")
     return subprocess.Popen([sys.executable, "-P", "-m", "passafe_services.cli.run", process, *options])
 
 
@@ -35,6 +37,7 @@ def trouble(folder: Path, process: str) -> str | None:
 
 def test_health_follows_router_and_loop(tmp_path: Path) -> None:
     address = f"127.0.0.1:{free_port()}"
+    Deployment.create(tmp_path / "keys").issue(identities_of(["robot"]))
     router = start("router", address, tmp_path)
     plant: subprocess.Popen[bytes] | None = None
     try:

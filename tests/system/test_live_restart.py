@@ -64,7 +64,7 @@ def test_robot_stays_safe_when_filter_router_and_operator_die(tmp_path: Path) ->
     with running_demo(tmp_path, "--restart", "--headless", "--rate", "250") as demo:
         demo.wait_for("running; end with Ctrl-C")
         first = demo.children()
-        with open_bus(RouterEndpoint(port=demo.router_port)) as bus:
+        with open_bus(RouterEndpoint.of_demo(demo.router_port, "recorder")) as bus:
             wait_for(bus, STATE, is_running)
 
             os.kill(first["filter"], signal.SIGKILL)

@@ -110,7 +110,7 @@ def stop_outlasts_its_operator_and_filter(watch: Watch, demo: RunningDemo) -> No
 def test_lease_and_stop_of_a_running_system(tmp_path: Path) -> None:
     with running_demo(tmp_path, "--restart", "--headless", "--rate", "250") as demo:
         demo.wait_for("running; end with Ctrl-C")
-        with open_bus(RouterEndpoint(host="127.0.0.1", port=demo.router_port)) as bus:
+        with open_bus(RouterEndpoint.of_demo(demo.router_port, "operator")) as bus:
             watch = Watch(bus)
             watch.until_state(runs)
             second_operator_joins_takes_over_and_quits(watch)

@@ -11,6 +11,7 @@ from passafe_services.cli import (
     experiment,
     feasibility,
     health,
+    keys,
     kill,
     link,
     recover,
@@ -61,6 +62,7 @@ app.add_typer(link.app, name="link", rich_help_panel=LIVE)
 app.command("health", rich_help_panel=LIVE)(health.health)
 app.command("stop", rich_help_panel=LIVE)(stop.stop)
 app.command("clear", rich_help_panel=LIVE)(stop.clear)
+app.add_typer(keys.app, name="keys", rich_help_panel=LIVE)
 app.command("kill", rich_help_panel=LIVE)(kill.kill)
 app.command("scenarios", rich_help_panel=LIVE)(scenarios.scenarios)
 app.command("check", rich_help_panel=VIRTUAL)(check.check)

@@ -1,13 +1,17 @@
 """``passafe demo``: run the whole system as processes on this machine."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Final
 
 import typer
 from passafe_dashboard.address import require_free_page_port
+from passafe_protocol.identity import ROUTER
 from passafe_protocol.keys import DEFAULT_ROBOT, require_robot_name
 from rich.console import Console
 
+from passafe_services.cli.access_options import InsecureOption, KeysOption, secured_endpoint
 from passafe_services.cli.check import warn_at_load
 from passafe_services.cli.demo_outcome import report_outcome
 from passafe_services.cli.demo_processes import demo_processes
@@ -26,6 +30,7 @@ from passafe_services.cli.options import (
     scenario_from_options,
     writable_folder,
 )
+from passafe_services.keys.throw_away import discard_throw_away_keys, throw_away_keys
 from passafe_services.loop.keep_awake import awake_specs
 from passafe_services.loop.process_spec import RestartPolicy
 from passafe_services.loop.realtime import available_processors
@@ -70,6 +75,8 @@ def demo(
     port: PortOption = 8080,
     router_port: RouterPortOption = DEFAULT_PORT,
     robot: RobotOption = DEFAULT_ROBOT,
+    keys: KeysOption = None,
+    insecure: InsecureOption = False,
     link: LinkOption = None,
     restart: RestartOption = False,
     keep_awake: KeepAwakeOption = False,
@@ -79,6 +86,9 @@ def demo(
     Open the address that is printed, drive with `passafe run operator --device keyboard` in another terminal, and
     end with Ctrl-C. The log is then judged as by `passafe review`. Exits with 0 only if every required property
     holds and every process ended in order, with 3 if a process died.
+
+    Its messages are encrypted, and the router lets each process do what its role permits, by keys that are made for
+    this run and that `passafe run` and `passafe link` find on this host; `--keys` takes those of a deployment.
 
     With a page on two processors there are at most 500 ticks a second, so that a browser has time to draw; `--rate`
     overrides this.
@@ -106,18 +116,6 @@ def demo(
     except OSError as error:
         raise OptionError("--out", f"{folder} ({error.strerror})", "a folder with room for a log") from error
     log = base.with_suffix(".mcap")
-    specs = [
-        *(awake_specs() if keep_awake else ()),
-        *demo_processes(
-            effective,
-            endpoint,
-            log,
-            robot=require_robot_name(robot),
-            page_port=None if headless else port,
-            duration_s=duration,
-            restart=restart,
-        ),
-    ]
 
     def report_ready() -> None:
         if not headless:
@@ -125,5 +123,29 @@ def demo(
         console.print("running; end with Ctrl-C" if duration is None else f"running for {duration:g} s")
 
     most_s = None if duration is None else duration + PATIENCE_S
-    outcome = supervise(specs, duration_s=most_s, on_ready=report_ready, emit=console.out)
+    with _keys(require_robot_name(robot), endpoint, keys, insecure=insecure) as folder_of_keys:
+        processes = demo_processes(
+            effective,
+            endpoint,
+            log,
+            robot=robot,
+            keys=folder_of_keys,
+            page_port=None if headless else port,
+            duration_s=duration,
+            restart=restart,
+        )
+        specs = [*(awake_specs() if keep_awake else ()), *processes]
+        outcome = supervise(specs, duration_s=most_s, on_ready=report_ready, emit=console.out)
     raise typer.Exit(report_outcome(outcome, log, chosen, console))
+
+
+@contextmanager
+def _keys(robot: str, endpoint: RouterEndpoint, keys: Path | None, *, insecure: bool) -> Iterator[Path | None]:
+    """Yield the folder of the deployment's keys: the one that is given, or throw-away ones; none if insecure."""
+    if insecure or keys is not None:
+        discard_throw_away_keys(endpoint.port)
+        secured_endpoint(f"{endpoint.host}:{endpoint.port}", ROUTER, robot, keys=keys, insecure=insecure)
+        yield keys
+    else:
+        with throw_away_keys(robot, endpoint.port) as folder:
+            yield folder

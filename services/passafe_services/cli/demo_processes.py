@@ -27,6 +27,7 @@ def demo_processes(
     log: Path,
     *,
     robot: str,
+    keys: Path | None,
     page_port: int | None,
     duration_s: float | None,
     restart: bool,
@@ -38,6 +39,7 @@ def demo_processes(
         endpoint: Where the router listens.
         log: MCAP log that the recorder writes.
         robot: Name of the robot.
+        keys: Folder of the deployment's keys; ``None``: no TLS and no access control.
         page_port: Port of the dashboard's page; ``None``: no dashboard.
         duration_s: Plant time after which the plant ends, s; ``None``: never.
         restart: Whether those of ``RESTARTED`` are started again when they die.
@@ -54,7 +56,8 @@ def demo_processes(
     if page_port is None:
         del arguments[ProcessName.DASHBOARD]
     router = [_ROUTER, f"{endpoint.host}:{endpoint.port}"]
-    common = ["--scenario", str(scenario_file), *router, "--robot", robot, "--lifeline"]
+    access = ["--insecure"] if keys is None else ["--keys", str(keys)]
+    common = ["--scenario", str(scenario_file), *router, "--robot", robot, *access, "--lifeline"]
     return [
         ProcessSpec(
             name=name,

@@ -10,12 +10,13 @@ from passafe_protocol.messages import LinkState
 from passafe_protocol.shapes import as_dict
 from passafe_protocol.topics import LINKS
 
+from passafe_services.cli.access_options import InsecureOption, KeysOption, secured_endpoint
 from passafe_services.cli.errors import OptionError
 from passafe_services.cli.link_text import LINK_KEYS, changed_parameters, link_fields, require_ranges, settings_text
-from passafe_services.cli.options import DEFAULT_ROUTER, RobotOption, RouterOption, parse_endpoint
+from passafe_services.cli.options import DEFAULT_ROUTER, RobotOption, RouterOption
 from passafe_services.loop.errors import LinkSilentError
 from passafe_services.loop.inlet import require_links
-from passafe_services.loop.link_console import ANSWER_S, open_link_console
+from passafe_services.loop.link_console import ANSWER_S, SOURCE, open_link_console
 
 app = typer.Typer(help="Show and change the links of a running system.", no_args_is_help=True)
 
@@ -30,6 +31,8 @@ def show(
     name: Annotated[str | None, typer.Argument(metavar="NAME", help=f"Link: {NAMES}; all if not given.")] = None,
     router: RouterOption = DEFAULT_ROUTER,
     robot: RobotOption = DEFAULT_ROBOT,
+    keys: KeysOption = None,
+    insecure: InsecureOption = False,
     wait: WaitOption = ANSWER_S,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object with an entry for each link.")] = False,
 ) -> None:
@@ -41,7 +44,8 @@ def show(
     - `passafe link show plant-to-filter --json`
     """
     require_links([] if name is None else [name])
-    with open_link_console(parse_endpoint(router), robot=require_robot_name(robot), answer_s=wait) as console:
+    endpoint = secured_endpoint(router, SOURCE, require_robot_name(robot), keys=keys, insecure=insecure)
+    with open_link_console(endpoint, robot=robot, answer_s=wait) as console:
         states = console.states() if name is None else {name: console.state(name)}
     if not states:
         raise LinkSilentError("of any name", "any process", wait)
@@ -54,6 +58,8 @@ def set_link(
     settings: Annotated[list[str], typer.Argument(metavar="KEY=VALUE", help=f"Keys: {', '.join(LINK_KEYS)}.")],
     router: RouterOption = DEFAULT_ROUTER,
     robot: RobotOption = DEFAULT_ROBOT,
+    keys: KeysOption = None,
+    insecure: InsecureOption = False,
     wait: WaitOption = ANSWER_S,
     json: Annotated[bool, typer.Option("--json", help="Print the state of the link as JSON.")] = False,
 ) -> None:
@@ -72,7 +78,8 @@ def set_link(
     if "trace" in fields:
         raise OptionError("trace", repr(fields["trace"]), "only when a system starts: by --link or in the scenario")
     require_ranges(fields, f"link {name}")  # refused before any process is asked
-    with open_link_console(parse_endpoint(router), robot=require_robot_name(robot), answer_s=wait) as console:
+    endpoint = secured_endpoint(router, SOURCE, require_robot_name(robot), keys=keys, insecure=insecure)
+    with open_link_console(endpoint, robot=robot, answer_s=wait) as console:
         before = console.state(name)
         wanted = changed_parameters(settings_of(before.parameters), fields, f"link {name}")
         state = console.configure(name, wanted)

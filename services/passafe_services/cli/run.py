@@ -1,6 +1,7 @@
 """``passafe run``: run one process of the system, for containers, other hosts and a person at a keyboard."""
 
 import time
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from typing import Annotated
@@ -8,6 +9,7 @@ from typing import Annotated
 import typer
 from passafe_protocol.keys import DEFAULT_ROBOT, require_robot_name
 
+from passafe_services.cli.access_options import InsecureOption, KeysOption, secured_endpoint
 from passafe_services.cli.failure import run_reporting_errors
 from passafe_services.cli.log_name import log_path
 from passafe_services.cli.options import (
@@ -23,12 +25,25 @@ from passafe_services.loop.process_name import ProcessName
 from passafe_services.loop.process_options import Device, ProcessOptions
 from passafe_services.scenarios.load import load_scenario
 
+LinkedRouterOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--linked-router",
+        metavar="HOST:PORT",
+        envvar="PASSAFE_LINKED_ROUTER",
+        help="Router: router of another site to connect to; repeat for others. Only one of two links to the other.",
+    ),
+]
+
 
 def run(
     process: Annotated[ProcessName, typer.Argument(metavar="PROCESS", help="Process to run.")],
     scenario: RunScenarioOption = DEFAULT_SCENARIO,
     router: RouterOption = DEFAULT_ROUTER,
     robot: RobotOption = DEFAULT_ROBOT,
+    keys: KeysOption = None,
+    insecure: InsecureOption = False,
+    linked_router: LinkedRouterOption = None,
     device: Annotated[Device, typer.Option(help="Operator: the scenario's script, or a keyboard.")] = Device.SCRIPT,
     duration: Annotated[
         float | None,
@@ -98,13 +113,17 @@ def run(
 
     Examples:
     - `passafe run operator --device keyboard --take-over` drives the robot of a running demo
-    - `passafe run recorder --router 192.0.2.7:7447 --out runs/remote.mcap`
+    - `passafe run recorder --router 192.0.2.7:7447 --keys keys/recorder.robot --out runs/remote.mcap`
     """
     effective = load_scenario(scenario)
+    endpoint = secured_endpoint(
+        router, process, require_robot_name(robot), keys=keys, insecure=insecure, quiet=lifeline
+    )
+    linked = [replace(parse_endpoint(text), credentials=endpoint.credentials) for text in linked_router or ()]
     options = ProcessOptions(
         scenario=effective,
-        endpoint=parse_endpoint(router),
-        robot=require_robot_name(robot),
+        endpoint=endpoint,
+        robot=robot,
         device=device,
         duration_s=duration,
         out=log_path(out, effective),
@@ -116,6 +135,7 @@ def run(
         lifeline=lifeline,
         health=HealthReporter(process, health_folder),
         page_names=tuple(page_name or ()),
+        linked_routers=tuple(linked),
     )
     if process is ProcessName.FILTER and not lifeline:  # `passafe demo` has done so
         from passafe_services.cli.check import warn_at_load  # noqa: PLC0415 - the other processes stay small

@@ -6,8 +6,9 @@ from typing import Annotated
 import typer
 from passafe_protocol.keys import DEFAULT_ROBOT, require_robot_name
 
-from passafe_services.cli.options import DEFAULT_ROUTER, RobotOption, RouterOption, parse_endpoint
-from passafe_services.loop.stop_console import ANSWER_S, open_stop_console
+from passafe_services.cli.access_options import InsecureOption, KeysOption, secured_endpoint
+from passafe_services.cli.options import DEFAULT_ROUTER, RobotOption, RouterOption
+from passafe_services.loop.stop_console import ANSWER_S, SOURCE, open_stop_console
 
 WaitOption = Annotated[
     float, typer.Option("--wait", metavar="SECONDS", min=0.1, max=3600.0, help="Time to wait for the plant's answer.")
@@ -18,6 +19,8 @@ def stop(
     reason: Annotated[str, typer.Argument(metavar="[REASON]", help="Why, for the log.")] = "pressed at a terminal",
     router: RouterOption = DEFAULT_ROUTER,
     robot: RobotOption = DEFAULT_ROBOT,
+    keys: KeysOption = None,
+    insecure: InsecureOption = False,
     wait: WaitOption = ANSWER_S,
 ) -> None:
     """Press the emergency stop: the robot's own fail-safe law takes over at once, whatever else runs or does not.
@@ -29,7 +32,8 @@ def stop(
     - `passafe stop`
     - `passafe stop "a person in the way" --robot arm-2`
     """
-    with open_stop_console(parse_endpoint(router), robot=require_robot_name(robot), answer_s=wait) as console:
+    endpoint = secured_endpoint(router, SOURCE, require_robot_name(robot), keys=keys, insecure=insecure)
+    with open_stop_console(endpoint, robot=robot, answer_s=wait) as console:
         pressed_s = time.monotonic()
         state = console.press(reason)
     took_ms = 1e3 * (time.monotonic() - pressed_s)
@@ -41,6 +45,8 @@ def clear(
     reason: Annotated[str, typer.Argument(metavar="[REASON]", help="Why, for the log.")] = "cleared at a terminal",
     router: RouterOption = DEFAULT_ROUTER,
     robot: RobotOption = DEFAULT_ROBOT,
+    keys: KeysOption = None,
+    insecure: InsecureOption = False,
     wait: WaitOption = ANSWER_S,
 ) -> None:
     """Clear the emergency stop that is latched now: the robot can be driven again.
@@ -51,7 +57,8 @@ def clear(
 
     Example: `passafe clear "the way is free"`
     """
-    with open_stop_console(parse_endpoint(router), robot=require_robot_name(robot), answer_s=wait) as console:
+    endpoint = secured_endpoint(router, SOURCE, require_robot_name(robot), keys=keys, insecure=insecure)
+    with open_stop_console(endpoint, robot=robot, answer_s=wait) as console:
         state = console.clear(reason)
     if state is None:
         typer.echo("no emergency stop is latched")

@@ -5,8 +5,7 @@ although control traffic is dropped on congestion. Readers are polled ring buffe
 thread that competes with the control loop.
 """
 
-import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
 from itertools import islice
 from typing import Final
@@ -16,11 +15,13 @@ from passafe_protocol.keys import DEFAULT_ROBOT, key_of
 from passafe_protocol.topics import Congestion, Priority, Topic
 from zenoh import ext, handlers
 
-from passafe_services.loop.errors import BusError, PublisherError
+from passafe_services.keys.credentials import Credentials
+from passafe_services.keys.errors import KeysMismatchError
+from passafe_services.loop.admission import Admission
+from passafe_services.loop.errors import BusError, PublisherError, RoleError
+from passafe_services.loop.handshake import refusal_of
 from passafe_services.loop.router_endpoint import RouterEndpoint
-
-LEASE_MS: Final = 500
-"""Silence after which a session is closed: messages queued for it are dropped rather than delivered late."""
+from passafe_services.loop.session import client_settings, open_session
 
 CACHED_SAMPLES: Final = 16_384
 """Messages that a publisher caches for the recorder: 16 s at 1 kHz, longer than a restart of the router takes."""
@@ -30,21 +31,6 @@ HEARTBEAT_S: Final = 0.5
 
 RECORDING_QUEUE: Final = 16_384
 """Capacity of a recording reader. A full one blocks the session; the publishers' caches then fill the gap."""
-
-_SHARED_SETTINGS: Final[dict[str, object]] = {
-    "scouting/multicast/enabled": False,
-    "scouting/gossip/enabled": False,
-    "timestamping/enabled": False,
-    "transport/shared_memory/enabled": False,
-    "transport/link/tx/lease": LEASE_MS,
-    # Batches of 64 KiB. A message that does not fit at once is dropped, and the first tick of a filter that waited for
-    # its plant lists every command since its start, some 30 B each.
-    "transport/link/tx/queue/size/data": 16,
-    # µs. A full queue means that the peer is stalled; a control loop must not stall with it.
-    "transport/link/tx/queue/congestion_control/drop/wait_before_drop": 0,
-    "transport/link/tx/queue/congestion_control/block/wait_before_close": 500_000,
-}
-"""Settings of every session, router and clients alike."""
 
 _CONGESTION: Final = {
     Congestion.DROP: zenoh.CongestionControl.DROP,
@@ -93,8 +79,12 @@ class RecordingReader:
 class Bus:
     """Open session of a process of one robot; created by ``open_bus``."""
 
-    def __init__(self, session: zenoh.Session, robot: str) -> None:
+    def __init__(
+        self, session: zenoh.Session, robot: str, credentials: Credentials | None = None, locator: str = ""
+    ) -> None:
         self._robot = robot
+        self._identity = None if credentials is None else credentials.identity
+        self._admission = None if self._identity is None else Admission(session, self._identity, locator)
         self._session = session
         self._recording_readers: list[RecordingReader] = []
         self._replies = ext.RepliesConfig(
@@ -103,22 +93,40 @@ class Bus:
 
     @property
     def connected(self) -> bool:
-        """True while a router is connected; the session reconnects by itself."""
-        return bool(self.router)
+        """True while a router is connected that admits this process; the session reconnects by itself."""
+        return bool(self.router) and not self.refusal
 
     @property
     def router(self) -> str:
         """Identity of the connected router, which changes with its restart; empty without one."""
         return " ".join(str(zid) for zid in self._session.info.routers_zid())
 
+    @property
+    def refusal(self) -> str:
+        """Why the connected router drops what this process publishes; empty if it does not."""
+        return "" if self._admission is None else self._admission.refusal(self.router)
+
+    def require_admission(self, timeout_s: float) -> None:
+        """Check that the router admits this process, if it has keys.
+
+        Raises:
+            NotAdmittedError: It does not, or not for all that the role publishes.
+            OpenRouterError: It lets everybody do everything.
+        """
+        if self._admission is not None:
+            self._admission.require(self.router, timeout_s)
+
     def publisher(self, topic: Topic, source: str) -> PublishBytes:
         """Return a function that publishes bytes on a topic; it never raises, also without a reader.
 
         Raises:
             PublisherError: ``source`` may not publish the topic.
+            RoleError: The keys of this session are of another role; the router would drop the messages silently.
         """
         if source not in topic.publishers:
             raise PublisherError(source, topic.name, topic.publishers)
+        if self._identity is not None and self._identity.role != source:
+            raise RoleError(topic.name, self._identity.common_name, source)
         congestion, priority = _CONGESTION[topic.congestion], _PRIORITY[topic.priority]
         if not topic.recorded:
             return self._session.declare_publisher(
@@ -172,55 +180,24 @@ def open_bus(endpoint: RouterEndpoint, *, robot: str = DEFAULT_ROBOT, timeout_s:
     raises.
 
     Args:
-        endpoint: Address of the router.
+        endpoint: Address of the router, and the keys with which to open the session.
         robot: Robot whose topics are published and read.
         timeout_s: Connection timeout, s. Ctrl-C takes effect after it.
 
     Raises:
-        BusError: No router answers within ``timeout_s``.
+        BusError: No router answers within ``timeout_s``, or it refuses the keys.
+        KeysMismatchError: The keys are those of another robot.
+        NotAdmittedError: The router would drop what this process publishes.
+        OpenRouterError: The router has no access control.
     """
-    settings = _SHARED_SETTINGS | {
-        "mode": "client",
-        "connect/endpoints": [endpoint.locator],
-        "connect/timeout_ms": round(1e3 * timeout_s),
-        "connect/retry": {"period_init_ms": 50, "period_max_ms": 200, "period_increase_factor": 2},
-    }
+    credentials = endpoint.credentials
+    if credentials is not None and credentials.identity.robot not in {robot, ""}:
+        raise KeysMismatchError(credentials.folder.path, credentials.identity.common_name, f"one for robot {robot}")
     try:
-        session = _open(endpoint, settings)
+        session = open_session(client_settings(endpoint.locator, credentials, timeout_s))
     except zenoh.ZError as error:
-        raise BusError(endpoint.locator, f"no router answered within {timeout_s:g} s") from error
-    with closing(Bus(session, robot)) as bus:
-        yield bus
-
-
-@contextmanager
-def listening_router(endpoint: RouterEndpoint) -> Iterator[None]:
-    """Run a router that listens at ``endpoint`` until the block ends.
-
-    Raises:
-        BusError: It cannot listen there.
-    """
-    settings = _SHARED_SETTINGS | {
-        "mode": "router",
-        "listen/endpoints": [endpoint.locator],
-        "adminspace/enabled": False,
-    }
-    try:
-        session = _open(endpoint, settings)
-    except zenoh.ZError as error:
-        reason, _, _ = str(error).partition(" at /")  # the rest are locations in Zenoh's source
+        reason = refusal_of(endpoint) or f"no router answered within {timeout_s:g} s"
         raise BusError(endpoint.locator, reason) from error
-    with closing(session):
-        yield
-
-
-def _open(endpoint: RouterEndpoint, settings: Mapping[str, object]) -> zenoh.Session:
-    config = zenoh.Config()
-    for key, value in settings.items():
-        config.insert_json5(key, json.dumps(value))
-    try:
-        return zenoh.open(config)
-    except BaseException as error:
-        if type(error).__name__ == "PanicException":  # of the extension, which exports no name for it
-            raise BusError(endpoint.locator, f"the bus cannot start: {error}: is memory limited?") from error
-        raise
+    with closing(Bus(session, robot, credentials, endpoint.locator)) as bus:
+        bus.require_admission(timeout_s)
+        yield bus

@@ -109,6 +109,7 @@ class Driver:
             if now_ns >= health_due_ns:
                 self._publish_health(pace, (pace.steps - reported_steps) * _NS_PER_S / (now_ns - reported_ns))
                 self._check_router()
+                self._check_admission()
                 self._check_overload(pace.steps - reported_steps, pace.skipped - reported_skipped)
                 reported_ns, reported_steps, reported_skipped = now_ns, pace.steps, pace.skipped
                 health_due_ns = now_ns + HEALTH_PERIOD_NS
@@ -174,6 +175,11 @@ class Driver:
             text = "the router was restarted: messages sent in between were not delivered"
             self.report("router", "warning", text)
         self._router = router
+
+    def _check_admission(self) -> None:
+        refusal = self._bus.refusal
+        if refusal:
+            self.report("admission", "error", refusal)
 
     def _check_overload(self, steps: int, skipped: int) -> None:
         if skipped > OVERLOAD * (steps + skipped):

@@ -27,6 +27,18 @@ class BusError(PassafeError):
         super().__init__(f"{locator}: {reason}")
 
 
+class OpenRouterError(PassafeError):
+    """A router that speaks TLS but lets everybody do everything.
+
+    Attributes:
+        locator: Where it listens.
+    """
+
+    def __init__(self, locator: str) -> None:
+        self.locator = locator
+        super().__init__(f"{locator}: the router answers what no access control would let in: it is none of passafe's")
+
+
 class PortInUseError(PassafeError):
     """The router's port is taken, most likely by another running system.
 
@@ -48,6 +60,15 @@ class PublisherError(NotAllowedError):
 
     def __init__(self, source: str, topic: str, allowed: Sequence[str]) -> None:
         super().__init__(f"publisher of {topic}", source, ", ".join(allowed))
+
+
+class RoleError(NotAllowedError):
+    """A process that publishes in the name of another, which the router would drop without a word."""
+
+    quotes_got: ClassVar[bool] = True
+
+    def __init__(self, topic: str, common_name: str, source: str) -> None:
+        super().__init__(f"keys to publish {topic} as {source}", common_name, f"those of a {source}")
 
 
 class LinkNameError(NotAllowedError):

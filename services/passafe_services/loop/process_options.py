@@ -22,7 +22,7 @@ class ProcessOptions:
 
     Attributes:
         scenario: Effective scenario, the same for all processes of a system.
-        endpoint: Address of the router.
+        endpoint: Address of the router, with the keys of the process.
         robot: Robot whose process it is.
         device: Operator: input device.
         duration_s: Plant and recorder: plant time after which the plant ends, s; ``None``: never.
@@ -34,6 +34,7 @@ class ProcessOptions:
         take_over: Operator: whether to take the lease over from the operator that holds it.
         start_stopped: Plant: whether its emergency stop is latched from the start.
         lifeline: Whether to end when standard input closes.
+        linked_routers: Router: routers of other sites that it connects to.
         health: Reporter of the health of its loop.
     """
 
@@ -51,3 +52,4 @@ class ProcessOptions:
     lifeline: bool
     health: HealthReporter
     page_names: tuple[str, ...] = ()
+    linked_routers: tuple[RouterEndpoint, ...] = ()

@@ -1,28 +1,37 @@
 """Router process: runs Zenoh's router in this process, without another program."""
 
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Final
 
-from passafe_services.loop.bus import listening_router, open_bus
+from passafe_services.loop.bus import open_bus
 from passafe_services.loop.errors import BusError, PortInUseError
 from passafe_services.loop.health_report import HealthReporter
 from passafe_services.loop.process_options import ProcessOptions
 from passafe_services.loop.readiness import announce_ready
 from passafe_services.loop.realtime import request_realtime
-from passafe_services.loop.router_endpoint import RouterEndpoint
+from passafe_services.loop.router_endpoint import LOOPBACK, RouterEndpoint
+from passafe_services.loop.routing import listening_router
 from passafe_services.loop.stop import Stop, StopReason, stop_requests
 from passafe_services.router.port import is_taken
 
 NAME: Final = "router"
 HEALTH_PERIOD_S: Final = 1.0
+_EVERY_ADDRESS: Final = ("0.0.0.0", "::")  # noqa: S104 - what a router is told to listen on
 
 
 def run_router(
-    endpoint: RouterEndpoint, *, lifeline: bool = False, health: HealthReporter | None = None
+    endpoint: RouterEndpoint,
+    *,
+    linked: Sequence[RouterEndpoint] = (),
+    lifeline: bool = False,
+    health: HealthReporter | None = None,
 ) -> StopReason | None:
     """Route messages until stopped; main thread only.
 
     Args:
-        endpoint: Address to listen on: loopback, unless other hosts are to connect.
+        endpoint: Address to listen on: loopback, unless other hosts are to connect; with the router's keys.
+        linked: Routers of other sites that it connects to.
         lifeline: Whether standard input is a lifeline (see ``passafe_services.loop.stop``).
         health: Reports whether it answers a client, to what supervises the process.
 
@@ -36,7 +45,7 @@ def run_router(
     request_realtime()  # a refusal is reported by the processes with a control loop
     with stop_requests(lifeline=lifeline) as stop:
         try:
-            with listening_router(endpoint):
+            with listening_router(endpoint, linked):
                 announce_ready(NAME)
                 if health is not None and health.wanted:
                     _report_until_stopped(endpoint, stop, health)
@@ -50,7 +59,8 @@ def run_router(
 
 def _report_until_stopped(endpoint: RouterEndpoint, stop: Stop, health: HealthReporter) -> None:
     """Be a client of this router and report, once a second, whether it answers."""
-    with open_bus(endpoint) as client:
+    own = replace(endpoint, host=LOOPBACK) if endpoint.host in _EVERY_ADDRESS else endpoint
+    with open_bus(own) as client:
         steps = 0
         while not stop.wait(HEALTH_PERIOD_S):
             steps += 1
@@ -59,4 +69,9 @@ def _report_until_stopped(endpoint: RouterEndpoint, stop: Stop, health: HealthRe
 
 def start(options: ProcessOptions) -> None:
     """Route messages until stopped."""
-    run_router(options.endpoint, lifeline=options.lifeline, health=options.health)
+    run_router(
+        options.endpoint,
+        linked=options.linked_routers,
+        lifeline=options.lifeline,
+        health=options.health,
+    )
