@@ -1,15 +1,15 @@
 """Drive the robot with a program of your own: a node on the bus that pushes in a circle.
 
-Start ``passafe demo --headless`` in one terminal and ``python examples/own_operator.py`` in another. The session that
-started last drives, so this node takes over from the demo's operator; the filter decides what the robot does with it.
+Start ``passafe demo --headless`` in one terminal and ``python examples/own_operator.py`` in another. One operator at a
+time holds the filter's lease, so this node asks to take over; the filter decides what the robot does with its commands.
 """
 
 import argparse
 from collections.abc import Sequence
 from math import cos, sin, tau
 
-from passafe_protocol.messages import OperatorCommand, PlantState, Received
-from passafe_protocol.topics import COMMAND, STATE, Topic
+from passafe_protocol.messages import OperatorCommand, OperatorLease, PlantState, Received
+from passafe_protocol.topics import COMMAND, LEASE, STATE, Topic
 from passafe_services.loop.live import run_live
 from passafe_services.loop.router_endpoint import RouterEndpoint
 from passafe_services.node import Outgoing
@@ -21,18 +21,21 @@ class CirclingOperator:
     """A node: a name, the topics it reads, and a step. It has no clock and no socket, so tests can step it, too."""
 
     name = "operator"  # the topic table lets this process publish commands
-    subscribes: tuple[Topic, ...] = (STATE,)
+    subscribes: tuple[Topic, ...] = (STATE, LEASE)
     position: tuple[float, ...] | None = None  # of the robot, once a state arrived
+    take_over = 0  # number of the lease that another operator holds; a later one it leaves alone
 
     def step(self, now_ns: int, inbox: Sequence[Received]) -> Sequence[Outgoing]:
         """Return one command; called at a fixed rate with the messages that arrived since the step before."""
         for message in inbox:
             if isinstance(message.body, PlantState):
                 self.position = message.body.x[:2]
+            elif isinstance(message.body, OperatorLease):
+                self.take_over = self.take_over or message.body.number
         angle, rate = tau * TURNS_PER_S * now_ns / 1e9, tau * TURNS_PER_S
         u_h = (STRENGTH * cos(angle), STRENGTH * sin(angle))
         u_h_rate = (-rate * u_h[1], rate * u_h[0])
-        return [(COMMAND, OperatorCommand(u_h=u_h, u_h_rate=u_h_rate, enabled=True, device="circle"))]
+        return [(COMMAND, OperatorCommand(u_h, u_h_rate, enabled=True, device="circle", take_over=self.take_over))]
 
 
 if __name__ == "__main__":

@@ -2,10 +2,11 @@
 
 import subprocess
 import sys
+from itertools import groupby
 from pathlib import Path
 
 import pytest
-from passafe_protocol.messages import OperatorCommand
+from passafe_protocol.messages import OperatorCommand, OperatorLease
 from passafe_services.tools.review.run_log import RunLog
 from running_demo import running_demo
 
@@ -22,6 +23,9 @@ def test_own_operator_drives_a_running_demo(tmp_path: Path) -> None:
 
     assert done.returncode == 0, done.stderr
     assert "last seen at (" in done.stdout
-    [log] = tmp_path.glob("*.mcap")
-    devices = {message.body.device for message in RunLog.read(log).of(OperatorCommand)}
-    assert "circle" in devices
+    [path] = tmp_path.glob("*.mcap")
+    log = RunLog.read(path)
+    commands = {(sent.header.epoch, sent.body.device) for sent in log.of(OperatorCommand)}
+    assert {device for _, device in commands} == {"circle", "lag"}
+    holders = [lease.body.device for lease in log.of(OperatorLease)]
+    assert [device for device, _ in groupby(device for device in holders if device)] == ["lag", "circle", "lag"]
