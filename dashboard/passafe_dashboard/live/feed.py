@@ -254,6 +254,8 @@ class Feed:
         self.run.add_link_event(event)
 
     def _push_scenario(self, header: Header, info: ScenarioInfo, received_ns: int) -> None:
+        if info == self.info:  # the filter repeats it for those that come later
+            return
         self.info = info
         try:
             scenario = Scenario.model_validate_json(info.scenario_json)

@@ -37,6 +37,7 @@ LinkedRouterOption = Annotated[
 
 
 def run(
+    context: typer.Context,
     process: Annotated[ProcessName, typer.Argument(metavar="PROCESS", help="Process to run.")],
     scenario: RunScenarioOption = DEFAULT_SCENARIO,
     router: RouterOption = DEFAULT_ROUTER,
@@ -115,15 +116,19 @@ def run(
     - `passafe run operator --device keyboard --take-over` drives the robot of a running demo
     - `passafe run recorder --router 192.0.2.7:7447 --keys keys/recorder.robot --out runs/remote.mcap`
     """
-    effective = load_scenario(scenario)
-    endpoint = secured_endpoint(
-        router, process, require_robot_name(robot), keys=keys, insecure=insecure, quiet=lifeline
-    )
+    effective, named = load_scenario(scenario), require_robot_name(robot)
+    endpoint = secured_endpoint(router, process, named, keys=keys, insecure=insecure, quiet=lifeline)
     linked = [replace(parse_endpoint(text), credentials=endpoint.credentials) for text in linked_router or ()]
+    if process is ProcessName.OPERATOR and not lifeline:  # one of `passafe demo` starts before its filter
+        from passafe_services.cli.joined_scenario import joined_scenario  # noqa: PLC0415 - the others stay small
+
+        source = context.get_parameter_source("scenario")
+        is_given = source is not None and source.name != "DEFAULT"
+        effective = joined_scenario(effective, endpoint, named, is_given=is_given)
     options = ProcessOptions(
         scenario=effective,
         endpoint=endpoint,
-        robot=robot,
+        robot=named,
         device=device,
         duration_s=duration,
         out=log_path(out, effective),

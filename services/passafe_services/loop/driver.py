@@ -9,7 +9,7 @@ from passafe_protocol.errors import ProtocolError
 from passafe_protocol.link_change import LinkChange
 from passafe_protocol.link_settings import LinkSettings
 from passafe_protocol.messages import Event, Health, LinkConfig, Message
-from passafe_protocol.topics import EVENT, HEALTH, LINK_CONFIG, LINK_EVENT, LINK_STATE, Topic
+from passafe_protocol.topics import EVENT, HEALTH, LINK_CONFIG, LINK_EVENT, LINK_STATE, SCENARIO, Topic
 
 from passafe_services.loop.bus import Bus
 from passafe_services.loop.health_report import HealthReporter
@@ -19,6 +19,7 @@ from passafe_services.loop.outlet import Outlet
 from passafe_services.loop.pace import Pace
 from passafe_services.loop.rate_limited_log import RateLimitedLog
 from passafe_services.loop.realtime import yield_processor
+from passafe_services.loop.shared_scenario import SharedScenario
 from passafe_services.loop.stop import Stop, StopReason
 from passafe_services.node import Node
 
@@ -41,6 +42,7 @@ class Driver:
         epoch: int,
         log: RateLimitedLog,
         health: HealthReporter | None = None,
+        shared: SharedScenario | None = None,
     ) -> None:
         """Declare the readers and publishers of the node.
 
@@ -52,6 +54,7 @@ class Driver:
             epoch: Session number of the published messages.
             log: Log that limits the rate of repeated messages.
             health: Reports the health of the loop to what supervises the process.
+            shared: Repeats or compares the scenario.
 
         Raises:
             LinkNameError: ``links`` or ``changes`` name a link that does not exist.
@@ -61,6 +64,7 @@ class Driver:
         self._bus = bus
         self._router = bus.router
         self._log = log
+        self._shared = SharedScenario(node.name, "", bus) if shared is None else shared
         self._inlets = inlets_of(node, links)
         self._readers = tuple((inlet, bus.reader(inlet.topic)) for inlet in self._inlets)
         self._configs, self._config_reader = Inlet(LINK_CONFIG), bus.reader(LINK_CONFIG)
@@ -110,6 +114,7 @@ class Driver:
                 self._publish_health(pace, (pace.steps - reported_steps) * _NS_PER_S / (now_ns - reported_ns))
                 self._check_router()
                 self._check_admission()
+                self._share_scenario()
                 self._check_overload(pace.steps - reported_steps, pace.skipped - reported_skipped)
                 reported_ns, reported_steps, reported_skipped = now_ns, pace.steps, pace.skipped
                 health_due_ns = now_ns + HEALTH_PERIOD_NS
@@ -164,6 +169,8 @@ class Driver:
 
     def _publish(self, topic: Topic, body: Message | Callable[[], Message]) -> None:
         error = self._outlet.publish(topic, body, scheduled_ns=self._scheduled_ns, started_ns=self._started_ns)
+        if topic is SCENARIO and not callable(body):
+            self._shared.keep(body)
         if error is not None and topic is not EVENT:
             self.report(f"withheld {topic.name}", "error", f"withheld {error}")
 
@@ -180,6 +187,13 @@ class Driver:
         refusal = self._bus.refusal
         if refusal:
             self.report("admission", "error", refusal)
+
+    def _share_scenario(self) -> None:
+        if self._shared.repeated is not None:
+            self._publish(SCENARIO, self._shared.repeated)
+        difference = self._shared.difference()
+        if difference:
+            self.report("scenario", "error", difference)
 
     def _check_overload(self, steps: int, skipped: int) -> None:
         if skipped > OVERLOAD * (steps + skipped):

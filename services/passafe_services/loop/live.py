@@ -19,6 +19,7 @@ from passafe_services.loop.rate_limited_log import RateLimitedLog
 from passafe_services.loop.readiness import announce_ready
 from passafe_services.loop.realtime import lower_priority, paused_garbage_collection, pin_to_processor, request_realtime
 from passafe_services.loop.router_endpoint import RouterEndpoint
+from passafe_services.loop.shared_scenario import SharedScenario
 from passafe_services.loop.stop import StopReason, stop_requests
 from passafe_services.node import Node
 
@@ -57,6 +58,7 @@ def run_live(
     lifeline: bool = False,
     finished: Callable[[], bool] | None = None,
     health: HealthReporter | None = None,
+    scenario_json: str = "",
 ) -> LiveReport:
     """Step a node in real time until it is stopped; main thread only.
 
@@ -76,6 +78,7 @@ def run_live(
         lifeline: Whether standard input is a lifeline (see ``passafe_services.loop.stop``).
         finished: Called before each step; true ends the run.
         health: Reports the health of the loop to what supervises the process.
+        scenario_json: Scenario of the process, to be compared with the filter's; empty: it is not.
 
     Returns:
         Counts, and the reason for the end: a signal, the end of the lifeline or of the duration, or ``finished``.
@@ -91,7 +94,9 @@ def run_live(
         if refusal is None:
             pin_to_processor(node.name)
         bus = stack.enter_context(open_bus(endpoint, robot=robot))
-        driver = Driver(node, bus, links, link_changes, time.time_ns() if epoch is None else epoch, log, health)
+        session = time.time_ns() if epoch is None else epoch
+        shared = SharedScenario(node.name, scenario_json, bus)
+        driver = Driver(node, bus, links, link_changes, session, log, health, shared)
         if refusal is not None:
             driver.report("realtime", "warning", refusal)
         announce_ready(node.name)

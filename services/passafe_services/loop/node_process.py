@@ -32,4 +32,5 @@ def run_node(
         lifeline=options.lifeline,
         finished=finished,
         health=options.health,
+        scenario_json=options.scenario.model_dump_json(),
     )
