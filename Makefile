@@ -9,7 +9,7 @@ DEMO ?=
 PYTHONS ?= python3.12 python3.13
 CAMPAIGN ?= $(basename $(notdir $(wildcard services/passafe_services/scenarios/*.toml)))
 
-.PHONY: help demo test check fast proto lock docs site pictures bench campaign generated-campaign atlas delay-atlas worker-kills mutation wheel wheel-test clean
+.PHONY: help demo test check fast proto lock docs site pictures bench campaign generated-campaign atlas delay-atlas worker-kills faults mutation wheel wheel-test clean
 
 help:  ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 13
@@ -76,6 +76,9 @@ atlas: $(STAMP)  ## the pictures of docs/feasibility.md
 
 worker-kills: $(STAMP)  ## kills 500 workers of sweeps at random moments; a quarter of an hour
 	$(BIN)/python tests/runs/worker_kills.py --kills 500
+
+faults: $(STAMP)  ## docs/faults.md: every fault against every process in three seeded passes; half an hour; resumes where it was interrupted
+	$(BIN)/python tests/faults/fault_table.py --passes 3 --write docs/faults.md
 
 mutation: $(STAMP)  ## changes the core one thing at a time: does a test notice? an hour or two; resumes where it was interrupted
 	$(BIN)/python benchmarks/mutation.py

@@ -7,6 +7,7 @@ from typing import Final
 import zenoh
 
 from passafe_services.keys.credentials import Credentials
+from passafe_services.loop.errors import BusError
 
 LEASE_MS: Final = 500
 """Silence after which a session is closed: messages queued for it are dropped rather than delivered late."""
@@ -72,11 +73,17 @@ def open_session(settings: Mapping[str, object]) -> zenoh.Session:
 
     Raises:
         zenoh.ZError: It cannot connect or listen, or a setting is wrong.
+        BusError: It cannot start its threads.
     """
     config = zenoh.Config()
     for key, value in settings.items():
         config.insert_json5(key, json.dumps(value))
-    return zenoh.open(config)
+    try:
+        return zenoh.open(config)
+    except BaseException as error:
+        if type(error).__name__ == "PanicException":  # of the extension, which exports no name for it
+            raise BusError("the bus", f"cannot start: {error}: is memory limited?") from error
+        raise
 
 
 def _tls_settings(credentials: Credentials | None, *, listens: bool) -> dict[str, object]:
