@@ -39,6 +39,7 @@
             * ``ChecksumError``: bytes that are not those that were sent
         * ``SchemaVersionError``: a message of another version of ``passafe.proto``; also a ``NotAllowedError``
         * ``InvalidMessageError``: a field that may not hold what it holds; also a ``NotAllowedError``
+            * ``SessionError``: a message of a session, or of a number, that its sender cannot have come to
         * ``RobotNameError``: a name that no robot can have; also a ``NotAllowedError``
         * ``IdentityError``: a role or name that no process can have; also a ``NotAllowedError``
         * ``LinkSettingsError``: a link's setting outside its range; also a ``NotAllowedError``

@@ -45,6 +45,10 @@ class InvalidMessageError(ProtocolError, NotAllowedError):
         super().__init__(field, got, allowed)
 
 
+class SessionError(InvalidMessageError):
+    """A valid message whose session is not the current one of its sender, or whose number is out of its reach."""
+
+
 class SchemaVersionError(ProtocolError, NotAllowedError):
     """A message of another schema version.
 

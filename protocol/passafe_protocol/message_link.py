@@ -9,14 +9,14 @@ from passafe_protocol.link_effect import Effects
 from passafe_protocol.link_settings import LinkSettings
 from passafe_protocol.link_wire import parameters_of, settings_of
 from passafe_protocol.messages import Header, LinkConfig, LinkEvent, LinkSource, LinkState, Message, Received
-from passafe_protocol.sequence import Arrival, SequenceGuard
-from passafe_protocol.session_guards import SessionGuards, guard_of
+from passafe_protocol.sequence_window import Arrival
+from passafe_protocol.session_guards import SessionGuards
 from passafe_protocol.topics import LINKS
 
-Carried: TypeAlias = tuple[Header, Message | bytes]
-"""Header and body, or header and the corrupted bytes of both."""
+Carried: TypeAlias = tuple[Header, Message | bytes, int]
+"""Header, body, or the corrupted bytes of both, and the term of the sender's session (see ``Received``)."""
 
-_REFUSED: Final = frozenset({Arrival.DUPLICATE, Arrival.ENDED_SESSION})
+_ACCEPTED: Final = frozenset({Arrival.FRESH, Arrival.REORDERED})
 
 
 class MessageLink(Link[Carried]):
@@ -41,7 +41,7 @@ class MessageLink(Link[Carried]):
         super().__init__(name, settings, _flip_bit)
         self.topic = LINKS[name].topic
         self.refused_corrupted = self.refused_duplicate = 0
-        self._guards: dict[str, SequenceGuard | SessionGuards] = {}
+        self._guards: dict[str, SessionGuards] = {}  # by source; which session is current was decided at the entrance
         self._checks_received = self._may_damage()
         self._last_config = ("", 0, 0)
         self._refusal = ""
@@ -68,12 +68,15 @@ class MessageLink(Link[Carried]):
     def pop_received(self, now_ns: int) -> list[Received]:
         """Remove and return the messages that arrived by ``now_ns`` and are accepted, in order of arrival."""
         if not self._checks_received:
-            return [Received(header, body, at_ns) for at_ns, (header, body) in self.pop_arrived(now_ns)]  # type: ignore[arg-type]  # nothing was damaged
+            return [
+                Received(header, body, at_ns, term)  # type: ignore[arg-type]  # nothing was damaged
+                for at_ns, (header, body, term) in self.pop_arrived(now_ns)
+            ]
         received = []
         for at_ns, carried in self.pop_arrived(now_ns):
-            message = self._decoded(carried)
+            message = self._decoded(carried, at_ns)
             if message is not None:
-                received.append(Received(*message, at_ns))
+                received.append(Received(*message, at_ns, carried[2]))
         return received
 
     def events(self, header: Header, effects: Effects) -> list[LinkEvent]:
@@ -104,23 +107,23 @@ class MessageLink(Link[Carried]):
     def _may_damage(self) -> bool:
         return self.settings.duplicate > 0.0 or self.settings.corrupt > 0.0
 
-    def _decoded(self, carried: Carried) -> tuple[Header, Message] | None:
-        header, body = carried
+    def _decoded(self, carried: Carried, at_ns: int) -> tuple[Header, Message] | None:
+        header, body, _ = carried
         if isinstance(body, bytes):
             try:
                 header, body = decode(self.topic, body)
             except ProtocolError:
                 self.refused_corrupted += 1
                 return None
-        if self._guards.setdefault(header.source, guard_of(self.topic)).classify(header) in _REFUSED:
+        if self._guards.setdefault(header.source, SessionGuards()).classify(header, at_ns) not in _ACCEPTED:
             self.refused_duplicate += 1
             return None
         return header, body
 
 
 def _flip_bit(carried: Carried, position: float) -> Carried:
-    header, body = carried
+    header, body, term = carried
     data = bytearray(body if isinstance(body, bytes) else encode(header, body))
     bit = int(position * 8 * len(data))
     data[bit // 8] ^= 1 << bit % 8
-    return header, bytes(data)
+    return header, bytes(data), term

@@ -251,6 +251,7 @@ class Consumed(Record, frozen=True):
     sequence: int
     received_ns: int
     epoch: int
+    term: int = 0
 
 
 class FilterTick(Record, frozen=True):
@@ -417,8 +418,13 @@ Message: TypeAlias = (
 
 
 class Received(Record, frozen=True):
-    """Message received by a node, with the time at which it left its link."""
+    """Message received by a node, with the time at which it left its link.
+
+    ``term`` orders the sessions of its sender: it counts the changes of session that the process had seen when the
+    message entered the link. Epochs do not order them.
+    """
 
     header: Header
     body: Message
     received_ns: int
+    term: int = 0

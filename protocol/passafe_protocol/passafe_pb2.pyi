@@ -256,16 +256,18 @@ class Certificate(_message.Message):
     def __init__(self, solver: _Optional[str] = ..., accepted: _Optional[bool] = ..., primal_residual: _Optional[float] = ..., dual_residual: _Optional[float] = ..., gap: _Optional[float] = ...) -> None: ...
 
 class Consumed(_message.Message):
-    __slots__ = ("topic", "sequence", "received_ns", "epoch")
+    __slots__ = ("topic", "sequence", "received_ns", "epoch", "term")
     TOPIC_FIELD_NUMBER: _ClassVar[int]
     SEQUENCE_FIELD_NUMBER: _ClassVar[int]
     RECEIVED_NS_FIELD_NUMBER: _ClassVar[int]
     EPOCH_FIELD_NUMBER: _ClassVar[int]
+    TERM_FIELD_NUMBER: _ClassVar[int]
     topic: str
     sequence: int
     received_ns: int
     epoch: int
-    def __init__(self, topic: _Optional[str] = ..., sequence: _Optional[int] = ..., received_ns: _Optional[int] = ..., epoch: _Optional[int] = ...) -> None: ...
+    term: int
+    def __init__(self, topic: _Optional[str] = ..., sequence: _Optional[int] = ..., received_ns: _Optional[int] = ..., epoch: _Optional[int] = ..., term: _Optional[int] = ...) -> None: ...
 
 class FilterTick(_message.Message):
     __slots__ = ("header", "tick", "status", "mode", "law", "effective_plant_ns", "x_hat", "u_h", "u_h_rate", "u_nominal", "phi", "v", "u", "barriers", "power_margin", "tank_j", "slack", "rows", "certificate", "consumed", "state_age_ns", "command_age_ns", "override", "horizon_ns", "command_state", "command_share", "checksum")

@@ -1,78 +1,61 @@
-"""Classifies messages as fresh, reordered, duplicate or of an ended session by epoch and sequence number."""
+"""Decides which session of a sender is the current one, and classifies messages by session and sequence number."""
 
-from enum import Enum
-from typing import Final, NamedTuple
+from typing import Final
 
 from passafe_protocol.messages import Header
-
-WINDOW: Final = 2048
-"""Number of the newest sequence numbers that are remembered individually."""
+from passafe_protocol.sequence_window import Arrival, SequenceWindow, Session
 
 SESSIONS: Final = 8
-"""Number of sessions of one sender that are remembered, the running one included."""
+"""Number of sessions of one sender that are remembered, the current one included."""
 
-_WINDOW_BITS: Final = (1 << WINDOW) - 1
-_COUNT_MAX: Final = 2**64 - 1
-
-
-class Arrival(Enum):
-    """Relation of a message to those of its sender that arrived before it."""
-
-    FRESH = "fresh"
-    """Newer than all messages of the sender so far."""
-
-    REORDERED = "reordered"
-    """Older than the newest message, received for the first time."""
-
-    DUPLICATE = "duplicate"
-    """Received before, or ``WINDOW`` numbers or more behind the newest, where this is not known."""
-
-    ENDED_SESSION = "ended session"
-    """Of an older epoch."""
-
-
-class Session(NamedTuple):
-    """Messages of one session of a sender.
-
-    Attributes:
-        epoch: Epoch of the session.
-        first: Smallest sequence number.
-        newest: Largest sequence number.
-        received: Number of distinct messages.
-    """
-
-    epoch: int
-    first: int
-    newest: int
-    received: int
+COUNT_MAX: Final = 2**64 - 1
 
 
 class SequenceGuard:
-    """Classifies the messages of one source on one topic.
+    """Classifies the messages of one source on one topic, of which one session at a time is current.
 
-    A larger epoch starts a new session, whatever its first number: numbers before the first message received are not
-    counted as gaps, since a reader may join late. Time and memory per message are bounded.
+    An epoch identifies a session and does not order sessions: neither a wall clock nor a stranger decides which one is
+    the newest. The current session keeps its place for as long as it is heard, that is until ``hold_ns`` after its last
+    accepted message; then the next message of another session takes it. Hence:
+
+    - A message of a stranger, whatever its epoch, changes nothing while the rightful sender is heard; sent during its
+      silence, it delays the rightful sender by ``hold_ns`` at most once the stranger is silent.
+    - A restarted sender is accepted within ``hold_ns``, whatever its clock shows.
+    - An ended session does not come back: what can still arrive of it are copies, which its remembered numbers refuse.
+      A session that was displaced and sends numbers larger than all that were received of it has not ended.
+
+    A number beyond what the session can have come to (``SequenceWindow.newest_possible``) is refused: one forged number
+    costs the rightful sender at most ``BURST`` of its own. Time and memory per message are bounded; only sessions that
+    were current are remembered, so a flood of forged ones displaces none.
+
+    Args:
+        hold_ns: Silence after which another session may become current, ns.
 
     Attributes:
+        term: Number of times that the place has changed hands; orders the sessions for a node behind a link.
         received: Distinct messages of all sessions, FRESH or REORDERED.
-        refused: DUPLICATE messages and those of an ENDED_SESSION.
+        refused: All other messages.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, hold_ns: int) -> None:
+        self.term = 0
         self.received = 0
         self.refused = 0
+        self._hold_ns = hold_ns
         self._epoch = -1
-        self._first = 0
-        self._newest = 0
-        self._seen = 0  # bit i is set if number newest − i was received
-        self._received_before = 0  # messages and gaps of previous sessions
-        self._gaps_before = 0
-        self._ended: list[Session] = []
+        self._current: SequenceWindow | None = None
+        self._windows: dict[int, SequenceWindow] = {}  # of sessions that were current, by epoch; the current one last
+        self._gaps_forgotten = 0
+
+    @property
+    def epoch(self) -> int:
+        """Epoch of the current session; −1 before the first message."""
+        return self._epoch
 
     @property
     def sessions(self) -> tuple[Session, ...]:
-        """The newest ``SESSIONS`` sessions, oldest first."""
-        return (*self._ended, self._session()) if self._epoch >= 0 else ()
+        """The ``SESSIONS`` sessions that were current last; the current one comes last."""
+        return tuple(Session(epoch, w.first, w.newest, w.received) for epoch, w in self._windows.items())
 
     @property
     def gaps(self) -> int:
@@ -80,44 +63,50 @@ class SequenceGuard:
 
         At most 2⁶⁴ − 1, so that ``Health`` can carry it whatever numbers a faulty sender uses.
         """
-        if self._epoch < 0:
-            return 0
-        span = self._newest - self._first + 1
-        return min(self._gaps_before + span - (self.received - self._received_before), _COUNT_MAX)
+        return min(self._gaps_forgotten + sum(window.gaps for window in self._windows.values()), COUNT_MAX)
 
-    def classify(self, header: Header) -> Arrival:
-        """Classify the message with this header and remember it."""
-        if header.epoch > self._epoch:
-            self._start(header)
-            return Arrival.FRESH
-        if header.epoch < self._epoch:
-            self.refused += 1
-            return Arrival.ENDED_SESSION
-        ahead = header.sequence - self._newest
-        if ahead > 0:
-            # A jump beyond the window clears it: a shift by an arbitrary amount would cost time and memory.
-            self._seen = (self._seen << ahead | 1) & _WINDOW_BITS if ahead < WINDOW else 1
-            self._newest = header.sequence
+    def newest_possible(self, now_ns: int) -> int:
+        """Return the largest number that the current session can have come to; −1 before the first message.
+
+        Args:
+            now_ns: Reader's monotonic time, ns.
+        """
+        return -1 if self._current is None else self._current.newest_possible(now_ns)
+
+    def classify(self, header: Header, now_ns: int) -> Arrival:
+        """Classify the message with this header and remember it.
+
+        Args:
+            header: Its header.
+            now_ns: Reader's monotonic time, ns; non-decreasing.
+        """
+        current = self._current
+        if current is not None and header.epoch == self._epoch:
+            arrival = current.classify(header.sequence, now_ns)
+        elif current is not None and now_ns - current.heard_ns < self._hold_ns:
+            arrival = Arrival.FOREIGN
+        else:
+            arrival = self._change(header, now_ns)
+        if arrival is Arrival.FRESH or arrival is Arrival.REORDERED:
             self.received += 1
-            return Arrival.FRESH
-        bit = 1 << -ahead if -ahead < WINDOW else 0
-        if not bit or self._seen & bit:
+        else:
             self.refused += 1
-            return Arrival.DUPLICATE
-        self._seen |= bit
-        self._first = min(self._first, header.sequence)
-        self.received += 1
-        return Arrival.REORDERED
+        return arrival
 
-    def _start(self, header: Header) -> None:
-        if self._epoch >= 0:
-            self._ended = [*self._ended, self._session()][1 - SESSIONS :]
-        self._gaps_before = self.gaps
-        self._received_before = self.received
+    def _change(self, header: Header, now_ns: int) -> Arrival:
+        """Let another session have the place, unless it ended."""
+        window = self._windows.get(header.epoch)
+        if window is None:
+            window = SequenceWindow(header.sequence, now_ns)
+            if len(self._windows) == SESSIONS:
+                self._gaps_forgotten += self._windows.pop(next(iter(self._windows))).gaps
+        elif header.sequence <= window.newest:
+            return Arrival.FOREIGN
+        elif window.classify(header.sequence, now_ns) is Arrival.FAR_AHEAD:
+            return Arrival.FAR_AHEAD
+        else:
+            del self._windows[header.epoch]
+        self.term += self._current is not None
+        self._windows[header.epoch] = self._current = window
         self._epoch = header.epoch
-        self._first = self._newest = header.sequence
-        self._seen = 1
-        self.received += 1
-
-    def _session(self) -> Session:
-        return Session(self._epoch, self._first, self._newest, self.received - self._received_before)
+        return Arrival.FRESH

@@ -140,6 +140,7 @@ LINK_CONFIG: Final = Topic(
     publishers=("dashboard", "console"),
     rate_hz=0.0,
     congestion=Congestion.BLOCK,
+    any_session=True,
     queue=16,
 )
 LINK_EVENT: Final = Topic(

@@ -44,12 +44,13 @@ def plant_state(
     *,
     phase: PlantPhase = PlantPhase.WAITING,
     epoch: int = 1,
+    term: int = 0,
     sequence: int | None = None,
     **fields: object,
 ) -> Received:
     body = PlantState(plant_ms * MS, x, x[2:], (0.0, 0.0), 0, phase, 0.0, 10.0, 0, 0, 0, 0.0, 0)
     number = at_ms if sequence is None else sequence
-    return Received(head("plant", number, epoch), replace(body, **fields), at_ms * MS)
+    return Received(head("plant", number, epoch), replace(body, **fields), at_ms * MS, term)
 
 
 def command(
@@ -297,7 +298,7 @@ def test_restarted_plant_gets_a_new_sequence() -> None:
     running = plant_state(2, 700, phase=PlantPhase.RUNNING, x=(9.0, 9.0, 0.0, 0.0), sequence_break_ns=5)
     node.step(2 * MS, [running])
 
-    [fresh] = inputs_of(node, 3, plant_state(3, 0, epoch=2, sequence=0))
+    [fresh] = inputs_of(node, 3, plant_state(3, 0, epoch=0, term=1, sequence=0))
     [after] = inputs_of(node, 4, plant_state(4, 800, phase=PlantPhase.RUNNING, epoch=1))
 
     assert (fresh.effective_plant_ns, fresh.input_sequence_start_ns, fresh.known_break_ns) == (0, 0, -1)

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from passafe_protocol.codec import encode
-from passafe_protocol.errors import ProtocolError
+from passafe_protocol.errors import ProtocolError, SessionError
 from passafe_protocol.link_settings import LinkSettings
 from passafe_protocol.message_link import MessageLink
 from passafe_protocol.messages import Header, LinkEvent, OperatorCommand, Received, TopicHealth
@@ -53,10 +53,42 @@ def test_garbage_is_counted_and_reported_without_harm(garbage: bytes) -> None:
 
 def test_duplicates_are_refused_and_reordered_messages_delivered() -> None:
     inlet = Inlet(LINK_STATE)
-    for sequence, epoch in ((0, 7), (2, 7), (2, 7), (1, 7), (5, 6), (6, 7)):
-        assert inlet.receive(0, header(sequence, epoch=epoch), BODY) == ()
+    for sequence in (0, 2, 2, 1, 6):
+        assert inlet.receive(0, header(sequence), BODY) == ()
     assert [message.header.sequence for message in inlet.pop_received(0)] == [0, 2, 1, 6]
-    assert inlet.health == TopicHealth("link_state", 4, 3, 2)  # 3, 4 and 5 never came
+    assert inlet.health == TopicHealth("link_state", 4, 3, 1)  # 3, 4 and 5 never came
+
+
+@pytest.mark.parametrize("epoch", [6, 2**64 - 1])
+def test_another_session_is_refused_and_the_reason_told(epoch: int) -> None:
+    inlet = Inlet(INPUT)
+    for k in range(5):
+        assert inlet.receive(k * MS, header(k, source="filter"), BODY) == ()
+        told = inlet.receive(k * MS, header(90 + k, source="filter", epoch=epoch), BODY)
+        assert isinstance(told, SessionError)
+        assert str(told) == f"input.header.epoch: got {epoch}, allowed 7, the session of filter that is heard"
+    assert [message.header.sequence for message in inlet.pop_received(9 * MS)] == list(range(5))
+    assert inlet.health == TopicHealth("input", 5, 0, 5)
+
+
+def test_number_out_of_reach_is_refused_and_told() -> None:
+    inlet = Inlet(INPUT)
+    for k in (0, 1):
+        inlet.receive(0, header(k, source="filter"), BODY)
+    told = inlet.receive(MS, header(10**8, source="filter"), BODY)
+    assert isinstance(told, SessionError)
+    assert str(told) == "input.header.sequence: got 100000000, allowed at most 69, after what came of filter so far"
+    assert inlet.receive(MS, header(2, source="filter"), BODY) == ()
+
+
+def test_terms_order_sessions_also_behind_a_delay() -> None:
+    """An old session's messages that are still on the way when the new one is heard have the smaller term."""
+    inlet = Inlet(INPUT, MessageLink("filter-to-plant", LinkSettings(delay_s=0.6)))
+    sent = [(0, 9, 0), (300, 2, 0), (310, 2, 1), (700, 9, 1)]
+    for at_ms, epoch, sequence in sent:
+        assert inlet.receive(at_ms * MS, header(sequence, source="filter", epoch=epoch), BODY) == ()
+    came = [(each.header.epoch, each.header.sequence, each.term) for each in inlet.pop_received(2_000 * MS)]
+    assert came == [(9, 0, 0), (2, 0, 1), (2, 1, 1), (9, 1, 2)]
 
 
 @pytest.mark.parametrize("topic", [STOP, COMMAND], ids=lambda topic: topic.name)

@@ -1,5 +1,7 @@
 """Newest states of links, and answers to requests."""
 
+import tracemalloc
+
 from msgspec.structs import replace
 from passafe_protocol.link_settings import LinkSettings
 from passafe_protocol.message_link import MessageLink
@@ -17,16 +19,30 @@ def asked(epoch: int, sequence: int) -> LinkState:
     return replace(STATE, config_source="console", config_epoch=epoch, config_sequence=sequence)
 
 
-def test_the_newest_state_of_the_newest_session_counts() -> None:
+def test_newest_state_of_the_current_session_counts() -> None:
     states = NewestLinkStates()
     assert states.newest("plant-to-filter") is None
-    for sequence, epoch in ((0, 1), (5, 1), (4, 1), (0, 7), (9, 3)):
-        states.receive(head(sequence, epoch=epoch), STATE, 10 * epoch + sequence)
+    for at_s, sequence, epoch in ((0, 0, 5), (1, 5, 5), (2, 4, 5), (2.5, 0, 2), (4, 1, 2), (5, 7, 9)):
+        states.receive(head(sequence, epoch=epoch), STATE, round(1e9 * at_s))
     newest = states.newest("plant-to-filter")
 
     assert newest is not None
-    assert (newest.header.epoch, newest.header.sequence, newest.received_ns) == (7, 0, 70)
+    assert (newest.header.epoch, newest.header.sequence, newest.received_ns) == (2, 1, 4_000_000_000)
     assert states.newest("filter-to-plant") is None
+
+
+def test_forged_sessions_cost_no_memory() -> None:
+    states = NewestLinkStates()
+    tracemalloc.start()
+    for epoch in range(20_000):
+        states.receive(head(epoch, epoch=epoch), STATE, 75_000 * epoch)
+    _, peak_bytes = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+
+    assert peak_bytes < 50_000
+    newest = states.newest("plant-to-filter")
+    assert newest is not None
+    assert newest.header.epoch == 0
 
 
 def test_reordered_state_is_ignored() -> None:

@@ -49,13 +49,14 @@ def sequenced(
     basis: int | None = None,
     previous_u: tuple[float, ...] = (),
     epoch: int = 1,
+    term: int = 0,
     made_ms: int = 0,
     hold_ns: int = 10 * MS,
 ) -> Received:
     """Return an input of the sequence that begins at ``first``, with the tick of its period."""
     known_break_ns = UNSEQUENCED if basis is None else basis * MS
     body = PlantInput(due_ms + 1, u, due_ms * MS, hold_ns, first * MS, known_break_ns, previous_u)
-    return Received(head(epoch, made_ms * MS), body, at_ms * MS)
+    return Received(head(epoch, made_ms * MS), body, at_ms * MS, term)
 
 
 def states(node: PlantNode, at_ms: int, *inbox: Received) -> list[PlantState]:
@@ -239,12 +240,12 @@ def test_numbers_that_no_filter_has_are_refused(body: PlantInput, scheduled_ns: 
     assert (state.phase, state.inputs_refused) == (WAITING, 1)
 
 
-def test_older_session_is_refused_after_a_newer_one() -> None:
+def test_session_of_an_earlier_term_is_refused() -> None:
     node = make_node()
-    states(node, 1, sequenced(0, 1), sequenced(1, 1), sequenced(3, 1))
-    still = states(node, 2, sequenced(20, 2, first=20, epoch=2))[-1]
+    states(node, 1, *(sequenced(due_ms, 1, epoch=9, term=3) for due_ms in (0, 1, 3)))
+    still = states(node, 2, sequenced(20, 2, first=20, epoch=2, term=4))[-1]
 
-    state = states(node, 3, sequenced(2, 3))[-1]
+    state = states(node, 3, sequenced(2, 3, epoch=9, term=3))[-1]
 
     assert (still.phase, still.inputs_refused, still.input_epoch) == (RUNNING, 1, 2)
     assert (state.phase, state.inputs_refused, state.input_epoch) == (HOLDING, 2, 2)

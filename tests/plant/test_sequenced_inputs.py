@@ -5,7 +5,7 @@ from itertools import count
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from passafe_protocol.messages import UNSEQUENCED, Header, PlantInput
+from passafe_protocol.messages import UNSEQUENCED, PlantInput
 from passafe_services.plant.sequenced_inputs import MOST_AHEAD, NOTHING_NEW, REFUSED, SequencedInput, SequencedInputs
 
 MS = 1_000_000
@@ -31,7 +31,7 @@ def put(
     first: int = 0,
     basis: int = UNSEQUENCED,
     repeats: int = 0,
-    epoch: int = 1,
+    term: int = 1,
     previous_u: tuple[float, ...] | None = None,
 ) -> int:
     """Put in the message of one period with what it repeats; times in periods."""
@@ -39,7 +39,7 @@ def put(
         previous_u = tuple(value(due - i, first, basis) for i in range(1, min(repeats, due - first) + 1))
     known_break_ns = UNSEQUENCED if basis == UNSEQUENCED else basis * MS
     body = PlantInput(due + 1, (value(due, first, basis),), due * MS, 5 * MS, first * MS, known_break_ns, previous_u)
-    return held.receive(Header("filter", epoch, 0, 0, 0, 0, 0), body)
+    return held.receive(term, body)
 
 
 def take(held: SequencedInputs, *periods: int) -> list[float | None]:
@@ -177,8 +177,8 @@ def test_running_sequence_refuses_other_sequences() -> None:
     take(held, 0)
 
     assert put(held, 1, first=1) == REFUSED
-    assert put(held, 1, first=1, epoch=2) == REFUSED
-    assert put(held, 1, epoch=2) == REFUSED
+    assert put(held, 1, first=1, term=2) == REFUSED
+    assert put(held, 1, term=2) == REFUSED
     assert take(held, 1) == [value(1)]
 
 
@@ -198,10 +198,10 @@ def test_newer_session_wins_whenever_its_sequence_begins() -> None:
     held = sequenced_inputs()
     put(held, 0)
     take(held, 0, 1)
-    put(held, 9, first=9, basis=1, epoch=1)
+    put(held, 9, first=9, basis=1, term=1)
 
-    assert put(held, 5, first=5, basis=1, epoch=2) == 0
-    assert put(held, 8, first=8, basis=1, epoch=1) == REFUSED
+    assert put(held, 5, first=5, basis=1, term=2) == 0
+    assert put(held, 8, first=8, basis=1, term=1) == REFUSED
     assert take(held, *range(2, 6)) == [None] * 3 + [value(5, 5, 1)]
 
 
@@ -236,7 +236,7 @@ def test_times_off_the_grid_or_before_the_first_are_refused(due_ns: int, first_n
     take(held, 0, 1)
     body = PlantInput(1, (1.0,), due_ns, 0, first_ns, MS)
 
-    assert held.receive(Header("filter", 1, 0, 0, 0, 0, 0), body) == REFUSED
+    assert held.receive(1, body) == REFUSED
     assert held.first_ns == UNSEQUENCED
 
 
@@ -253,9 +253,8 @@ def missed(held: SequencedInputs, due: int, *, repeats: int, first: int = 0, bas
     previous_u = (0.0,) * min(repeats, due - first)
     known_break_ns = UNSEQUENCED if basis == UNSEQUENCED else basis * MS
     body = PlantInput(due + 1, (0.0,), due * MS, 0, first * MS, known_break_ns, previous_u)
-    header = Header("filter", 1, 0, 0, 0, 0, 0)
-    assert held.receive(header, body) == REFUSED
-    return held.periods_late(header, body)
+    assert held.receive(1, body) == REFUSED
+    return held.periods_late(1, body)
 
 
 def test_first_repetition_of_a_missing_input_gives_its_lateness() -> None:
@@ -294,7 +293,7 @@ def test_no_input_takes_effect_outside_its_sequence(data: st.DataObject) -> None
             basis = data.draw(st.sampled_from([UNSEQUENCED, max(held.sequence_break_ns, -MS) // MS, 3]))
             repeats = data.draw(st.integers(0, 5))
             if first <= due:
-                put(held, due, first=first, basis=basis, repeats=repeats, epoch=data.draw(st.integers(1, 2)))
+                put(held, due, first=first, basis=basis, repeats=repeats, term=data.draw(st.integers(1, 2)))
         waiting = held.sequence_break_ns // MS if held.sequence_break_ns >= 0 else UNSEQUENCED
         [taken] = take(held, now)
         if taken is not None:

@@ -28,8 +28,10 @@ def head(epoch: int = 1, scheduled_ns: int = 0) -> Header:
     return Header("filter", epoch, 0, scheduled_ns, 0, 0, 0)
 
 
-def unsequenced(tick: int, due_ms: int, at_ms: int, u: tuple[float, ...] = U, epoch: int = 1) -> Received:
-    return Received(head(epoch), PlantInput(tick, u, due_ms * MS, 10 * MS), at_ms * MS)
+def unsequenced(
+    tick: int, due_ms: int, at_ms: int, u: tuple[float, ...] = U, epoch: int = 1, term: int = 0
+) -> Received:
+    return Received(head(epoch), PlantInput(tick, u, due_ms * MS, 10 * MS), at_ms * MS, term)
 
 
 def states(node: UnpredictedPlantNode, at_ms: int, *inbox: Received) -> list[PlantState]:
@@ -79,9 +81,9 @@ def test_an_older_input_never_replaces_a_newer_one() -> None:
 
 def test_ticks_of_a_newer_filter_begin_anew() -> None:
     node = make_node()
-    states(node, 1, unsequenced(5, 0, 1))
+    states(node, 1, unsequenced(5, 0, 1, epoch=9))
 
-    state = states(node, 2, unsequenced(1, 1, 2, (3.0, 0.0), epoch=2), unsequenced(9, 1, 2, epoch=1))[-1]
+    state = states(node, 2, unsequenced(1, 1, 2, (3.0, 0.0), epoch=2, term=1), unsequenced(9, 1, 2, epoch=9))[-1]
 
     assert (state.u, state.applied_tick, state.received_tick) == ((3.0, 0.0), 1, 1)
     assert (state.inputs_refused, state.input_epoch) == (1, 2)

@@ -56,7 +56,7 @@ def test_settings_come_back_from_the_wire_as_they_were() -> None:
 
 def test_messages_come_out_with_their_time() -> None:
     link = MessageLink("filter-to-plant", LinkSettings(delay_s=0.01))
-    link.put(0, (head(0), an_input(1)))
+    link.put(0, (head(0), an_input(1), 0))
 
     assert link.pop_received(9 * MS) == []
     assert link.pop_received(20 * MS) == [Received(head(0), an_input(1), 10 * MS)]
@@ -68,7 +68,7 @@ def test_corrupted_message_has_one_flipped_bit_and_is_refused(monkeypatch: pytes
         passafe_protocol.message_link, "decode", lambda topic, data: seen.append(data) or decode(topic, data)
     )
     link = MessageLink("filter-to-plant", LinkSettings(corrupt=0.5, seed=3))
-    reported = [link.put(0, (head(i), an_input(i))) for i in range(400)]
+    reported = [link.put(0, (head(i), an_input(i), 0)) for i in range(400)]
     came = link.pop_received(0)
 
     assert len(seen) == link.counts.corrupted == link.refused_corrupted == 400 - len(came)
@@ -86,7 +86,7 @@ def test_corrupted_message_has_one_flipped_bit_and_is_refused(monkeypatch: pytes
 def test_what_the_decoder_lets_pass_is_what_comes_out(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(passafe_protocol.message_link, "decode", lambda _topic, _data: (head(7), an_input(99)))
     link = MessageLink("filter-to-plant", LinkSettings(corrupt=1.0))
-    link.put(0, (head(7), an_input(1)))
+    link.put(0, (head(7), an_input(1), 0))
 
     assert link.pop_received(0) == [Received(head(7), an_input(99), 0)]
     assert link.refused_corrupted == 0
@@ -99,7 +99,7 @@ def test_nothing_is_encoded_unless_it_is_corrupted(monkeypatch: pytest.MonkeyPat
     )
     link = MessageLink("filter-to-plant", LinkSettings(corrupt=0.1, duplicate=0.3))
     for i in range(200):
-        link.put(0, (head(i), an_input(i)))
+        link.put(0, (head(i), an_input(i), 0))
 
     assert len(encoded) == link.counts.corrupted > 0
 
@@ -107,7 +107,7 @@ def test_nothing_is_encoded_unless_it_is_corrupted(monkeypatch: pytest.MonkeyPat
 def test_a_copy_is_refused_wherever_it_comes() -> None:
     link = MessageLink("filter-to-plant", LinkSettings(delay_s=0.1, jitter_s=0.1, duplicate=0.5))
     for i in range(100):
-        link.put(i * MS, (head(i), an_input(i)))
+        link.put(i * MS, (head(i), an_input(i), 0))
     came = [received.header.sequence for received in link.pop_received(10**12)]
 
     assert sorted(came) == list(range(100))
@@ -118,22 +118,32 @@ def test_a_copy_is_refused_wherever_it_comes() -> None:
 def test_only_links_that_ever_damaged_messages_check_them() -> None:
     link = MessageLink("filter-to-plant", LinkSettings(delay_s=1.0))
     link.reconfigure(LinkSettings(duplicate=1.0, delay_s=1.0))
-    link.put(0, (head(0), an_input(0)))
+    link.put(0, (head(0), an_input(0), 0))
     link.reconfigure(LinkSettings(delay_s=1.0))
 
     assert len(link.pop_received(10**10)) == 1
     assert link.refused_duplicate == 1
 
 
+def test_copies_are_told_by_session_and_terms_kept() -> None:
+    link = MessageLink("filter-to-plant", LinkSettings(duplicate=1.0))
+    for term, epoch in ((0, 9), (1, 2), (2, 9)):
+        link.put(term * MS, (head(term, epoch), an_input(term), term))
+    came = [(received.header.epoch, received.term) for received in link.pop_received(10 * MS)]
+
+    assert came == [(9, 0), (2, 1), (9, 2)]
+    assert link.refused_duplicate == 3
+
+
 def test_effects_are_reported_as_events() -> None:
     link = MessageLink("filter-to-plant", LinkSettings(corrupt=1.0, duplicate=1.0))
-    effects = link.put(0, (head(5), an_input(0)))
+    effects = link.put(0, (head(5), an_input(0), 0))
 
     assert link.events(head(5), effects) == [
         LinkEvent("filter-to-plant", effect, "input", 5) for effect in ("corrupted", "duplicated", "corrupted")
     ]
     link.reconfigure(LinkSettings(loss=1.0))
-    assert link.events(head(6), link.put(0, (head(6), an_input(0)))) == [
+    assert link.events(head(6), link.put(0, (head(6), an_input(0), 0))) == [
         LinkEvent("filter-to-plant", "dropped", "input", 6, "loss")
     ]
 
@@ -170,7 +180,7 @@ def test_contradictory_settings_are_refused_with_a_reason(header: Header) -> Non
 def test_counts_of_the_state_are_those_of_the_link(body_of: dict[type, Message]) -> None:
     link = MessageLink("plant-to-filter", LinkSettings(rate_hz=10.0, queue=2))
     for i in range(5):
-        link.put(0, (head(i), body_of[PlantState]))
+        link.put(0, (head(i), body_of[PlantState], 0))
     link.count_passed(3)
     link.pop_received(100 * MS)
     state = link.state("period", ())

@@ -4,12 +4,12 @@ from pathlib import Path
 
 import pytest
 from mcap.reader import make_reader
-from passafe_protocol.codec import encode
+from passafe_protocol.codec import MAX_MESSAGE_BYTES, encode
 from passafe_protocol.messages import Event, Header, PlantPhase, PlantState, TopicHealth
 from passafe_protocol.topics import EVENT, STATE
 from passafe_services.log.log_writer import LogWriter
 from passafe_services.log.wire_header import read_header
-from passafe_services.recorder.message_recorder import MessageRecorder
+from passafe_services.recorder.message_recorder import OTHERS, MessageRecorder
 
 NOW_NS = 5_000_000
 
@@ -25,7 +25,7 @@ def recorded(
     path = tmp_path / "run.mcap"
     with LogWriter(path, {}) as log:
         recording = MessageRecorder(log)
-        recording.record(samples, NOW_NS)
+        recording.record(samples, NOW_NS, 7)
     with path.open("rb") as stream:
         found = make_reader(stream).iter_messages(log_time_order=False)
         return recording, [(c.topic, m.sequence, m.log_time, m.data) for _, c, m in found]
@@ -34,7 +34,7 @@ def recorded(
 def test_gaps_are_counted_per_key(tmp_path: Path) -> None:
     samples = [("passafe/robot/plant/event", event(k)) for k in (3, 4, 7)]
     samples += [("passafe/robot/filter/event", event(k, source="filter")) for k in (0, 2)]
-    samples += [("passafe/router/event", event(0, source="router"))]
+    samples += [("passafe/robot/router/event", event(0, source="router"))]
     recording, _ = recorded(tmp_path, samples)
     assert recording.gaps() == {"passafe/robot/plant/event": 2, "passafe/robot/filter/event": 1}
     assert recording.health() == (TopicHealth("event", received=6, gaps=3, refused=0),)
@@ -53,18 +53,35 @@ def test_what_is_not_valid_is_logged_at_the_time_of_its_arrival(tmp_path: Path) 
     assert recording.health() == (TopicHealth("event", received=1, gaps=0, refused=5),)
 
 
-def test_duplicates_and_ended_sessions_are_logged_and_counted(tmp_path: Path) -> None:
+def test_duplicates_and_other_sessions_are_logged_and_counted(tmp_path: Path) -> None:
     key = EVENT.key("plant")
-    samples = [event(0, epoch=2), event(1, epoch=2), event(1, epoch=2), event(9, epoch=1)]
+    samples = [event(0, epoch=2), event(1, epoch=2), event(1, epoch=2), event(9, epoch=2**64 - 1)]
     recording, found = recorded(tmp_path, [(key, data) for data in samples])
     assert [data for *_, data in found] == samples
     assert recording.health() == (TopicHealth("event", received=2, gaps=0, refused=2),)
 
 
-def test_a_key_of_no_topic_is_logged(tmp_path: Path) -> None:
-    recording, found = recorded(tmp_path, [("passafe/robot/plant/news", b"\x01\x02")])
-    assert found == [("passafe/robot/plant/news", 0, NOW_NS, b"\x01\x02")]
-    assert recording.health() == (TopicHealth("passafe/robot/plant/news", received=0, gaps=0, refused=1),)
+@pytest.mark.parametrize("key", ["passafe/robot/plant/news", "passafe/robot/stranger/health", "passafe/a", "x"])
+def test_other_keys_are_counted_and_not_logged(tmp_path: Path, key: str) -> None:
+    recording, found = recorded(tmp_path, [(key, b"\x01\x02"), (EVENT.key("plant"), event(0))])
+    assert [topic for topic, *_ in found] == [EVENT.key("plant")]
+    assert recording.health() == (TopicHealth("event", 1, 0, 0), TopicHealth(OTHERS, 0, 0, refused=1))
+    assert (recording.others, recording.last_other) == (1, f"2 bytes under {key}")
+
+
+def test_a_hundred_thousand_keys_leave_the_log_whole(tmp_path: Path) -> None:
+    strange = [(f"passafe/robot/k{k}/health", b"") for k in range(100_000)]
+    recording, found = recorded(tmp_path, [*strange, (EVENT.key("plant"), event(0))])
+    assert [topic for topic, *_ in found] == [EVENT.key("plant")]
+    assert recording.others == 100_000
+    assert len(recording._channels) == 1
+
+
+def test_what_is_larger_than_a_message_is_not_logged(tmp_path: Path) -> None:
+    key = EVENT.key("plant")
+    recording, found = recorded(tmp_path, [(key, bytes(MAX_MESSAGE_BYTES)), (key, bytes(MAX_MESSAGE_BYTES + 1))])
+    assert [len(data) for *_, data in found] == [MAX_MESSAGE_BYTES]
+    assert recording.health() == (TopicHealth("event", 0, 0, 1), TopicHealth(OTHERS, 0, 0, 1))
 
 
 def test_the_header_is_the_codecs() -> None:

@@ -109,6 +109,20 @@ def test_health_every_second_and_a_warning_for_missing_messages(tmp_path: Path) 
     assert warning == Event("warning", "messages missing in the log so far: passafe/robot/plant/event 2")
 
 
+def test_messages_under_strange_keys_are_told_of_once(tmp_path: Path) -> None:
+    desk = Desk(stop_after_s=4.5)
+
+    def drain() -> list[tuple[str, bytes]]:
+        return [(f"passafe/robot/k{desk.now_ns}-{k}/health", b"123") for k in range(1_000)]
+
+    desk.drain = drain  # type: ignore[method-assign]  # the one thing that differs
+    desk.run(LogWriter(tmp_path / "run.mcap", {}))
+    [warning] = [body for topic, body in desk.published if topic is EVENT]
+    assert isinstance(warning, Event)
+    assert warning.text.startswith("messages that are none of the topic table's, not logged so far: ")
+    assert sequences(tmp_path / "run.mcap") == []
+
+
 def test_logged_messages_are_on_disk_within_a_quarter_second(tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"
     desk = Desk(stop_after_s=2.0)

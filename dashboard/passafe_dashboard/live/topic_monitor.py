@@ -6,13 +6,16 @@ Age is judged by arrival at this process, never by the sender's clock.
 from typing import Final, NamedTuple
 
 from passafe_protocol.messages import Header
-from passafe_protocol.sequence import Arrival, SequenceGuard
+from passafe_protocol.sequence_window import Arrival
+from passafe_protocol.session_guards import guard_of
 from passafe_protocol.topics import Topic
 
 from passafe_dashboard.decimation import NS_PER_S
 
 POLL_S: Final = 0.1
 """The bus is read once a frame, so an age may be too large by about two frames."""
+
+_ACCEPTED: Final = frozenset({Arrival.FRESH, Arrival.REORDERED})
 
 
 class TopicStatistics(NamedTuple):
@@ -23,7 +26,7 @@ class TopicStatistics(NamedTuple):
         source: Process that publishes it.
         received: Messages accepted.
         gaps: Sequence numbers that never came.
-        refused: Messages refused: repeated, or of an earlier session.
+        refused: Messages refused: repeated, or not of the current session.
         rate_hz: Messages a second, over about the last second.
         age_s: Time since the last one.
         late: Whether that is beyond the topic's deadline.
@@ -50,15 +53,15 @@ class TopicMonitor:
     def __init__(self, topic: Topic, source: str) -> None:
         self._topic = topic
         self._source = source
-        self._guard = SequenceGuard()
+        self._guard = guard_of(topic)
         self._last_ns = 0
         self._window_start_ns: int | None = None
         self._window_count = 0
         self._rate_hz = 0.0
 
     def receive(self, header: Header, received_ns: int) -> bool:
-        """Count an arrival; return whether the message is valid: of this session and not received before."""
-        if self._guard.classify(header) in (Arrival.DUPLICATE, Arrival.ENDED_SESSION):
+        """Count an arrival; return whether the message is valid: of the current session and not received before."""
+        if self._guard.classify(header, received_ns) not in _ACCEPTED:
             return False
         self._last_ns = received_ns
         if self._window_start_ns is None:

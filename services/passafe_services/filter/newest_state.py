@@ -6,7 +6,7 @@ from passafe_services.filter.send_time import SendTime
 
 
 class NewestState:
-    """Keeps the newest state of the newest plant session; older and duplicate ones are ignored.
+    """Keeps the newest state of the plant's current session; older and duplicate ones are ignored.
 
     Attributes:
         state: The newest state, or ``None`` before the first.
@@ -25,14 +25,16 @@ class NewestState:
         self._send_time = send_time
         self.restart(0)
 
-    def restart(self, epoch: int) -> None:
+    def restart(self, epoch: int, term: int = 0) -> None:
         """Discard the newest state: the plant was restarted.
 
         Args:
             epoch: The new session.
+            term: Its term (``Received.term``).
         """
         self.state: PlantState | None = None
         self.epoch = epoch
+        self._term = term
         self._send_time.restart()
         self._sent_ns = self._received_ns = 0
         self._sequence = -1
@@ -40,7 +42,7 @@ class NewestState:
     def receive(self, received: Received, state: PlantState) -> bool:
         """Keep a state if it fits the filter's model and is the newest; return whether it is.
 
-        A newer session of the plant replaces the current one: ``epoch`` changes.
+        A session of a later term replaces the current one: ``epoch`` changes.
 
         Args:
             received: The message.
@@ -49,10 +51,10 @@ class NewestState:
         if len(state.x) != self._n or not len(state.y) == len(state.u) == self._m:
             return False
         header, newest = received.header, self.state
-        if header.epoch > self.epoch:
-            self.restart(header.epoch)
+        if received.term > self._term or (header.epoch != self.epoch and received.term == self._term):
+            self.restart(header.epoch, received.term)
         elif (
-            header.epoch < self.epoch
+            received.term < self._term
             or header.sequence <= self._sequence  # a duplicate does not refresh the age
             or (newest is not None and state.plant_ns < newest.plant_ns)
         ):

@@ -135,7 +135,7 @@ class Telemetry:
                 decision.gap,
             ),
             consumed=tuple(
-                Consumed(TOPIC_OF_BODY[type(r.body)].name, r.header.sequence, r.received_ns, r.header.epoch)
+                Consumed(TOPIC_OF_BODY[type(r.body)].name, r.header.sequence, r.received_ns, r.header.epoch, r.term)
                 for r in record.inbox
             ),
             state_age_ns=record.state_age_ns,

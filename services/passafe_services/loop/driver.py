@@ -162,7 +162,8 @@ class Driver:
     def _receive(self, inlet: Inlet, now_ns: int, data: bytes) -> None:
         outcome = inlet.receive_bytes(now_ns, data)
         if isinstance(outcome, ProtocolError):
-            self.report(f"refused {inlet.topic.name}", "warning", f"refused {outcome}")
+            kind = f"refused {type(outcome).__name__} {inlet.topic.name}"
+            self.report(kind, "warning", f"refused {outcome}")
             return
         for event in outcome:
             self._publish(LINK_EVENT, event)

@@ -7,12 +7,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from operator import attrgetter
 
 from passafe_protocol.codec import decode
-from passafe_protocol.errors import ProtocolError
+from passafe_protocol.errors import ProtocolError, SessionError
 from passafe_protocol.link_settings import LinkSettings
 from passafe_protocol.message_link import MessageLink
 from passafe_protocol.messages import Header, LinkEvent, LinkSource, Message, Received, TopicHealth
-from passafe_protocol.sequence import Arrival
-from passafe_protocol.session_guards import guard_of
+from passafe_protocol.sequence import SequenceGuard
+from passafe_protocol.sequence_window import Arrival
+from passafe_protocol.session_guards import SessionGuards, guard_of
 from passafe_protocol.topics import LINKS, Topic
 
 from passafe_services.loop.errors import LinkNameError
@@ -24,8 +25,8 @@ _ACCEPTED = frozenset({Arrival.FRESH, Arrival.REORDERED})
 class Inlet:
     """Receives the messages of one topic for one process.
 
-    Messages of processes that may not publish the topic, duplicates and messages of ended sessions are refused; a topic
-    that admits any session has none that ended.
+    Messages of processes that may not publish the topic, duplicates, and messages of another session than the current
+    one of their sender are refused (``passafe_protocol.sequence``); a topic that admits any session has no such one.
     Reordered messages are delivered; the node decides whether they are stale. Sequence numbers are checked before the
     link, so ``gaps`` counts the losses of the bus, ``LinkEvent`` those of the link.
 
@@ -61,7 +62,7 @@ class Inlet:
             return error
         return self.receive(now_ns, header, body)
 
-    def receive(self, now_ns: int, header: Header, body: Message) -> Sequence[LinkEvent]:
+    def receive(self, now_ns: int, header: Header, body: Message) -> Sequence[LinkEvent] | SessionError:
         """Receive a message and put it into the link.
 
         Args:
@@ -70,19 +71,30 @@ class Inlet:
             body: Its body.
 
         Returns:
-            Effects of the link on it other than delay, for the driver to publish.
+            Effects of the link on it other than delay, for the driver to publish; or the reason for which it was
+            refused, if its sender may be another one than the rightful.
         """
         guard = self._guards.get(header.source)
         if guard is None:
             self.unauthorized += 1
             return ()
-        if guard.classify(header) not in _ACCEPTED:
-            return ()
+        arrival = guard.classify(header, now_ns)
+        if arrival not in _ACCEPTED:
+            return () if arrival is Arrival.DUPLICATE else self._refusal(header, guard, arrival, now_ns)
         if self.link is None:
-            self._arrived.append(Received(header, body, now_ns))
+            self._arrived.append(Received(header, body, now_ns, guard.term))
             return ()
-        effects = self.link.put(now_ns, (header, body))
+        effects = self.link.put(now_ns, (header, body, guard.term))
         return self.link.events(header, effects) if effects else ()
+
+    def _refusal(
+        self, header: Header, guard: SequenceGuard | SessionGuards, arrival: Arrival, now_ns: int
+    ) -> SessionError:
+        if arrival is Arrival.FOREIGN:
+            allowed = f"{guard.epoch}, the session of {header.source} that is heard"
+            return SessionError(self.topic.name, "header.epoch", header.epoch, allowed)
+        allowed = f"at most {guard.newest_possible(now_ns)}, after what came of {header.source} so far"
+        return SessionError(self.topic.name, "header.sequence", header.sequence, allowed)
 
     def pop_received(self, now_ns: int) -> list[Received]:
         """Remove and return the messages that left the link by ``now_ns``, in order of arrival."""

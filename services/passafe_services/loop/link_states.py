@@ -3,7 +3,9 @@
 from typing import NamedTuple
 
 from passafe_protocol.messages import Header, LinkState
-from passafe_protocol.topics import LINKS
+from passafe_protocol.sequence_window import Arrival
+from passafe_protocol.session_guards import guard_of
+from passafe_protocol.topics import LINK_STATE, LINKS
 
 
 class ReceivedState(NamedTuple):
@@ -21,24 +23,25 @@ class ReceivedState(NamedTuple):
 
 
 class NewestLinkStates:
-    """Newest state of every link, by session of the process that reads it."""
+    """Newest state of every link, from the current session of the process that reads it.
+
+    Of a session that is not heard any more nothing is kept, so that the memory is bounded by the number of links.
+    """
 
     def __init__(self) -> None:
-        self._newest: dict[tuple[str, str, int], ReceivedState] = {}
+        self._newest: dict[str, ReceivedState] = {}
+        self._guards = {link: guard_of(LINK_STATE) for link in LINKS}
 
     def receive(self, header: Header, state: LinkState, received_ns: int) -> None:
         """Keep a state, unless a newer one is known or its sender does not read the link."""
         if header.source != LINKS[state.link].reader:
             return
-        key = (state.link, header.source, header.epoch)
-        known = self._newest.get(key)
-        if known is None or header.sequence > known.header.sequence:
-            self._newest[key] = ReceivedState(header, state, received_ns)
+        if self._guards[state.link].classify(header, received_ns) is Arrival.FRESH:
+            self._newest[state.link] = ReceivedState(header, state, received_ns)
 
     def newest(self, link: str) -> ReceivedState | None:
-        """Return the state of a link in the newest session of its reader; ``None`` before the first one."""
-        received = [each for (name, _, _), each in self._newest.items() if name == link]
-        return max(received, key=lambda each: each.header.epoch, default=None)
+        """Return the state of a link in the current session of its reader; ``None`` before the first one."""
+        return self._newest.get(link)
 
     def answer(self, link: str, source: str, epoch: int, sequence: int) -> ReceivedState | None:
         """Return the state that answers a request, or a later one of the same session; ``None`` before it arrives.
@@ -49,10 +52,9 @@ class NewestLinkStates:
             epoch: Session of that process.
             sequence: Sequence number of the LinkConfig.
         """
-        requester = (source, epoch)
-        for (name, _, _), received in self._newest.items():
-            state = received.state
-            is_answer = (state.config_source, state.config_epoch) == requester and state.config_sequence >= sequence
-            if name == link and is_answer:
-                return received
-        return None
+        received = self._newest.get(link)
+        if received is None:
+            return None
+        state = received.state
+        is_answer = (state.config_source, state.config_epoch) == (source, epoch) and state.config_sequence >= sequence
+        return received if is_answer else None

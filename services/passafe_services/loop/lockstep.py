@@ -106,7 +106,7 @@ class Lockstep:
 
         Args:
             node: The node; it has the same subscriptions.
-            epoch: Its session, larger than all previous ones.
+            epoch: Its session, another than all previous ones.
         """
         slot = self._slot_of(node.name)
         for link in slot.links:
@@ -114,7 +114,7 @@ class Lockstep:
         for topic, route in slot.routes.items():
             if route.sent:
                 self._ended.setdefault(topic, []).append(slot.source(route))
-        slot.node, slot.dead, slot.epoch = node, False, epoch
+        slot.node, slot.dead, slot.epoch, slot.term = node, False, epoch, slot.term + 1
         slot.inbox, slot.routes = [], {}
 
     def _slot_of(self, name: str) -> "_Slot":
@@ -198,9 +198,9 @@ class Lockstep:
             self._observer(route.topic, header, body)
         for slot, link in route.readers:
             if link is None:
-                slot.inbox.append(Received(header, body, now_ns))
+                slot.inbox.append(Received(header, body, now_ns, sender.term))
                 continue
-            effects = link.put(now_ns, (header, body))
+            effects = link.put(now_ns, (header, body, sender.term))
             if effects and self._observer is not None:
                 for event in link.events(header, effects):
                     self._send(slot, self._route(slot, LINK_EVENT), event)
@@ -224,6 +224,7 @@ class _Slot:
     def __init__(self, node: Node, epoch: int) -> None:
         self.node = node
         self.epoch = epoch
+        self.term = 0  # restarts so far: a reader's inlet would count them
         self.dead = False
         self.name = node.name
         self.inbox: list[Received] = []

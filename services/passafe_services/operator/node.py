@@ -126,7 +126,7 @@ class OperatorNode:
         for received in inbox:
             body = received.body
             if isinstance(body, PlantState):
-                number = (received.header.epoch, received.header.sequence)
+                number = (received.term, received.header.sequence)
                 if number > self._state_number:  # reordered states are ignored
                     self._state_number = number
                     self._state, self._state_ns = body, received.received_ns

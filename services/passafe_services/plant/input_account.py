@@ -1,6 +1,6 @@
 """Counts and times of the inputs received, as reported in the plant state."""
 
-from passafe_protocol.messages import UNSEQUENCED, Header, PlantInput
+from passafe_protocol.messages import UNSEQUENCED, PlantInput, Received
 
 from passafe_services.plant.transit_time import TransitTime
 
@@ -26,16 +26,16 @@ class InputAccount:
         self.refused = 0
         self.sequence_break_ns = UNSEQUENCED
 
-    def record_arrival(self, header: Header, plant_input: PlantInput, arrival_ns: int, made_ns: int) -> None:
+    def record_arrival(self, received: Received, plant_input: PlantInput, arrival_ns: int, made_ns: int) -> None:
         """Record the arrival of an input.
 
         Args:
-            header: Its header.
+            received: Its message.
             plant_input: The input.
             arrival_ns: Plant time of the arrival, ns.
             made_ns: Time at which the step of the oldest new input in the message was due, filter's clock, ns.
         """
-        self.transit.record(header.epoch, arrival_ns, made_ns)
+        self.transit.record(received, arrival_ns, made_ns)
         if plant_input.tick >= self.received_tick:
             self.received_tick = plant_input.tick
             self.lead_ns = plant_input.effective_plant_ns - arrival_ns

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from passafe_protocol.messages import UNSEQUENCED, Header, PlantInput, Received
+from passafe_protocol.messages import UNSEQUENCED, PlantInput, Received
 from passafe_protocol.topics import CLEAR, EVENT, INPUT, STOP, Topic
 
 from passafe.limits import Limits
@@ -77,7 +77,7 @@ class PlantNode:
         self._stepped_ns = now_ns
         for received in inbox:
             if type(received.body) is PlantInput:
-                self._receive(received.header, received.body, received.received_ns)
+                self._receive(received, received.body)
             else:
                 events += self._receive_stop(received)
         states = self._robot.run_to(now_ns, self._choose_input)
@@ -92,19 +92,20 @@ class PlantNode:
         self._account.sequence_break_ns = self._inputs.sequence_break_ns
         return ((EVENT, event),)
 
-    def _receive(self, header: Header, plant_input: PlantInput, received_ns: int) -> None:
+    def _receive(self, received: Received, plant_input: PlantInput) -> None:
         robot, account = self._robot, self._account
+        header, received_ns = received.header, received.received_ns
         if (
             not self._latch.admits(plant_input)
-            or header.epoch < account.transit.epoch
+            or account.transit.is_ended(received)
             or plant_input.input_sequence_start_ns == UNSEQUENCED
             or not self._check.is_valid(header, plant_input)
         ):
             account.refused += 1
             return
-        if header.epoch > account.transit.epoch:  # another filter, whose ticks start at 1
+        if account.transit.is_new(received):  # another filter, whose ticks start at 1
             account.received_tick = robot.applied_tick = 0
-        oldest = self._inputs.receive(header, plant_input)
+        oldest = self._inputs.receive(received.term, plant_input)
         if oldest is REFUSED:
             account.refused += 1
         if robot.phase is WAITING:
@@ -113,9 +114,9 @@ class PlantNode:
             robot.begin_at(self._inputs.first_ns, received_ns)
         elif plant_input.effective_plant_ns <= robot.plant_ns:
             account.late += 1
-        periods = self._inputs.periods_late(header, plant_input) if oldest is REFUSED else max(oldest, 0)
+        periods = self._inputs.periods_late(received.term, plant_input) if oldest is REFUSED else max(oldest, 0)
         made_ns = header.scheduled_ns - periods * self._period_ns
-        account.record_arrival(header, plant_input, robot.plant_time_of(received_ns), made_ns)
+        account.record_arrival(received, plant_input, robot.plant_time_of(received_ns), made_ns)
 
     def _choose_input(self) -> None:
         """Apply the input that is due; without one, apply the fail-safe rule and report the break of the sequence."""

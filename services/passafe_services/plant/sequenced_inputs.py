@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import Final
 
 from msgspec import Struct
-from passafe_protocol.messages import UNSEQUENCED, Header, PlantInput, Vector
+from passafe_protocol.messages import UNSEQUENCED, PlantInput, Vector
 
 MOST_AHEAD: Final = 16_384
 """Periods that an input may lie ahead of the plant, 16 s at 1 kHz: bounds the memory that a faulty sender can use."""
@@ -16,7 +16,7 @@ REFUSED: Final = -2
 """The message is not of the current sequence."""
 
 _Identity = tuple[int, int, int]
-"""Session of the filter, known break and first plant time of a sequence."""
+"""Term of the filter's session (``Received.term``), known break and first plant time of a sequence."""
 
 
 class SequencedInput(Struct, frozen=True, gc=False):
@@ -62,15 +62,19 @@ class SequencedInputs:
         """Plant time of the first input of the pending sequence, ns; −1 without one."""
         return UNSEQUENCED if self._identity is None else self._identity[2]
 
-    def receive(self, header: Header, body: PlantInput) -> int:
+    def receive(self, term: int, body: PlantInput) -> int:
         """Add the inputs of a message.
+
+        Args:
+            term: Term of its sender's session.
+            body: The message.
 
         Returns:
             Age of the oldest new input, in periods before the newest input of the message; ``NOTHING_NEW`` if no new
             input can still take effect; ``REFUSED`` if the message is of another sequence, starts from a break that
             did not happen, or is too far ahead.
         """
-        identity = (header.epoch, body.known_break_ns, body.input_sequence_start_ns)
+        identity = (term, body.known_break_ns, body.input_sequence_start_ns)
         due_ns, popped_ns = body.effective_plant_ns, self._popped_ns
         if not self._is_near(body) or (identity != self._identity and not self._begin(identity, body)):
             return REFUSED
@@ -106,13 +110,13 @@ class SequencedInputs:
         self.is_running = True
         return due
 
-    def periods_late(self, header: Header, body: PlantInput) -> int:
+    def periods_late(self, term: int, body: PlantInput) -> int:
         """Return the age of the missing input in a refused message, in periods before the newest input of the message.
 
         Zero unless the message is the first one that contains the input whose absence broke its sequence: a loss that a
         longer play-out time would have bridged.
         """
-        identity = (header.epoch, body.known_break_ns, body.input_sequence_start_ns)
+        identity = (term, body.known_break_ns, body.input_sequence_start_ns)
         if identity == self._broken:
             missing_ns = self.sequence_break_ns
         elif (

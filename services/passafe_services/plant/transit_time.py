@@ -2,6 +2,8 @@
 
 from typing import Final
 
+from passafe_protocol.messages import Received
+
 STALL_NS: Final = 100_000_000
 """Time between two steps of the plant from which on its process counts as suspended, ns."""
 
@@ -22,11 +24,13 @@ class TransitTime:
 
     Attributes:
         epoch: Session of the filter; 0 before the first input.
+        term: Its term (``Received.term``).
         largest_ns: The largest difference, ns.
     """
 
     def __init__(self) -> None:
         self.epoch = 0
+        self.term = 0
         self.largest_ns = 0
         self._now_ns = self._before_ns = 0
         self._ends_ns = 0
@@ -40,20 +44,28 @@ class TransitTime:
         """
         self._settled_ns = resumed_ns + SETTLE_NS
 
-    def record(self, epoch: int, arrival_ns: int, made_ns: int) -> None:
+    def is_ended(self, received: Received) -> bool:
+        """Return whether a message is of a session before the current one."""
+        return received.term < self.term
+
+    def is_new(self, received: Received) -> bool:
+        """Return whether a message is the first of a session after the current one."""
+        return received.term > self.term or (received.header.epoch != self.epoch and received.term == self.term)
+
+    def record(self, received: Received, arrival_ns: int, made_ns: int) -> None:
         """Record an arrival.
 
         Args:
-            epoch: Session of the sender; a new session resets the maximum, an ended one is ignored.
+            received: The message; one of a new session resets the maximum, one of an ended session is ignored.
             arrival_ns: Plant time of the arrival, ns.
             made_ns: Time at which its step was due, sender's clock, ns.
         """
         transit_ns = arrival_ns - made_ns
-        if epoch > self.epoch:
-            self.epoch = epoch
+        if self.is_new(received):
+            self.epoch, self.term = received.header.epoch, received.term
             self._before_ns = self._now_ns = self.largest_ns = transit_ns
             self._ends_ns = arrival_ns + SPAN_NS
-        elif epoch < self.epoch or (self._settled_ns is not None and arrival_ns < self._settled_ns):
+        elif self.is_ended(received) or (self._settled_ns is not None and arrival_ns < self._settled_ns):
             return
         elif arrival_ns >= self._ends_ns:
             self._before_ns, self._now_ns = self._now_ns, transit_ns

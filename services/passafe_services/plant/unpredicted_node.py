@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from passafe_protocol.messages import UNSEQUENCED, Header, PlantInput, Received
+from passafe_protocol.messages import UNSEQUENCED, PlantInput, Received
 from passafe_protocol.topics import CLEAR, EVENT, INPUT, STOP, Topic
 
 from passafe.limits import Limits
@@ -56,7 +56,7 @@ class UnpredictedPlantNode:
         events: list[Outgoing] = []
         for received in inbox:
             if type(received.body) is PlantInput:
-                self._receive(received.header, received.body, received.received_ns)
+                self._receive(received, received.body)
             else:
                 events += self._receive_stop(received)
         states = self._robot.run_to(now_ns, self._choose_input)
@@ -70,25 +70,26 @@ class UnpredictedPlantNode:
         self._inputs.void(self._robot.plant_ns)
         return ((EVENT, event),)
 
-    def _receive(self, header: Header, plant_input: PlantInput, received_ns: int) -> None:
+    def _receive(self, received: Received, plant_input: PlantInput) -> None:
         robot, account = self._robot, self._account
+        header, received_ns = received.header, received.received_ns
         if (
             not self._latch.admits(plant_input)
-            or header.epoch < account.transit.epoch
+            or account.transit.is_ended(received)
             or plant_input.input_sequence_start_ns != UNSEQUENCED
             or not self._check.is_valid(header, plant_input)
             or not self._inputs.put(plant_input)
         ):
             account.refused += 1
             return
-        if header.epoch > account.transit.epoch:  # another filter, whose ticks start at 1
+        if account.transit.is_new(received):  # another filter, whose ticks start at 1
             account.received_tick = robot.applied_tick = 0
         if robot.phase is WAITING:
             if not robot.has_origin:
                 robot.begin_at(plant_input.effective_plant_ns, received_ns)
         elif plant_input.effective_plant_ns <= robot.plant_ns:
             account.late += 1
-        account.record_arrival(header, plant_input, robot.plant_time_of(received_ns), header.scheduled_ns)
+        account.record_arrival(received, plant_input, robot.plant_time_of(received_ns), header.scheduled_ns)
 
     def _choose_input(self) -> None:
         """Apply the newest input that is due, unless a newer one is in force."""

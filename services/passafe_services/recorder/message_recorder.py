@@ -1,59 +1,78 @@
-"""Logs each message unchanged and counts missing ones."""
+"""Logs each message of the topic table unchanged and counts missing ones."""
 
 from collections import defaultdict
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from typing import Final
 
+from passafe_protocol.codec import MAX_MESSAGE_BYTES
 from passafe_protocol.keys import parts_of
 from passafe_protocol.messages import Header, TopicHealth
 from passafe_protocol.sequence import SequenceGuard
-from passafe_protocol.topics import Topic
+from passafe_protocol.session_guards import SessionGuards, guard_of
+from passafe_protocol.topics import TOPIC_OF_NAME, Topic
 
-from passafe_services.log.log_writer import LogWriter, topic_of_key
+from passafe_services.log.log_writer import LogWriter
 from passafe_services.log.wire_header import read_header
+
+OTHERS: Final = "other"
+"""Name under which ``health`` counts messages that are not logged."""
+
+_NAME_LENGTH: Final = 80
 
 
 @dataclass
 class _Channel:
     """One key expression: its topic, its publisher and the counts of its messages."""
 
-    topic: Topic | None
+    topic: Topic
     source: str
-    guard: SequenceGuard = field(default_factory=SequenceGuard)
+    guard: SequenceGuard | SessionGuards
     invalid: int = 0
 
 
 class MessageRecorder:
     """Writes messages from the bus to a log.
 
-    Every message is logged, also invalid and duplicate ones: the log shows what was on the wire. Only the counts
-    distinguish them.
+    Every message under a key of the topic table is logged, also invalid and duplicate ones: the log shows what was on
+    the wire. Only the counts distinguish them. Messages under other keys, and those larger than any message can be, are
+    counted and not logged: whoever may publish on the bus cannot make the log's table of channels grow, which has room
+    for 65,535.
 
     Args:
         log: Log to write to.
 
     Attributes:
         bytes_recorded: Wire bytes logged so far.
+        others: Messages that were not logged.
+        last_other: Description of the last of these; empty without one.
     """
 
     def __init__(self, log: LogWriter) -> None:
         self.bytes_recorded = 0
+        self.others = 0
+        self.last_other = ""
         self._log = log
         self._channels: dict[str, _Channel] = {}
 
-    def record(self, samples: Iterable[tuple[str, bytes]], wall_ns: int) -> None:
+    def record(self, samples: Iterable[tuple[str, bytes]], wall_ns: int, now_ns: int) -> None:
         """Log messages from the bus.
 
         Args:
             samples: Key expression and wire bytes of each message, in order of arrival.
             wall_ns: Wall time now, ns: log time of messages without a valid header.
+            now_ns: Monotonic time now, ns; non-decreasing.
 
         Raises:
             LogWriteError: The log cannot be written.
         """
         for key, data in samples:
             channel = self._channels.get(key) or self._open(key)
-            header = self._count(channel, data)
+            if channel is None or len(data) > MAX_MESSAGE_BYTES:
+                self.others += 1
+                self.last_other = f"{len(data)} bytes under {key[:_NAME_LENGTH]}"
+                continue
+            header = self._count(channel, data, now_ns)
             if header is None:
                 self._log.write(key, data, sequence=0, wall_ns=wall_ns)
             else:
@@ -65,29 +84,33 @@ class MessageRecorder:
         return {key: channel.guard.gaps for key, channel in self._channels.items() if channel.guard.gaps}
 
     def health(self) -> tuple[TopicHealth, ...]:
-        """Return the message counts of each topic over all its publishers, sorted by name."""
+        """Return the counts of each topic over all its publishers, sorted by name; those not logged at the end."""
         totals: defaultdict[str, list[int]] = defaultdict(lambda: [0, 0, 0])
-        for key, channel in self._channels.items():
-            total = totals[channel.topic.name if channel.topic else key]
+        for channel in self._channels.values():
+            total = totals[channel.topic.name]
             total[0] += channel.guard.received
             total[1] += channel.guard.gaps
             total[2] += channel.guard.refused + channel.invalid
-        return tuple(
+        rows = [
             TopicHealth(topic=name, received=received, gaps=gaps, refused=refused)
             for name, (received, gaps, refused) in sorted(totals.items())
-        )
+        ]
+        return (*rows, TopicHealth(OTHERS, 0, 0, self.others)) if self.others else tuple(rows)
 
-    def _open(self, key: str) -> _Channel:
+    def _open(self, key: str) -> _Channel | None:
+        """Return a new channel; ``None`` for a key that is not of the table."""
         parts = parts_of(key)
-        channel = _Channel(topic=topic_of_key(key), source=parts.source if parts else "")
-        self._channels[key] = channel
+        topic = None if parts is None else TOPIC_OF_NAME.get(parts.topic)
+        if parts is None or topic is None or not topic.recorded or parts.source not in topic.publishers:
+            return None
+        self._channels[key] = channel = _Channel(topic, parts.source, guard_of(topic))
         return channel
 
-    def _count(self, channel: _Channel, data: bytes) -> Header | None:
+    def _count(self, channel: _Channel, data: bytes, now_ns: int) -> Header | None:
         """Count a message and return its header; ``None`` if that is missing or invalid."""
-        header = read_header(channel.topic, data) if channel.topic else None
+        header = read_header(channel.topic, data)
         if header is None or header.source != channel.source or header.wall_ns < 0:
             channel.invalid += 1
             return None
-        channel.guard.classify(header)
+        channel.guard.classify(header, now_ns)
         return header

@@ -109,7 +109,7 @@ class _Loop:
         self._rate_limited_log = RateLimitedLog()
         self._flushed_ns = self._reported_ns = monotonic_ns()
         self._steps_reported = 0
-        self._gaps_reported = 0
+        self._gaps_reported = self._others_reported = 0
         self.pace = Pace(self._reported_ns, DRAIN_RATE_HZ)
 
     @property
@@ -120,7 +120,7 @@ class _Loop:
     def drain(self) -> int:
         """Log the messages received; return their number."""
         samples = self._reader.drain()
-        self.recording.record(samples, self._wall_ns())
+        self.recording.record(samples, self._wall_ns(), self._monotonic_ns())
         return len(samples)
 
     def step(self) -> None:
@@ -153,6 +153,11 @@ class _Loop:
             missing = ", ".join(f"{key} {number}" for key, number in gaps.items())
             self.report("gaps", "warning", f"messages missing in the log so far: {missing}", now_ns)
         self._gaps_reported = total
+        others = self.recording.others
+        if others > self._others_reported:
+            text = f"messages that are none of the topic table's, not logged so far: {others}, the last one "
+            self.report("others", "warning", text + self.recording.last_other, now_ns)
+        self._others_reported = others
 
     def report(self, kind: str, severity: str, text: str, now_ns: int) -> None:
         """Log a message and publish it as an event, within the limits of ``RateLimitedLog``."""

@@ -61,7 +61,7 @@ def replay_filter(log: RunLog) -> Replay:
             if missing:
                 return Replay(ticks=ticks, identical=identical, first_difference=first_difference, missing=missing)
             inbox = [
-                Received(sent[key].header, sent[key].body, each.received_ns)
+                Received(sent[key].header, sent[key].body, each.received_ns, each.term)
                 for key, each in zip(keys, consumed, strict=True)
             ]
             replayed = [

@@ -2,12 +2,9 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from operator import attrgetter
 from typing import Generic, NamedTuple, TypeVar
 
 from passafe_protocol.messages import Header, Message
-
-_session_and_sequence = attrgetter("header.source", "header.epoch", "header.sequence")
 
 B = TypeVar("B", bound=Message)
 
@@ -44,10 +41,20 @@ class TopicCount:
 
 
 def in_order(found: Iterable[LoggedMessage[Message]], count: TopicCount) -> list[LoggedMessage[Message]]:
-    """Sort by source, session and sequence, drop duplicates, and add to ``count``."""
+    """Sort by source, session and sequence, drop duplicates, and add to ``count``.
+
+    Sessions of a source are in the order in which the log met them: epochs identify them and do not order them.
+    """
     ordered: list[LoggedMessage[Message]] = []
     last: Header | None = None
-    for message in sorted(found, key=_session_and_sequence):
+    session_number: dict[tuple[str, int], int] = {}
+
+    def place(message: LoggedMessage[Message]) -> tuple[str, int, int]:
+        header = message.header
+        number = session_number.setdefault((header.source, header.epoch), len(session_number))
+        return header.source, number, header.sequence
+
+    for message in sorted(found, key=place):
         header = message.header
         expected = 0
         if last is None or (last.source, last.epoch) != (header.source, header.epoch):
