@@ -71,6 +71,11 @@ class Fault:
     stranger: bool = False
 
     @property
+    def drives_on(self) -> bool:
+        """Whether the robot may not stop being driven at all."""
+        return self.promise.endswith(DRIVES_ON) and not self.exit_code
+
+    @property
     def key(self) -> str:
         """Name and target."""
         return f"{self.name}, {self.target}"
@@ -151,22 +156,23 @@ def survived() -> Iterator[Fault]:
 
 def from_strangers() -> Iterator[Fault]:
     """Yield the faults that others on an open bus, or at the page, bring about."""
-    nothing = "refused and reported; drives on"
+    nothing = f"refused and reported; {DRIVES_ON}"
+    load = "refused and reported; drives on, or safe and back within 1 s"
     for topic in (COMMAND, INPUT, STATE):
-        for name, inject in (
-            ("20,000 garbage messages/s, 1 s", flood(topic)),
-            ("flipped bits", corrupted(topic)),
-            ("6 messages of 50 MB", oversized(topic)),
-            ("forged, epoch 2⁶⁴ − 1", far_future(topic)),
-            ("schema version 99", other_version(topic)),
+        for name, inject, promise in (
+            ("20,000 garbage messages/s, 1 s", flood(topic), load),
+            ("flipped bits", corrupted(topic), nothing),
+            ("6 messages of 50 MB", oversized(topic), load),
+            ("forged, epoch 2⁶⁴ − 1", far_future(topic), nothing),
+            ("schema version 99", other_version(topic), nothing),
         ):
-            yield Fault(name=name, target=topic.name, inject=inject, promise=nothing, length_s=1.0, stranger=True)
+            yield Fault(name=name, target=topic.name, inject=inject, promise=promise, length_s=1.0, stranger=True)
     for name in ("operator", "filter", "plant"):
         yield Fault(
             name="a second process",
             target=name,
             inject=partial(_duplicate, name),
-            promise="the first stays; drives on",
+            promise=f"the first stays; {DRIVES_ON}",
             length_s=6.0,
             stranger=True,
         )

@@ -110,6 +110,8 @@ def result_of(fault: Fault, effect: Effect, verdict: Verdict, *, alive: bool) ->
     ]
     if effect.to_safe_s is not None and effect.to_safe_s > fault.safe_s + fault.length_s:
         broken.append(f"safe after {effect.to_safe_s:.2f} s")
+    if fault.drives_on and effect.to_safe_s is not None:
+        broken.append("stopped being driven")
     if effect.to_recover_s is None or effect.to_recover_s > fault.recover_s:
         got = "never" if effect.to_recover_s is None else f"after {effect.to_recover_s:.2f} s"
         broken.append(f"driven again {got}")

@@ -7,7 +7,7 @@ import pytest
 from fault_rows import ending, from_strangers, survived
 from fault_table import STRANGERS, run_through, table
 
-SLICE = ("wall clock −1 h, then back, filter", "schema version 99, input")
+SLICE = ("wall clock −1 h, then back, filter", "forged, epoch 2⁶⁴ − 1, input")
 
 
 @pytest.mark.live

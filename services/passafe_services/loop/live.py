@@ -102,6 +102,7 @@ def run_live(
         announce_ready(node.name)
         lower_priority()
         collect = stack.enter_context(paused_garbage_collection())
+        stack.callback(lower_priority)  # the end takes long, and others' loops may run on the same processor
         request_realtime()
         pace = Pace(monotonic_ns() + round(_NS_PER_S / rate_hz), rate_hz)
         end_ns = None if duration_s is None else pace.due_ns + round(_NS_PER_S * duration_s)
