@@ -9,7 +9,7 @@ DEMO ?=
 PYTHONS ?= python3.12 python3.13
 CAMPAIGN ?= $(basename $(notdir $(wildcard services/passafe_services/scenarios/*.toml)))
 
-.PHONY: help demo test check fast proto lock docs site pictures bench campaign generated-campaign atlas delay-atlas worker-kills faults mutation wheel wheel-test clean
+.PHONY: help demo test check fast proto lock docs site pictures bench campaign generated-campaign atlas delay-atlas worker-kills resumes faults mutation wheel wheel-test clean
 
 help:  ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 13
@@ -25,11 +25,11 @@ demo: $(STAMP)  ## the multi-process demo; options by DEMO='--mode off --duratio
 	$(BIN)/passafe demo $(DEMO)
 
 test: $(STAMP)  ## every test that CI runs, with coverage of core and protocol
-	$(BIN)/python -m pytest -n auto --dist loadfile -m 'not live and not browser' --cov --cov-report=
+	$(BIN)/python -m pytest -n auto --dist loadfile -m 'not live and not browser and not campaign' --cov --cov-report=
 	$(BIN)/python -m pytest -m 'live or browser' --cov --cov-append --cov-report=term:skip-covered --cov-fail-under=100
 
 fast: $(STAMP)  ## the tests that start no process and no browser, and compile nothing
-	$(BIN)/python -m pytest -n auto --dist loadfile -m 'not live and not browser and not compiled'
+	$(BIN)/python -m pytest -n auto --dist loadfile -m 'not live and not browser and not compiled and not campaign'
 
 check: $(STAMP)  ## lint, format, types, import direction, generated files current, docs build
 	$(BIN)/ruff check .
@@ -79,6 +79,8 @@ worker-kills: $(STAMP)  ## kills 500 workers of sweeps at random moments; a quar
 
 faults: $(STAMP)  ## docs/faults.md: every fault against every process in three seeded passes; half an hour; resumes where it was interrupted
 	$(BIN)/python tests/faults/fault_table.py --passes 3 --write docs/faults.md
+resumes: $(STAMP)  ## a thousand random resumes after stops, deaths and outages, in virtual time; some minutes
+	$(BIN)/python -m pytest tests/simulation/test_resumes.py -m campaign
 
 mutation: $(STAMP)  ## changes the core one thing at a time: does a test notice? an hour or two; resumes where it was interrupted
 	$(BIN)/python benchmarks/mutation.py

@@ -2,18 +2,25 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from msgspec import structs
 from passafe_protocol.messages import FilterTick, Message
 from passafe_protocol.topics import TICK
+from passafe_services.filter.build import filter_node
 from passafe_services.log.log_writer import LogWriter, run_metadata
+from passafe_services.loop.lockstep import START_NS, Lockstep
+from passafe_services.operator.build import operator_node
+from passafe_services.plant.build import plant_node
 from passafe_services.recorder.lockstep_log import LockstepLog
+from passafe_services.scenarios.links import link_settings
 from passafe_services.scenarios.load import load_scenario
-from passafe_services.simulation import lockstep_loop, steps_of
+from passafe_services.simulation import CompiledScenario, lockstep_loop, period_ns, steps_of
 from passafe_services.tools.replay import replay_filter
 from passafe_services.tools.review.continuity import LoggedMessage
 from passafe_services.tools.review.run_log import RunLog
+from stop_console import StopConsole
 
 BAD_LINKS = {
     "links.filter-to-plant": {"delay_s": 0.01, "jitter_s": 0.02, "loss": 0.1, "seed": 1},
@@ -29,6 +36,25 @@ def log(tmp_path_factory: pytest.TempPathFactory) -> RunLog:
     with LogWriter(path, metadata) as writer:
         lockstep_loop(scenario, LockstepLog(writer)).run(steps_of(scenario))
     return RunLog.read(path)
+
+
+def test_a_run_with_emergency_stops_replays(tmp_path: Path) -> None:
+    scenario = load_scenario("notomista-cai-2020", {"rate_hz": 250.0, **BAD_LINKS})
+    compiled, path = CompiledScenario.of(scenario), tmp_path / "run.mcap"
+    metadata = run_metadata(scenario_json=scenario.model_dump_json(), versions={}, driver="lockstep")
+    with LogWriter(path, metadata) as writer:
+        nodes = [
+            plant_node(scenario, compiled.model),
+            StopConsole([START_NS + round(at_s * 1e9) for at_s in (0.2, 0.3, 0.6, 0.61)]),
+            operator_node(scenario, 1),
+            filter_node(scenario, "lockstep", 1, compiled.model, compiled.filter),
+        ]
+        links = link_settings(scenario)
+        Lockstep(nodes, period_ns=period_ns(scenario), links=links, observer=LockstepLog(writer)).run(250)
+    log = RunLog.read(path)
+
+    assert {tick.body.status.name for tick in log.of(FilterTick)} >= {"STOPPED", "MODIFIED"}
+    assert replay_filter(log).exact
 
 
 def with_ticks(log: RunLog, keep: Callable[[int], bool]) -> RunLog:

@@ -37,7 +37,10 @@ class CommandIntake:
 
     def observe(self, header: Header, state: PlantState) -> bool:
         """Learn from the newest plant state; return whether inputs sent before are void, see ``StopGate``."""
-        return self.stop.observe(header, state)
+        is_void = self.stop.observe(header, state)
+        if is_void:
+            self._request.void()
+        return is_void
 
     def receive(self, received: Received, command: OperatorCommand) -> None:
         """Receive a command: refuse it, or pass it on to the request.
@@ -52,7 +55,7 @@ class CommandIntake:
         if admission is Admission.GRANTED:
             self._request.begin_session()
         if self.stop.opens(command):
-            self._request.resume_next()
+            self._request.begin()
         self._request.receive(received, self.stop.pass_on(command))
 
     def at(self, now_ns: int) -> OperatorRequest:

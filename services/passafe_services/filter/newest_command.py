@@ -2,6 +2,7 @@
 
 from enum import Enum
 
+from msgspec.structs import replace
 from passafe_protocol.messages import CommandState, OperatorCommand, Received
 
 from passafe_services.filter.send_time import SendTime
@@ -16,8 +17,19 @@ class Reception(Enum):
     RESUMES = "resumes"
     """It is the first to be in force after a stale stretch."""
 
+    BEGINS = "begins"
+    """It is the first to be in force of another sender, or after an emergency stop."""
+
     LATE = "late"
     """It was stale when it arrived and does not count."""
+
+    @property
+    def ramps_in(self) -> bool:
+        """True if the request ramps in with it."""
+        return self in _RAMPS_IN
+
+
+_RAMPS_IN = frozenset({Reception.RESUMES, Reception.BEGINS})
 
 
 class NewestCommand:
@@ -51,18 +63,23 @@ class NewestCommand:
         self.expires_ns = 0
         self._sent_ns: int | None = None
         self._is_late = False
-        self._resumes_next = False
+        self._begins = False
 
     def begin_session(self) -> None:
         """Begin with the commands of another sender, of whatever epoch; the last one before fades."""
         self._send_time.restart()
         if self._sent_ns is not None:
-            self._resumes_next = True
+            self._begins = True
         self.order = (-1, -1)
 
-    def resume_next(self) -> None:
-        """Let the next enabled command that counts be the first after a stretch without any."""
-        self._resumes_next = True
+    def release(self) -> None:
+        """Let the command in force count as released: what it asked for is void."""
+        if self.body is not None:
+            self.body = replace(self.body, enabled=False)
+
+    def begin(self) -> None:
+        """Let the next enabled command that counts be the first of a beginning."""
+        self._begins = True
 
     def receive(self, received: Received, command: OperatorCommand) -> Reception:
         """Receive a command.
@@ -80,8 +97,9 @@ class NewestCommand:
         self.body, self.expires_ns = command, sent_ns + self._stale_ns
         if self._is_late:
             return Reception.LATE
-        if self._resumes_next and command.enabled:
-            self._resumes_next, was_missed = False, True
+        if self._begins and command.enabled:
+            self._begins = False
+            return Reception.BEGINS
         return Reception.RESUMES if was_missed else Reception.COUNTS
 
     def is_recent(self, delay_ns: int) -> bool:

@@ -71,9 +71,15 @@ class PassThroughRequest:
         """Begin with the commands of another sender: its first one that counts ramps in, what was before fades."""
         self._newest.begin_session()
 
-    def resume_next(self) -> None:
-        """Let the next command that counts ramp in, as after a stale stretch."""
-        self._newest.resume_next()
+    def void(self) -> None:
+        """Discard what was requested so far, its fade included: an emergency stop was latched or cleared."""
+        self._newest.release()
+        self._dead_man.restart()
+        self._ramp.restart()
+
+    def begin(self) -> None:
+        """Let the next command that counts ramp in from its beginning."""
+        self._newest.begin()
 
     def receive(self, received: Received, command: OperatorCommand) -> None:
         """Receive a command; one older than the newest is ignored.
@@ -118,11 +124,12 @@ class PassThroughRequest:
         if before is not None:  # it may have become stale before
             released_ns = min(released_ns, self._newest.expires_ns)
         reception = self._newest.receive(received, command)
-        resumes = reception is Reception.RESUMES
-        if (resumes or not command.enabled) and (before is None or before.enabled):  # else the fade is under way
+        ramps_in = reception.ramps_in
+        if (ramps_in or not command.enabled) and (before is None or before.enabled):  # else the fade is under way
             self._dead_man.released_ns = released_ns
-        if resumes:
-            self._ramp.begin(received.received_ns, self._dead_man, anew=before is None)
+        if ramps_in:
+            anew = before is None or reception is Reception.BEGINS
+            self._ramp.begin(received.received_ns, self._dead_man, anew=anew)
         return reception
 
     def _is_valid(self, command: OperatorCommand) -> bool:
@@ -160,6 +167,11 @@ class EstimatedRequest(PassThroughRequest):
         super().restart()
         self._reset_estimator((-1, -1))
 
+    def void(self) -> None:
+        """See ``PassThroughRequest``."""
+        super().void()
+        self._reset_estimator(self._newest.order)
+
     def receive(self, received: Received, command: OperatorCommand) -> None:
         """Receive a command as a sample, newest or not.
 
@@ -178,7 +190,7 @@ class EstimatedRequest(PassThroughRequest):
             if (
                 header.epoch != before[0]
                 or not command.enabled
-                or reception is Reception.RESUMES
+                or reception.ramps_in
                 or not self._clock.advances(header.scheduled_ns)
             ):
                 self._reset_estimator(order)
