@@ -79,6 +79,7 @@ worker-kills: $(STAMP)  ## kills 500 workers of sweeps at random moments; a quar
 
 faults: $(STAMP)  ## docs/faults.md: every fault against every process in three seeded passes; half an hour; resumes where it was interrupted
 	$(BIN)/python tests/faults/fault_table.py --passes 3 --write docs/faults.md
+
 resumes: $(STAMP)  ## a thousand random resumes after stops, deaths and outages, in virtual time; some minutes
 	$(BIN)/python -m pytest tests/simulation/test_resumes.py -m campaign
 
