@@ -13,7 +13,7 @@ from fastapi import FastAPI
 from passafe_protocol.keys import DEFAULT_ROBOT
 from passafe_protocol.messages import EmergencyStop, LinkConfig, StopClear
 from passafe_protocol.topics import LINK_CONFIG, TOPIC_OF_BODY
-from passafe_services.loop.bus import open_bus
+from passafe_services.loop.bus import Bus, open_bus
 from passafe_services.loop.health_report import HealthReporter
 from passafe_services.loop.outlet import Outlet
 from passafe_services.loop.process_options import ProcessOptions
@@ -81,9 +81,15 @@ def serve(
             broadcast = Broadcast(feed, read=reader.read, clock=time.monotonic_ns, frame_hz=frame_hz)
             links = LinkRequests(broadcast, partial(_request_settings, outlet))
             stops = StopRequests(broadcast, partial(_request_stop, outlet), epoch=outlet.epoch)
-            app = create_app(broadcast, links, stops, hosts=OwnHosts.of(host, names))
+            hosts, trouble = OwnHosts.of(host, names), partial(_bus_trouble, bus)
+            app = create_app(broadcast, links, stops, hosts=hosts, bus_trouble=trouble)
             asyncio.run(_run(app, broadcast, listener, stop))
     return stop.reason
+
+
+def _bus_trouble(bus: Bus) -> str:
+    """Return why nothing can be read from the bus; empty if that is not so."""
+    return bus.refusal or ("" if bus.router else "no router is connected")
 
 
 def _request_settings(outlet: Outlet, config: LinkConfig, now_ns: int) -> tuple[str, int, int]:

@@ -1,6 +1,7 @@
 """Requests of any kind to any documented route are answered, and never with an error of the server."""
 
 import json
+import socket
 from collections.abc import Iterator
 from itertools import product
 from typing import Any
@@ -78,6 +79,22 @@ def test_no_request_makes_the_server_fail(
     assert answer.status_code in ANSWERS, answer.text
     if answer.status_code == 422:
         assert all(set(problem) == {"type", "loc", "msg"} for problem in answer.json()["detail"])
+
+
+@settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(garbage=st.binary(max_size=400), is_socket=st.booleans())
+@example(garbage=b"\x81\xfe\xff\xff" + bytes(4), is_socket=True)
+def test_any_bytes_leave_the_server_to_others(page: ServedPage, garbage: bytes, is_socket: bool) -> None:
+    with socket.create_connection(("127.0.0.1", page.port), 30) as client:
+        if is_socket:
+            client.sendall(
+                f"GET /live HTTP/1.1\r\nHost: {page.host}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+                "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n\r\n".encode()
+            )
+            assert client.recv(12) == b"HTTP/1.1 101"
+        client.sendall(garbage)
+        client.shutdown(socket.SHUT_WR)
+    assert page.get("/healthz").status_code == 200
 
 
 def test_page_still_answers_after_all_of_it(page: ServedPage) -> None:

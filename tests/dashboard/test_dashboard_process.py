@@ -98,6 +98,27 @@ def test_messages_of_the_bus_reach_the_page(router_port: int) -> None:
         assert httpx.get(f"http://{address}/healthz", timeout=PATIENCE_S).json()["ok"] is True
 
 
+def test_health_is_not_ok_without_a_router() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as probe:
+        port = probe.getsockname()[1]
+    with child(port, "router") as router:
+        lines_until(router, ready_line("router"))
+        with dashboard(port) as (_, address):
+            assert httpx.get(f"http://{address}/healthz", timeout=PATIENCE_S).json()["trouble"] == ""
+            router.kill()
+            until, answer = time.monotonic() + PATIENCE_S, None
+            while (answer is None or answer.status_code == 200) and time.monotonic() < until:
+                answer = httpx.get(f"http://{address}/healthz", timeout=PATIENCE_S)
+            assert answer is not None
+            assert answer.status_code == 503
+            assert answer.json() | {"feed": {}} == {
+                "ok": False,
+                "trouble": "no router is connected",
+                "pages": 0,
+                "feed": {},
+            }
+
+
 def test_sigterm_sends_a_last_frame_and_ends_the_process(router_port: int) -> None:
     with (
         dashboard(router_port) as (process, address),

@@ -201,7 +201,7 @@ def test_a_new_scenario_changes_the_page(page: ServedPage, run: FastRun) -> None
     values["title"] = "Another <robot>"
     values["filter"]["barriers"] = ()
     before = page.get("/").text
-    page.in_loop(run.feed.push, header("filter", 1, epoch=7), ScenarioInfo(json.dumps(values), "live", "{}"), 0)
+    page.in_loop(run.feed.push, header("filter", 1), ScenarioInfo(json.dumps(values), "live", "{}"), 0)
     after = page.get("/").text
     assert "Barriers h" in before
     assert "Another &lt;robot&gt;" in after

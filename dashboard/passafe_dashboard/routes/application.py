@@ -43,6 +43,7 @@ def create_app(
     stops: StopRequests,
     *,
     hosts: OwnHosts | None = None,
+    bus_trouble: Callable[[], str] = str,
     window_s: float = 20.0,
 ) -> FastAPI:
     """Return the application.
@@ -54,6 +55,7 @@ def create_app(
         links: Changes links.
         stops: Presses and clears the emergency stop.
         hosts: Hosts by which the page may be asked for; those of loopback if not given.
+        bus_trouble: Says why nothing can be read from the bus; empty if that is not so.
         window_s: Stretch of time that charts show.
     """
     page = LivePage(broadcast.feed, window_s=window_s)
@@ -78,7 +80,7 @@ def create_app(
     app.add_middleware(OwnHostsOnly, hosts=hosts or OwnHosts())
     app.middleware("http")(_add_headers)
     app.include_router(page_routes(page))
-    app.include_router(state_routes(broadcast))
+    app.include_router(state_routes(broadcast, bus_trouble))
     app.include_router(link_routes(links))
     app.include_router(stop_routes(stops))
     app.mount("/static/bokeh", StaticFiles(directory=bokeh_settings.bokehjs_path()), name="bokeh")

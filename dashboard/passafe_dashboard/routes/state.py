@@ -1,6 +1,7 @@
 """Serve the page's state: ``GET /api/status``, ``GET /healthz``, and frame by frame the WebSocket ``/live``."""
 
 import asyncio
+from collections.abc import Callable
 from contextlib import aclosing
 from typing import Final
 
@@ -14,8 +15,13 @@ MAX_CLIENTS: Final = 32
 TRY_AGAIN_LATER: Final = 1013
 
 
-def state_routes(broadcast: Broadcast) -> APIRouter:
-    """Return the routes of state, health and frames."""
+def state_routes(broadcast: Broadcast, bus_trouble: Callable[[], str]) -> APIRouter:
+    """Return the routes of state, health and frames.
+
+    Args:
+        broadcast: Source of the state and of the frames.
+        bus_trouble: Says why nothing can be read from the bus; empty if that is not so.
+    """
     router = APIRouter()
     served: set[WebSocket] = set()
 
@@ -27,10 +33,10 @@ def state_routes(broadcast: Broadcast) -> APIRouter:
     @router.get("/healthz")
     async def healthz(request: Request) -> Response:
         broadcasting: asyncio.Task[None] = request.app.state.broadcasting
-        failed = broadcasting.done()
+        trouble = "reading the bus has failed" if broadcasting.done() else bus_trouble()
         feed = liveness(broadcast.feed, broadcast.clock())
-        text = json_text({"ok": not failed, "pages": broadcast.clients, "feed": feed})
-        return Response(text, media_type="application/json", status_code=503 if failed else 200)
+        text = json_text({"ok": not trouble, "trouble": trouble, "pages": broadcast.clients, "feed": feed})
+        return Response(text, media_type="application/json", status_code=503 if trouble else 200)
 
     @router.websocket("/live")
     async def live(websocket: WebSocket) -> None:
