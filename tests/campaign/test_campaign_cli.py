@@ -58,3 +58,12 @@ def test_the_same_command_with_more_rollouts_resumes(tmp_path: Path) -> None:
         lines = file.read_text(encoding="utf-8").splitlines()
         assert len(lines) == 1 + int(rollouts)
     assert (file.parent / f"{NAME}.summary.json").exists()
+
+
+@pytest.mark.parametrize("options", [("--duration", "1e12"), ("--rollouts", "1000000000")])
+def test_a_campaign_without_an_end_is_refused(options: tuple[str, ...], tmp_path: Path) -> None:
+    done = subprocess.run(command(tmp_path / "out", *options), capture_output=True, text=True, timeout=60, check=False)
+
+    assert done.returncode == 2
+    assert "less than or equal to" in " ".join(done.stderr.replace("│", " ").split())
+    assert not (tmp_path / "out").exists()

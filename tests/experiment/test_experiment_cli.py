@@ -170,6 +170,7 @@ def test_runs_that_cannot_be_run_are_reported_with_exit_code_1(tmp_path: Path) -
     [
         (("nonsense",), "allowed a TOML file or one of bad-network"),
         (("delay", "--out", "/proc/no"), "/proc/no"),
+        (("bad-network", "--seeds", "1000000000"), "--seeds: got 2000000000 runs, allowed up to 1000000"),
         (("delay", "--scheduler", "nowhere"), "--scheduler nowhere"),
         (("delay", "--scheduler", "tcp://127.0.0.1:1"), "refused"),
     ],

@@ -35,13 +35,14 @@ def campaign(
         bool, typer.Option("--generated", help="Run systems made from seeds instead of scenarios.")
     ] = False,
     rollouts: Annotated[
-        int, typer.Option("--rollouts", "-n", metavar="N", min=1, help="Rollouts of each scenario.")
+        int, typer.Option("--rollouts", "-n", metavar="N", min=1, max=1_000_000, help="Rollouts of each scenario.")
     ] = 100,
     first_seed: Annotated[
         int, typer.Option("--first-seed", metavar="N", min=0, help="Seed of the first rollout; the others follow.")
     ] = 0,
     duration: Annotated[
-        float, typer.Option("--duration", "-d", metavar="SECONDS", min=0.01, help="Plant time of each rollout.")
+        float,
+        typer.Option("--duration", "-d", metavar="SECONDS", min=0.01, max=3600.0, help="Plant time of each rollout."),
     ] = 10.0,
     workers: WorkersOption = 0,
     scalar: Annotated[

@@ -9,17 +9,19 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from passafe_services.cli.check import warn_at_load
+from passafe_services.cli.errors import OptionError
 from passafe_services.cli.experiment_live import live_beside_lockstep, show_agreement
 from passafe_services.cli.options import WorkersOption, writable_folder
 from passafe_services.cli.sweep import exit_if_interrupted, workers_for
 from passafe_services.loop.realtime import available_processors
 from passafe_services.loop.stop import Stop, stop_requests
-from passafe_services.tools.experiment.cells import Run, RunKey
+from passafe_services.tools.experiment.cells import Run, RunKey, cells_of
 from passafe_services.tools.experiment.check import check
 from passafe_services.tools.experiment.kept_logs import Keep, KeptLog, LogJob, chosen
 from passafe_services.tools.experiment.load import Study, load_study
 from passafe_services.tools.experiment.plan import Plan
 from passafe_services.tools.experiment.run_result import RunResult, experiment_results
+from passafe_services.tools.experiment.schema import MOST_RUNS
 from passafe_services.tools.experiment.study_job import StudyJob, chunk_size
 from passafe_services.tools.experiment.summary import ExperimentSummary
 from passafe_services.tools.runs.results_file import ResultsFile
@@ -99,6 +101,9 @@ def _study(file: str, seeds: int | None) -> Study:
     study = load_study(file)
     if seeds is None:
         return study
+    cells = len(cells_of(study.experiment))
+    if cells * seeds > MOST_RUNS:
+        raise OptionError("--seeds", f"{cells * seeds} runs", f"up to {MOST_RUNS}, {MOST_RUNS // cells} of each cell")
     asked = study.experiment.seeds.model_copy(update={"count": seeds})
     return study.model_copy(update={"experiment": study.experiment.model_copy(update={"seeds": asked})})
 

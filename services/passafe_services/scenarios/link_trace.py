@@ -7,6 +7,7 @@ from typing import Final
 from passafe_protocol.errors import LinkSettingsError
 from passafe_protocol.link_settings import LinkSettings
 
+from passafe_services.scenarios.bounded_file import require_bounded
 from passafe_services.scenarios.errors import LinkTraceError
 
 UNITS_S: Final = {"time_s": 1.0, "time_ms": 1e-3}
@@ -27,6 +28,7 @@ def read_trace(path: Path) -> tuple[float, ...]:
         LinkTraceError: The file cannot be read, or is not a valid trace.
     """
     try:
+        require_bounded(path)
         with path.open(newline="", encoding="utf-8") as file:
             lines = [row for row in csv.reader(file) if row]
     except (OSError, UnicodeDecodeError, csv.Error) as error:

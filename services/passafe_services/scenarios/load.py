@@ -9,6 +9,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from passafe_services.scenarios.bounded_file import require_bounded
 from passafe_services.scenarios.errors import ScenarioError, UnknownScenarioError, UnreadableScenarioError
 from passafe_services.scenarios.field_problems import problems_of, shown
 from passafe_services.scenarios.links import link_changes, link_settings
@@ -42,6 +43,7 @@ def load_scenario(name_or_file: str, overrides: Mapping[str, Any] | None = None)
     if not path.is_file():
         raise UnknownScenarioError(name_or_file, shipped_scenarios())
     try:
+        require_bounded(path)
         text = path.read_text(encoding="utf-8")
         data = json.loads(text) if path.suffix == ".json" else tomllib.loads(text)
     except (OSError, UnicodeDecodeError, ValueError) as error:

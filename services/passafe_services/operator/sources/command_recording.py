@@ -9,6 +9,7 @@ from typing import Final, NamedTuple
 from passafe_protocol.messages import Vector
 
 from passafe_services.operator.errors import RecordingError
+from passafe_services.scenarios.bounded_file import require_bounded
 
 TIME_COLUMN: Final = "time_s"
 ROWS_MAX: Final = 1_000_000
@@ -42,6 +43,7 @@ def load_recording(path: Path, inputs: int) -> CommandRecording:
         RecordingError: The file cannot be opened or is not valid; names line and column.
     """
     try:
+        require_bounded(path)
         with path.open(encoding="utf-8-sig", newline="") as file:
             return _read(path, _rows(path, file), inputs)
     except OSError as error:

@@ -8,6 +8,7 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, JsonValue, ValidationError
 
+from passafe_services.scenarios.bounded_file import require_bounded
 from passafe_services.scenarios.field_problems import problems_of
 from passafe_services.scenarios.load import load_scenario, scenario_from, shipped_scenarios
 from passafe_services.scenarios.schema import Scenario
@@ -62,6 +63,7 @@ def load_study(name_or_file: str) -> Study:
         if name_or_file in shipped_experiments():
             text, folder = (EXAMPLES / f"{name_or_file}.toml").read_text(encoding="utf-8"), Path()
         elif path.is_file():
+            require_bounded(path)
             text, folder = path.read_text(encoding="utf-8"), path.parent
         else:
             raise UnknownExperimentError(name_or_file, shipped_experiments())
