@@ -35,7 +35,7 @@ def printed(console: Console, capsys: pytest.CaptureFixture[str]) -> "Printed":
 
 
 class Printed:
-    """What was printed so far."""
+    """Everything that was printed so far."""
 
     def __init__(self, console: Console, capsys: pytest.CaptureFixture[str]) -> None:
         self._console, self._capsys = console, capsys

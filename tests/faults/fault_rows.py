@@ -72,7 +72,7 @@ class Fault:
 
     @property
     def drives_on(self) -> bool:
-        """Whether the robot may not stop being driven at all."""
+        """True if the robot may not stop being driven at all."""
         return self.promise.endswith(DRIVES_ON) and not self.exit_code
 
     @property

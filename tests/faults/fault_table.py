@@ -7,6 +7,7 @@ kept in ``--out``, so that an interrupted campaign resumes with the pass that it
 import json
 import math
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -33,6 +34,9 @@ from timeline import Effect, Timeline
 
 ASKED: Final = ("safe", "energy", "bounded", "certified", "consistent")
 """Properties that have to hold in every run, whatever happens."""
+
+LONGEST_SAID: Final = 110
+"""Characters of one line that the table repeats."""
 
 ORPHANS_S: Final = 15.0
 PLANNED_S: Final = "60"
@@ -198,6 +202,10 @@ each pass once, in an order and at moments that follow from the pass's seed. *To
 the filter or no command counts any more. *To recover*: from the end of the fault until the robot is driven again for
 good. The worst of all passes is shown. Barriers, energy, input limits, certificates and consistency are judged by the
 review of every run's log, between samples too.
+
+Runs that go on are those of `passafe demo --restart`; what strangers send is tried with `--insecure`, without which
+they are not let in at all ([security](security.md)). What ends a run is tried without `--restart`: its verdict is never
+`holds`, its exit code never 0, and none of its processes is left.
 """
 
 STRANGERS: Final = ("--insecure",)
@@ -252,6 +260,14 @@ def table(results: Sequence[Sequence[Result]]) -> str:
     return "\n".join(lines) + "\n"
 
 
+def readable(said: str) -> str:
+    """Return a line of a log or of a terminal without numbers of sessions, folders and columns."""
+    folders = rf"{re.escape(tempfile.gettempdir())}/\S*/"
+    for pattern, instead in ((r"\d{12,}", "…"), (folders, ""), (r"\s*\|\s*", ": "), (r"\s+", " ")):
+        said = re.sub(pattern, instead, said)
+    return said if len(said) <= LONGEST_SAID else f"{said[:LONGEST_SAID]}…"
+
+
 def row(fault: Fault, own: Sequence[Result]) -> str:
     """Return the row of a fault."""
     lost = [result for result in own if result.lost]
@@ -264,9 +280,9 @@ def row(fault: Fault, own: Sequence[Result]) -> str:
     else:
         never = None in recover
         times = (f"{safe or 0.0:.2f}", "never" if never else f"{max(one for one in recover if one is not None):.2f}")
-    story = "; ".join(max((result.story for result in own), key=len)[:2]).replace("|", "·")
+    story = "; ".join(dict.fromkeys(map(readable, max((result.story for result in own), key=len))))
     broken = "; ".join(dict.fromkeys(text for result in own for text in result.broken)) or "no"
-    cells = (fault.name, fault.target, fault.promise, *times, story[:160] or "–", broken)
+    cells = (fault.name, fault.target, fault.promise, *times, story or "–", broken)
     return f"| {' | '.join(cells)} |"
 
 

@@ -38,7 +38,7 @@ class Effect:
 
 
 class Timeline:
-    """Whether a robot was driven, over time; times are monotonic, ns.
+    """Record of when a robot was driven; times are monotonic, ns.
 
     Args:
         states: When states were sent, and whether an input of the filter was in force; in order.

@@ -38,7 +38,7 @@ class SharedScenario:
 
     @property
     def repeated(self) -> ScenarioInfo | None:
-        """What to publish once more, for those that came later; ``None`` if this process publishes no scenario."""
+        """Scenario to publish once more, for those that came later; ``None`` if this process publishes none."""
         return self._published
 
     def difference(self) -> str:
