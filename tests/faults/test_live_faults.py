@@ -5,7 +5,8 @@ from random import Random
 
 import pytest
 from fault_rows import ending, from_strangers, survived
-from fault_table import STRANGERS, run_through, table
+from fault_runs import STRANGERS, run_through
+from fault_table import table
 
 SLICE = ("wall clock −1 h, then back, filter", "forged, epoch 2⁶⁴ − 1, input")
 

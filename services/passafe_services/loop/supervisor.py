@@ -3,13 +3,14 @@
 import asyncio
 import signal
 import sys
-from collections.abc import Callable, Coroutine, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Final
+from typing import Final
 
 from passafe_services.loop.child_process import ChildProcess
+from passafe_services.loop.first_of import first_of
 from passafe_services.loop.process_exit import Exit, ExitCause, RunOutcome
 from passafe_services.loop.process_spec import ProcessSpec
 from passafe_services.loop.session_epochs import SessionEpochs
@@ -136,7 +137,7 @@ class _Run:
         """Stop the processes, the last started first, and wait until all have ended."""
         for child in reversed(self._children):
             child.terminate()
-            await _first_of([self._kill.wait()], [child.ended], child.spec.grace_s)
+            await first_of([self._kill.wait()], [child.ended], child.spec.grace_s)
             if child.running:
                 child.kill()
                 if not self._kill.is_set():
@@ -197,7 +198,7 @@ class _Run:
 
     async def _until(self, wanted: asyncio.Event, timeout_s: float | None) -> None:
         """Wait for ``wanted``, a stop request or the end of a child, at most ``timeout_s``."""
-        await _first_of([wanted.wait(), self._stop.wait()], [child.ended for child in self._children], timeout_s)
+        await first_of([wanted.wait(), self._stop.wait()], [child.ended for child in self._children], timeout_s)
 
     def _note_end(self, child: ChildProcess, _ended: asyncio.Future[int]) -> None:
         self._ended.append(child)
@@ -233,19 +234,6 @@ class _Run:
 
     def _relay(self, name: str, line: str) -> None:
         self._emit(f"{name:<{self._width}} | {line}")
-
-
-async def _first_of(
-    waits: Iterable[Coroutine[Any, Any, Any]], ends: Iterable[asyncio.Future[int]], timeout_s: float | None
-) -> None:
-    """Wait until one of the awaitables is done, at most ``timeout_s``."""
-    tasks = [asyncio.ensure_future(wait) for wait in waits]
-    pending: list[asyncio.Future[Any]] = [*tasks, *ends]
-    try:
-        await asyncio.wait(pending, timeout=timeout_s, return_when=asyncio.FIRST_COMPLETED)
-    finally:
-        for task in tasks:
-            task.cancel()
 
 
 def _print(line: str) -> None:
