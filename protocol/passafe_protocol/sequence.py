@@ -15,11 +15,11 @@ class SequenceGuard:
     """Classifies the messages of one source on one topic, of which one session at a time is current.
 
     An epoch identifies a session and does not order sessions: neither a wall clock nor a stranger decides which one is
-    the newest. The current session keeps its place for as long as it is heard, that is until ``hold_ns`` after its last
+    the newest. The current session keeps its place for as long as it is received: until ``hold_ns`` after its last
     accepted message; then the next message of another session takes it. Hence:
 
-    - A message of a stranger, whatever its epoch, changes nothing while the rightful sender is heard; sent during its
-      silence, it delays the rightful sender by ``hold_ns`` at most once the stranger is silent.
+    - A message of a stranger, whatever its epoch, changes nothing while the rightful sender is received; sent in
+      its silence, it delays the rightful sender by ``hold_ns`` at most once the stranger is silent.
     - A restarted sender is accepted within ``hold_ns``, whatever its clock shows.
     - An ended session does not come back: what can still arrive of it are copies, which its remembered numbers refuse.
       A session that was displaced and sends numbers larger than all that were received of it has not ended.
@@ -83,7 +83,7 @@ class SequenceGuard:
         current = self._current
         if current is not None and header.epoch == self._epoch:
             arrival = current.classify(header.sequence, now_ns)
-        elif current is not None and now_ns - current.heard_ns < self._hold_ns:
+        elif current is not None and now_ns - current.accepted_ns < self._hold_ns:
             arrival = Arrival.FOREIGN
         else:
             arrival = self._change(header, now_ns)

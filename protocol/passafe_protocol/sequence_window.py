@@ -61,10 +61,10 @@ class SequenceWindow:
         first: Smallest number received.
         newest: Largest number received.
         received: Distinct messages received.
-        heard_ns: Reader's monotonic time of the last message accepted, ns.
+        accepted_ns: Reader's monotonic time of the last message accepted, ns.
     """
 
-    __slots__ = ("_seen", "first", "heard_ns", "newest", "received")
+    __slots__ = ("_seen", "accepted_ns", "first", "newest", "received")
 
     def __init__(self, sequence: int, now_ns: int) -> None:
         """Begin with the first message of a session.
@@ -76,7 +76,7 @@ class SequenceWindow:
         self.first = sequence
         self.newest = sequence
         self.received = 1
-        self.heard_ns = now_ns
+        self.accepted_ns = now_ns
         self._seen = 1  # bit i is set if number newest − i was received
 
     @property
@@ -90,7 +90,7 @@ class SequenceWindow:
         Args:
             now_ns: Reader's monotonic time, ns.
         """
-        return self.newest + BURST + (now_ns - self.heard_ns) * MAX_RATE_HZ // _NS_PER_S
+        return self.newest + BURST + (now_ns - self.accepted_ns) * MAX_RATE_HZ // _NS_PER_S
 
     def classify(self, sequence: int, now_ns: int) -> Arrival:
         """Classify the message with this number, and remember it unless it is refused.
@@ -103,7 +103,7 @@ class SequenceWindow:
         is_far = sequence > self.newest_possible(now_ns)
         if self.received == 1 and (is_far or ahead <= -WINDOW):
             self.first = self.newest = sequence
-            self.heard_ns = now_ns
+            self.accepted_ns = now_ns
             return Arrival.FRESH
         if is_far:
             return Arrival.FAR_AHEAD
@@ -112,7 +112,7 @@ class SequenceWindow:
             self._seen = (self._seen << ahead | 1) & _WINDOW_BITS if ahead < WINDOW else 1
             self.newest = sequence
             self.received += 1
-            self.heard_ns = now_ns
+            self.accepted_ns = now_ns
             return Arrival.FRESH
         bit = 1 << -ahead if -ahead < WINDOW else 0
         if not bit or self._seen & bit:
@@ -120,5 +120,5 @@ class SequenceWindow:
         self._seen |= bit
         self.first = min(self.first, sequence)
         self.received += 1
-        self.heard_ns = now_ns
+        self.accepted_ns = now_ns
         return Arrival.REORDERED

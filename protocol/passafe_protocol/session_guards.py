@@ -11,7 +11,7 @@ MIN_HOLD_S: Final = 0.25
 """Least silence after which another session may take the place: 2.5 periods of the slowest scenario, well under 1 s."""
 
 HOLD_PERIODS: Final = 1.5
-"""The same in periods of a topic with a slower rate: a sender in time is heard once in each."""
+"""The same in periods of a topic with a slower rate: a sender in time is received once in each."""
 
 
 class SessionGuards:

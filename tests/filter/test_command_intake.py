@@ -62,7 +62,7 @@ def test_a_second_operator_that_joins_and_quits_changes_nothing(second: int) -> 
 
 
 def test_after_a_take_over_the_request_moves_without_a_jump() -> None:
-    """It is 4 before and -6 after, so the ramp of 400 ms changes it by 1/40 a ms."""
+    """The request is 4 before and -6 after, so the ramp of 400 ms changes it by 1/40 a ms."""
     intake = make_intake()
     found = []
     for at_ms in range(1, 1_200):

@@ -1,14 +1,14 @@
 """The lease of the operator: granted, renewed, lost by silence, taken over on request, reported."""
 
 from passafe_protocol.messages import Event, Header, OperatorCommand, OperatorLease, Received
-from passafe_services.filter.operator_lease import LEASE_NS, REPORT_PERIOD_NS, Admission, OperatorLeases
+from passafe_services.filter.operator_lease import LEASE_NS, REPORT_PERIOD_NS, LeaseAnswer, OperatorLeases
 
 MS = 1_000_000
 LEASE_MS = LEASE_NS // MS
-HOLDS, GRANTED, REFUSED = Admission.HOLDS, Admission.GRANTED, Admission.REFUSED
+HOLDS, GRANTED, REFUSED = LeaseAnswer.HOLDS, LeaseAnswer.GRANTED, LeaseAnswer.REFUSED
 
 
-def admit(leases: OperatorLeases, epoch: int, at_ms: int, *, take_over: int = 0) -> Admission:
+def admit(leases: OperatorLeases, epoch: int, at_ms: int, *, take_over: int = 0) -> LeaseAnswer:
     body = OperatorCommand((0.0,), (), enabled=True, device=f"device {epoch}", take_over=take_over)
     return leases.admit(Received(Header("operator", epoch, 0, 0, 0, 0, 0), body, at_ms * MS), body)
 

@@ -60,29 +60,29 @@ def test_duplicates_are_refused_and_reordered_messages_delivered() -> None:
 
 
 @pytest.mark.parametrize("epoch", [6, 2**64 - 1])
-def test_another_session_is_refused_and_the_reason_told(epoch: int) -> None:
+def test_another_session_is_refused_with_the_reason(epoch: int) -> None:
     inlet = Inlet(INPUT)
     for k in range(5):
         assert inlet.receive(k * MS, header(k, source="filter"), BODY) == ()
-        told = inlet.receive(k * MS, header(90 + k, source="filter", epoch=epoch), BODY)
-        assert isinstance(told, SessionError)
-        assert str(told) == f"input.header.epoch: got {epoch}, allowed 7, the session of filter that is heard"
+        answer = inlet.receive(k * MS, header(90 + k, source="filter", epoch=epoch), BODY)
+        assert isinstance(answer, SessionError)
+        assert str(answer) == f"input.header.epoch: got {epoch}, allowed 7, the session of filter that is current"
     assert [message.header.sequence for message in inlet.pop_received(9 * MS)] == list(range(5))
     assert inlet.health == TopicHealth("input", 5, 0, 5)
 
 
-def test_number_out_of_reach_is_refused_and_told() -> None:
+def test_number_out_of_reach_is_refused() -> None:
     inlet = Inlet(INPUT)
     for k in (0, 1):
         inlet.receive(0, header(k, source="filter"), BODY)
-    told = inlet.receive(MS, header(10**8, source="filter"), BODY)
-    assert isinstance(told, SessionError)
-    assert str(told) == "input.header.sequence: got 100000000, allowed at most 69, after what came of filter so far"
+    answer = inlet.receive(MS, header(10**8, source="filter"), BODY)
+    assert isinstance(answer, SessionError)
+    assert str(answer) == "input.header.sequence: got 100000000, allowed at most 69, after what came of filter so far"
     assert inlet.receive(MS, header(2, source="filter"), BODY) == ()
 
 
 def test_terms_order_sessions_also_behind_a_delay() -> None:
-    """An old session's messages that are still on the way when the new one is heard have the smaller term."""
+    """An old session's messages that are still on the way when the new one is current have the smaller term."""
     inlet = Inlet(INPUT, MessageLink("filter-to-plant", LinkSettings(delay_s=0.6)))
     sent = [(0, 9, 0), (300, 2, 0), (310, 2, 1), (700, 9, 1)]
     for at_ms, epoch, sequence in sent:

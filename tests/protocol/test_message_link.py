@@ -125,7 +125,7 @@ def test_only_links_that_ever_damaged_messages_check_them() -> None:
     assert link.refused_duplicate == 1
 
 
-def test_copies_are_told_by_session_and_terms_kept() -> None:
+def test_copies_are_known_by_session_and_terms_kept() -> None:
     link = MessageLink("filter-to-plant", LinkSettings(duplicate=1.0))
     for term, epoch in ((0, 9), (1, 2), (2, 9)):
         link.put(term * MS, (head(term, epoch), an_input(term), term))

@@ -1,4 +1,4 @@
-"""Which session of a sender is current: decided by being heard and by silence, never by a number."""
+"""Sessions of a sender: the current one is decided by what is received and by silence, never by a number."""
 
 import itertools
 import tracemalloc
@@ -30,7 +30,7 @@ def test_nothing_came_yet() -> None:
 
 
 @pytest.mark.parametrize("other", [0, 1, 2**64 - 1], ids=["zero", "older", "far future"])
-def test_stranger_takes_no_place_of_a_session_heard(other: int) -> None:
+def test_stranger_takes_no_place_of_a_current_session(other: int) -> None:
     guard = SequenceGuard(HOLD_NS)
     for k in range(1_000):
         assert classify(guard, 2 * k, 5_000, k) == [Arrival.FRESH]

@@ -91,12 +91,12 @@ class Oracle:
 
     def __init__(self, first: int) -> None:
         self.seen = {first}
-        self.heard_ns = 0
+        self.accepted_ns = 0
 
     def classify(self, sequence: int, now_ns: int) -> Arrival:
         """Classify a message by all messages before it."""
         newest = max(self.seen)
-        is_far = sequence - newest > BURST + MAX_RATE_HZ * (now_ns - self.heard_ns) // S
+        is_far = sequence - newest > BURST + MAX_RATE_HZ * (now_ns - self.accepted_ns) // S
         if len(self.seen) == 1 and (is_far or sequence <= newest - WINDOW):
             self.seen.clear()
             newest = -1
@@ -105,7 +105,7 @@ class Oracle:
         elif sequence in self.seen or sequence <= newest - WINDOW:
             return Arrival.DUPLICATE
         self.seen.add(sequence)
-        self.heard_ns = now_ns
+        self.accepted_ns = now_ns
         return Arrival.FRESH if sequence > newest else Arrival.REORDERED
 
 

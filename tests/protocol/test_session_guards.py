@@ -62,7 +62,7 @@ def test_far_number_of_a_session_is_refused() -> None:
     assert guards.newest_possible(0) < 10**9
 
 
-def test_a_sender_in_time_is_heard_within_the_hold() -> None:
+def test_a_sender_in_time_is_received_within_the_hold() -> None:
     for topic in TOPICS:
         assert hold_ns(topic) >= 250_000_000
         assert not topic.rate_hz or hold_ns(topic) > 1e9 / topic.rate_hz

@@ -109,7 +109,7 @@ def test_health_every_second_and_a_warning_for_missing_messages(tmp_path: Path) 
     assert warning == Event("warning", "messages missing in the log so far: passafe/robot/plant/event 2")
 
 
-def test_messages_under_strange_keys_are_told_of_once(tmp_path: Path) -> None:
+def test_messages_under_strange_keys_are_reported_once(tmp_path: Path) -> None:
     desk = Desk(stop_after_s=4.5)
 
     def drain() -> list[tuple[str, bytes]]:

@@ -41,7 +41,7 @@ def test_a_run_without_a_stop_says_nothing_of_one(tmp_path: Path) -> None:
 
 
 def test_a_run_that_ended_stopped_does_not_hold(tmp_path: Path) -> None:
-    """It stood for a tenth of a second only, which alone would be a run like any other."""
+    """The robot stood for a tenth of a second only, which alone would be a run like any other."""
     verdict = Verdict.of(log_of(stopped_run((1_700, 1_800, "dashboard")), tmp_path), DampedPoint())
 
     assert verdict.verdict == "fails"

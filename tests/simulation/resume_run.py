@@ -46,7 +46,7 @@ class StampedSource:
 
 @dataclass
 class Record:
-    """What a run did.
+    """Record of what a run did.
 
     Attributes:
         states: Header time, ns, and state of the plant.

@@ -64,7 +64,7 @@ def secured_endpoint(  # the options of a command, in its order
 
 
 def warn_of_insecurity(endpoint: RouterEndpoint) -> None:
-    """Say on standard error what ``--insecure`` gives up."""
+    """Print on standard error what ``--insecure`` gives up."""
     _say(
         f"insecure: whoever reaches {endpoint.host}:{endpoint.port} can read everything, drive the robot past the "
         "filter and stop it; nothing is encrypted and nobody is asked who they are"

@@ -4,7 +4,7 @@ from passafe_protocol.messages import CommandState, Header, OperatorCommand, Pla
 from passafe_protocol.topics import EVENT, LEASE
 
 from passafe_services.filter.command_events import CommandEventEmitter
-from passafe_services.filter.operator_lease import Admission, OperatorLeases
+from passafe_services.filter.operator_lease import LeaseAnswer, OperatorLeases
 from passafe_services.filter.operator_request import OperatorRequest, PassThroughRequest
 from passafe_services.filter.stop_gate import StopGate
 from passafe_services.node import Outgoing
@@ -50,9 +50,9 @@ class CommandIntake:
             command: Its body.
         """
         admission = self._leases.admit(received, command)
-        if admission is Admission.REFUSED:
+        if admission is LeaseAnswer.REFUSED:
             return
-        if admission is Admission.GRANTED:
+        if admission is LeaseAnswer.GRANTED:
             self._request.begin_session()
         if self.stop.opens(command):
             self._request.begin()

@@ -18,7 +18,7 @@ _NOBODY: Final = 0
 _UNKNOWN_NS: Final = -1
 
 
-class Admission(Enum):
+class LeaseAnswer(Enum):
     """Outcome of a command at the lease."""
 
     HOLDS = "holds"
@@ -53,7 +53,7 @@ class OperatorLeases:
         self._refused = _NOBODY
         self._quiet_until_ns = self._report_ns = 0
 
-    def admit(self, received: Received, command: OperatorCommand) -> Admission:
+    def admit(self, received: Received, command: OperatorCommand) -> LeaseAnswer:
         """Return what becomes of a command, and renew or grant the lease.
 
         Args:
@@ -63,12 +63,12 @@ class OperatorLeases:
         epoch, now_ns = received.header.epoch, received.received_ns
         if epoch == self._holder:
             self._renewed_ns = max(now_ns, self._renewed_ns)
-            return Admission.HOLDS
+            return LeaseAnswer.HOLDS
         if self._is_held(now_ns) and not 0 < command.take_over == self._number:
             self._refuse(epoch, command.device, now_ns)
-            return Admission.REFUSED
+            return LeaseAnswer.REFUSED
         self._grant(epoch, command.device, now_ns)
-        return Admission.GRANTED
+        return LeaseAnswer.GRANTED
 
     def pop_events(self) -> list[Event]:
         """Remove and return the events since the last call."""

@@ -58,9 +58,9 @@ def access_control(admitted: Iterable[Identity]) -> dict[str, Any]:
             policies.append({"rules": [rule["id"] for rule in of_group], "subjects": [group]})
         key = [admission_key(identity)]
         ask = _rule(f"{identity.common_name} asks", ["query"], key)
-        hear = _rule(f"{identity.common_name} is answered", ["reply"], key, flow="egress")
-        rules |= {ask["id"]: ask, hear["id"]: hear}
-        policies.append({"rules": [ask["id"], hear["id"]], "subjects": [_alone(identity)]})
+        receive = _rule(f"{identity.common_name} is answered", ["reply"], key, flow="egress")
+        rules |= {ask["id"]: ask, receive["id"]: receive}
+        policies.append({"rules": [ask["id"], receive["id"]], "subjects": [_alone(identity)]})
     subjects = [_subject(group, common_names) for group, common_names in names.items()]
     subjects += [_subject(_alone(each), [each.common_name]) for each in everyone]
     return {

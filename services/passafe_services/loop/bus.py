@@ -103,7 +103,7 @@ class Bus:
 
     @property
     def refusal(self) -> str:
-        """Why the connected router drops what this process publishes; empty if it does not."""
+        """Reason for which the connected router drops what this process publishes; empty if it does not."""
         return "" if self._admission is None else self._admission.refusal(self.router)
 
     def require_admission(self, timeout_s: float) -> None:

@@ -91,7 +91,7 @@ class Inlet:
         self, header: Header, guard: SequenceGuard | SessionGuards, arrival: Arrival, now_ns: int
     ) -> SessionError:
         if arrival is Arrival.FOREIGN:
-            allowed = f"{guard.epoch}, the session of {header.source} that is heard"
+            allowed = f"{guard.epoch}, the session of {header.source} that is current"
             return SessionError(self.topic.name, "header.epoch", header.epoch, allowed)
         allowed = f"at most {guard.newest_possible(now_ns)}, after what came of {header.source} so far"
         return SessionError(self.topic.name, "header.sequence", header.sequence, allowed)

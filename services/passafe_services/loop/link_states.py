@@ -25,7 +25,7 @@ class ReceivedState(NamedTuple):
 class NewestLinkStates:
     """Newest state of every link, from the current session of the process that reads it.
 
-    Of a session that is not heard any more nothing is kept, so that the memory is bounded by the number of links.
+    Of a session that is no longer received nothing is kept, so that the memory is bounded by the number of links.
     """
 
     def __init__(self) -> None:

@@ -17,7 +17,7 @@ from passafe_services.router.port import is_taken
 
 NAME: Final = "router"
 HEALTH_PERIOD_S: Final = 1.0
-_EVERY_ADDRESS: Final = ("0.0.0.0", "::")  # noqa: S104 - what a router is told to listen on
+_EVERY_ADDRESS: Final = ("0.0.0.0", "::")  # noqa: S104 - what a router may listen on
 
 
 def run_router(
