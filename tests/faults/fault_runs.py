@@ -28,6 +28,9 @@ ASKED: Final = ("safe", "energy", "bounded", "certified", "consistent")
 """Properties that have to hold in every run, whatever happens."""
 
 ORPHANS_S: Final = 15.0
+STUMBLE_S: Final = 0.1
+"""Time for which a robot that drives on may go without inputs, s: its processes share two processors with others."""
+
 PLANNED_S: Final = "60"
 """Plant time that a run was to last whose end is a fault, s."""
 
@@ -43,6 +46,7 @@ class Result:
         fault: Its key.
         to_safe_s: See ``Effect``; ``None`` too if the run ended.
         to_recover_s: See ``Effect``.
+        undriven_s: See ``Effect``.
         story: What log and terminal say of it.
         broken: Promises that it broke.
         h_min: Smallest barrier value of its run.
@@ -52,6 +56,7 @@ class Result:
     fault: str
     to_safe_s: float | None = None
     to_recover_s: float | None = None
+    undriven_s: float = 0.0
     story: list[str] = field(default_factory=list)
     broken: list[str] = field(default_factory=list)
     h_min: float | None = None
@@ -106,8 +111,8 @@ def result_of(fault: Fault, effect: Effect, verdict: Verdict, *, alive: bool) ->
     ]
     if effect.to_safe_s is not None and effect.to_safe_s > fault.safe_s + fault.length_s:
         broken.append(f"safe after {effect.to_safe_s:.2f} s")
-    if fault.drives_on and effect.to_safe_s is not None:
-        broken.append("stopped being driven")
+    if fault.drives_on and effect.undriven_s > STUMBLE_S:
+        broken.append(f"not driven for {effect.undriven_s:.2f} s")
     if effect.to_recover_s is None or effect.to_recover_s > fault.recover_s:
         got = "never" if effect.to_recover_s is None else f"after {effect.to_recover_s:.2f} s"
         broken.append(f"driven again {got}")
@@ -117,6 +122,7 @@ def result_of(fault: Fault, effect: Effect, verdict: Verdict, *, alive: bool) ->
         fault=fault.key,
         to_safe_s=effect.to_safe_s,
         to_recover_s=effect.to_recover_s,
+        undriven_s=effect.undriven_s,
         story=list(effect.story[:3]),
         broken=broken,
         h_min=verdict.h_min,

@@ -16,7 +16,7 @@ from typing import Annotated, Final
 
 import typer
 from fault_rows import Fault, ending, from_strangers, survived
-from fault_runs import Result, one_pass
+from fault_runs import STUMBLE_S, Result, one_pass
 
 LONGEST_SAID: Final = 110
 """Characters of one line that the table repeats."""
@@ -26,8 +26,9 @@ HEAD: Final = """# Faults
 Made by `make faults` from live demos with a page at 250 ticks a second (`notomista-cai-2020`, mode both): each fault in
 each pass once, in an order and at moments that follow from the pass's seed. *To safe*: from the fault until no input of
 the filter or no command counts any more. *To recover*: from the end of the fault until the robot is driven again for
-good. The worst of all passes is shown. Barriers, energy, input limits, certificates and consistency are judged by the
-review of every run's log, between samples too.
+good. *Drives on*: but for 0.1 s at most, since a demo shares its processors with its judge. The worst of all passes is
+shown. Barriers, energy, input limits, certificates and consistency are judged by the review of every run's log, between
+samples too.
 
 Runs that go on are those of `passafe demo --restart`; what strangers send is tried with `--insecure`, without which
 they are not let in at all ([security](security.md)). What ends a run is tried without `--restart`: its verdict is never
@@ -100,6 +101,8 @@ def row(fault: Fault, own: Sequence[Result]) -> str:
         times = ("–", "–")
     elif not lost:
         times = ("drove on", "–")
+    elif fault.drives_on and max(result.undriven_s for result in lost) <= STUMBLE_S:
+        times = (f"drove on, but for {max(result.undriven_s for result in lost):.3f} s", "–")
     else:
         never = None in recover
         times = (f"{safe or 0.0:.2f}", "never" if never else f"{max(one for one in recover if one is not None):.2f}")

@@ -25,6 +25,7 @@ def test_times_count_from_begin_and_end_of_the_fault() -> None:
 
     assert effect.to_safe_s == pytest.approx(0.1, abs=2 * GRID_NS * 1e-9)
     assert effect.to_recover_s == pytest.approx(0.2, abs=2 * GRID_NS * 1e-9)
+    assert effect.undriven_s == pytest.approx(0.6, abs=2 * GRID_NS * 1e-9)
 
 
 def test_robot_that_is_lost_again_has_not_recovered() -> None:

@@ -29,11 +29,13 @@ class Effect:
     Attributes:
         to_safe_s: From the fault until no input of the filter or no command counts any more; ``None``: it drove on.
         to_recover_s: From the end of the fault until it is driven again for good; ``None``: never.
+        undriven_s: Time without being driven, in all.
         story: What the log says of it.
     """
 
     to_safe_s: float | None
     to_recover_s: float | None
+    undriven_s: float
     story: tuple[str, ...]
 
 
@@ -86,13 +88,14 @@ class Timeline:
         lost = next((k for k, so in enumerate(driven) if not so), None)
         story = self._story(began_ns, until_ns)
         if lost is None:
-            return Effect(to_safe_s=None, to_recover_s=0.0, story=story)
+            return Effect(to_safe_s=None, to_recover_s=0.0, undriven_s=0.0, story=story)
         begin = max(lost, bisect_left(grid, ended_ns))
         again = next((k for k in range(begin, len(driven)) if all(driven[k : k + LASTING])), None)
         complete = again is not None and again + LASTING <= len(driven)
         return Effect(
             to_safe_s=lost * GRID_NS * 1e-9,
             to_recover_s=max(0, grid[again] - ended_ns) * 1e-9 if complete and again is not None else None,
+            undriven_s=driven.count(False) * GRID_NS * 1e-9,
             story=story,
         )
 
