@@ -42,7 +42,7 @@ def secured_endpoint(  # the options of a command, in its order
         robot: Its robot.
         keys: Folder of keys; ``None``: those that a demo of this user on this host has made.
         insecure: Whether to do without keys, which is said on standard error.
-        quiet: Whether not to say it: the demo has.
+        quiet: Whether to say neither this nor that a certificate expires soon: the demo has, or makes others.
 
     Raises:
         OptionError: There are no keys, or keys as well as ``insecure``.
@@ -58,7 +58,7 @@ def secured_endpoint(  # the options of a command, in its order
         return endpoint
     credentials = load_credentials(keys or _keys_of_demo(endpoint), role, robot)
     days = credentials.days_left()
-    if days < EXPIRES_SOON_DAYS and keys is not None:
+    if days < EXPIRES_SOON_DAYS and keys is not None and not quiet:  # those of a demo are thrown away with it
         _say(f"the certificate of {credentials.identity.common_name} expires in {days:.1f} days: passafe keys renew")
     return replace(endpoint, credentials=credentials)
 
