@@ -36,12 +36,14 @@ class LiveDemo:
     Attributes:
         process: The supervisor.
         bus: Session with its router.
+        port: Port of its router.
     """
 
-    def __init__(self, process: "subprocess.Popen[str]", bus: Bus) -> None:
+    def __init__(self, process: "subprocess.Popen[str]", bus: Bus, port: int) -> None:
         """Subscribe to what the robot, the operator and the filter send."""
         self.process = process
         self.bus = bus
+        self.port = port
         self._readers = {topic: bus.reader(topic) for topic in (STATE, COMMAND, TICK)}
 
     def pid(self, name: str) -> int:
@@ -112,7 +114,7 @@ def live_demo(scenario: Path, out: Path, rate_hz: float) -> Iterator[LiveDemo]:
         try:
             wait_for_router(process, port, out / "demo.txt")
             with open_bus(RouterEndpoint.of_demo(port, "recorder"), timeout_s=START_S) as bus:
-                demo = LiveDemo(process, bus)
+                demo = LiveDemo(process, bus, port)
                 if not demo.receives(STATE, lambda _, body: is_running(body), START_S):
                     raise NoRobotError(f"no robot moved; see {out / 'demo.txt'}")
                 yield demo
