@@ -7,7 +7,7 @@ import time
 from pathlib import Path
 
 import pytest
-from passafe_protocol.messages import FilterTick, OperatorCommand, PlantState
+from passafe_protocol.messages import FilterTick, OperatorCommand, PlantState, ScenarioInfo
 from passafe_services.tools.replay import replay_filter
 from passafe_services.tools.review.core_evaluator import CoreEvaluator
 from passafe_services.tools.review.run_log import RunLog
@@ -67,6 +67,14 @@ def test_a_live_log_is_complete(finished: tuple[RunLog, list[str], int]) -> None
         "tick": 0,
         "input": 0,
     }
+
+
+def test_the_filter_repeats_its_scenario_for_those_that_come_later(finished: tuple[RunLog, list[str], int]) -> None:
+    log, _, _ = finished
+    scenarios = [message.body.scenario_json for message in log.of(ScenarioInfo)]
+
+    assert len(scenarios) >= 3
+    assert set(scenarios) == {log.identity.scenario.model_dump_json()}
 
 
 def test_the_filter_of_a_live_run_replays_to_the_last_bit(finished: tuple[RunLog, list[str], int]) -> None:
