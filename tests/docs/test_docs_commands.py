@@ -20,7 +20,7 @@ SMALL = {
 """Commands that tests run, and what makes them short; the last value of an option counts."""
 
 LONG = {"demo", "run", "experiment", "kill", "stop", "clear"}
-"""Commands that start processes, need a running system or take minutes: their options are checked here, their work in other tests."""
+"""Commands that start or need processes, or take minutes: here their options are checked, in other tests their work."""
 
 
 @pytest.mark.parametrize("command", sorted({command for page in PAGES for command in commands_named(page)}))
