@@ -55,7 +55,7 @@ def test_no_dip_of_a_barrier_or_the_power_margin_is_hidden(barrier: list[float],
         body = tick(k, barriers=chain(barrier[k]), power_margin=margin[k])
         feed.push(header("filter", k), body, k * MS)
     far = tick(100_000, barriers=chain(100.0), power_margin=100.0)
-    feed.push(header("filter", count), far, 0)
+    feed.push(header("filter", count), far, count * MS)
     rows = feed.run.ticks.since(0).rows
     for column, expected in (("psi_0_0", barrier), ("psi_0_2", barrier), ("power_margin_w", margin)):
         index = feed.run.ticks.columns.index(column)
@@ -99,7 +99,7 @@ def test_repeated_messages_count_once() -> None:
 def test_a_restarted_plant_begins_a_new_run() -> None:
     feed = run_of(1.0)
     before = feed.run.number
-    feed.push(header("plant", 0, epoch=2), state(0), 1000 * MS)
+    feed.push(header("plant", 0, epoch=2), state(0), 2000 * MS)
     assert feed.run.number == before + 1
     assert feed.run.ticks.since(0).rows == ()
     assert sum(feed.run.status_counts.values()) == 0

@@ -74,7 +74,7 @@ def test_a_new_run_starts_the_charts_over() -> None:
     fill(feed, run, 500)
     client = ClientFrames(feed)
     frame(client)
-    feed.push(header("plant", 0, epoch=9), state(0), 0)
+    feed.push(header("plant", 0, epoch=9), state(0), 2000 * MS)
     assert frame(client)["restart"]
     assert not frame(client)["restart"]
 
