@@ -11,6 +11,7 @@ from passafe_protocol.link_settings import LinkSettings
 from passafe_protocol.messages import Event, Health, LinkConfig, Message
 from passafe_protocol.topics import EVENT, HEALTH, LINK_CONFIG, LINK_EVENT, LINK_STATE, SCENARIO, Topic
 
+from passafe_services.loop.bounded_reading import READ_SHARE, BoundedReading
 from passafe_services.loop.bus import Bus
 from passafe_services.loop.health_report import HealthReporter
 from passafe_services.loop.inlet import Inlet, inlets_of, pop_inbox, require_links
@@ -66,13 +67,14 @@ class Driver:
         self._log = log
         self._shared = SharedScenario(node.name, "", bus) if shared is None else shared
         self._inlets = inlets_of(node, links)
-        self._readers = tuple((inlet, bus.reader(inlet.topic)) for inlet in self._inlets)
+        self._reading = BoundedReading([(inlet, bus.reader(inlet.topic)) for inlet in self._inlets])
         self._configs, self._config_reader = Inlet(LINK_CONFIG), bus.reader(LINK_CONFIG)
         sources = {inlet.link.name: inlet for inlet in self._inlets if inlet.link is not None}
         linked = [inlet.link for inlet in self._inlets if inlet.link is not None]
         self._links = LinkControl(linked, changes, lambda link: sources[link.name].sources)
         self._outlet = Outlet(bus, node.name, epoch, health)
         self._scheduled_ns = self._started_ns = monotonic_ns()
+        self._read_ns = 0
 
     @property
     def withheld(self) -> int:
@@ -97,6 +99,7 @@ class Driver:
             collect: Called once a second, after a step.
         """
         health_due_ns = pace.due_ns + HEALTH_PERIOD_NS
+        self._read_ns = round(READ_SHARE * pace.period_ns)
         reported_ns, reported_steps, reported_skipped = pace.due_ns, 0, 0
         self._publish(EVENT, Event("info", "started"))
         while True:
@@ -135,7 +138,7 @@ class Driver:
 
     def _step(self, scheduled_ns: int) -> None:
         configs = self._config_reader.drain()
-        payloads = [reader.drain() for _, reader in self._readers]
+        self._reading.drain()
         # Read the clock after draining: even if this process was suspended, no message is received before it was sent.
         now_ns = monotonic_ns()
         self._scheduled_ns = scheduled_ns
@@ -143,9 +146,8 @@ class Driver:
         self._configure(now_ns, configs)
         if now_ns >= self._links.due_ns:
             self._links.advance(now_ns)
-        for (inlet, _), messages in zip(self._readers, payloads, strict=True):
-            for data in messages:
-                self._receive(inlet, now_ns, data)
+        for inlet, data in self._reading.messages(now_ns + self._read_ns, monotonic_ns):
+            self._receive(inlet, now_ns, data)
         for topic, body in self._node.step(scheduled_ns, pop_inbox(self._inlets, now_ns)):
             self._publish(topic, body)
         if now_ns >= self._links.due_ns:

@@ -12,6 +12,7 @@ class Pace:
         rate_hz: Steps per second.
 
     Attributes:
+        period_ns: Time between two steps, ns.
         due_ns: Time at which the next step is due.
         steps: Steps executed.
         overruns: Steps that ended after the next was due.
@@ -20,7 +21,7 @@ class Pace:
 
     def __init__(self, start_ns: int, rate_hz: float) -> None:
         self._start_ns = start_ns
-        self._period_ns = round(1e9 / rate_hz)
+        self.period_ns = round(1e9 / rate_hz)
         self._index = 0
         self._max_lateness_ns = 0
         self.due_ns = start_ns
@@ -32,7 +33,7 @@ class Pace:
         """Begin a step at ``now_ns`` ≥ ``due_ns`` and return the time at which it was due."""
         late_ns = now_ns - self.due_ns
         self._max_lateness_ns = max(self._max_lateness_ns, late_ns)
-        skipped = late_ns // self._period_ns
+        skipped = late_ns // self.period_ns
         if skipped > 0:
             self.skipped += skipped
             self._advance(skipped)
@@ -52,4 +53,4 @@ class Pace:
 
     def _advance(self, steps: int) -> None:
         self._index += steps
-        self.due_ns = self._start_ns + self._index * self._period_ns
+        self.due_ns = self._start_ns + self._index * self.period_ns

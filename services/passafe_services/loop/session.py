@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from typing import Final
 
 import zenoh
+from passafe_protocol.codec import MAX_MESSAGE_BYTES
 
 from passafe_services.keys.credentials import Credentials
 from passafe_services.loop.errors import BusError
@@ -18,6 +19,8 @@ SHARED_SETTINGS: Final[dict[str, object]] = {
     "timestamping/enabled": False,
     "transport/shared_memory/enabled": False,
     "transport/link/tx/lease": LEASE_MS,
+    # Bytes that a reader puts together from fragments: a larger message is refused before it takes memory.
+    "transport/link/rx/max_message_size": 2 * MAX_MESSAGE_BYTES,
     # Batches of 64 KiB. A message that does not fit at once is dropped, and the first tick of a filter that waited for
     # its plant lists every command since its start, some 30 B each.
     "transport/link/tx/queue/size/data": 16,
