@@ -4,6 +4,7 @@ import socket
 import ssl
 from typing import Final
 
+from passafe_services.keys.credentials import Credentials
 from passafe_services.loop.router_endpoint import RouterEndpoint
 
 TIMEOUT_S: Final = 1.0
@@ -19,24 +20,35 @@ _REFUSAL_OF_ALERT: Final = {
 
 def refusal_of(endpoint: RouterEndpoint) -> str:
     """Return why a TLS handshake with a router fails, in words; empty if nobody listens or it does not fail."""
-    credentials = endpoint.credentials
     try:
-        with socket.create_connection((endpoint.host, endpoint.port), timeout=TIMEOUT_S) as connection:
-            if credentials is None:
-                return _speaks_tls(connection)
-            context = ssl.create_default_context(cafile=str(credentials.folder.authority))
-            context.load_cert_chain(credentials.folder.certificate, credentials.folder.key)
-            with context.wrap_socket(connection, server_hostname=endpoint.host) as secured:
-                secured.recv(1)  # the other side judges our certificate after our side of the handshake
+        connection = socket.create_connection((endpoint.host, endpoint.port), timeout=TIMEOUT_S)
+    except OSError:
+        return ""
+    with connection:
+        credentials = endpoint.credentials
+        return _speaks_tls(connection) if credentials is None else _refusal(connection, endpoint.host, credentials)
+
+
+def _refusal(connection: socket.socket, host: str, credentials: Credentials) -> str:
+    context = ssl.create_default_context(cafile=str(credentials.folder.authority))
+    context.load_cert_chain(credentials.folder.certificate, credentials.folder.key)
+    secured = False
+    try:
+        with context.wrap_socket(connection, server_hostname=host) as session:
+            secured = True
+            session.recv(1)  # the other side judges our certificate after our side of the handshake
     except ssl.SSLCertVerificationError as error:
         return f"the router's certificate is refused: {error.verify_message}"
     except ssl.SSLError as error:
         alert = str(error.reason or error)
-        known = (text for name, text in _REFUSAL_OF_ALERT.items() if name in alert)
-        return next(known, f"no TLS session comes about ({alert}): was the router started with --insecure?")
-    except OSError:
-        return ""
+        return next((text for name, text in _REFUSAL_OF_ALERT.items() if name in alert), _no_tls(alert))
+    except OSError as error:
+        return "" if secured else _no_tls(str(error))
     return ""
+
+
+def _no_tls(reason: str) -> str:
+    return f"no TLS session comes about ({reason}): was the router started with --insecure?"
 
 
 def _speaks_tls(connection: socket.socket) -> str:
