@@ -75,7 +75,7 @@ class Trial:
 
 @dataclass(frozen=True, kw_only=True)
 class Outcome:
-    """What the log shows of a trial: times since the press, ms, and whether it was effective."""
+    """Outcome of a trial by its log: times since the press, ms, and whether it was effective."""
 
     what: str
     fail_safe_ms: float

@@ -18,7 +18,10 @@ def main() -> None:
         return
     os.environ["PYTHONSAFEPATH"] = "1"
     try:
-        from passafe_services.cli.app import main as run_commands  # noqa: PLC0415 - a base install lacks its packages
+        if sys.argv[1:2] in (["stop"], ["clear"]):
+            from passafe_services.cli.stop import main as run_commands  # noqa: PLC0415 - loads a third of the others
+        else:
+            from passafe_services.cli.app import main as run_commands  # noqa: PLC0415 - a base install lacks these
     except ModuleNotFoundError as error:
         refuse_missing_module(error)
     except ImportError as error:  # a library that cannot be mapped into the address space

@@ -7,8 +7,8 @@ from typing import Annotated, Final
 
 import typer
 
+from passafe_services.cli.bus_options import parse_endpoint
 from passafe_services.cli.errors import OptionError
-from passafe_services.cli.options import parse_endpoint
 from passafe_services.keys.credentials import EXPIRES_SOON_DAYS, load_credentials
 from passafe_services.keys.throw_away import throw_away_folder
 from passafe_services.loop.router_endpoint import LOOPBACK, RouterEndpoint

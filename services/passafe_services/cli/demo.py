@@ -12,6 +12,7 @@ from passafe_protocol.keys import DEFAULT_ROBOT, require_robot_name
 from rich.console import Console
 
 from passafe_services.cli.access_options import InsecureOption, KeysOption, secured_endpoint
+from passafe_services.cli.bus_options import RobotOption
 from passafe_services.cli.check import warn_at_load
 from passafe_services.cli.demo_outcome import report_outcome
 from passafe_services.cli.demo_processes import demo_processes
@@ -25,7 +26,6 @@ from passafe_services.cli.options import (
     LinkOption,
     ModeOption,
     RateOption,
-    RobotOption,
     ScenarioOption,
     scenario_from_options,
     writable_folder,

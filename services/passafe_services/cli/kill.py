@@ -6,9 +6,9 @@ from typing import Annotated
 import psutil
 import typer
 
+from passafe_services.cli.bus_options import DEFAULT_ROUTER, RouterOption, parse_endpoint
 from passafe_services.cli.demo_processes import is_demo_process
 from passafe_services.cli.errors import OptionError
-from passafe_services.cli.options import DEFAULT_ROUTER, RouterOption, parse_endpoint
 from passafe_services.loop.process_name import ProcessName
 
 

@@ -11,9 +11,9 @@ from passafe_protocol.shapes import as_dict
 from passafe_protocol.topics import LINKS
 
 from passafe_services.cli.access_options import InsecureOption, KeysOption, secured_endpoint
+from passafe_services.cli.bus_options import DEFAULT_ROUTER, RobotOption, RouterOption
 from passafe_services.cli.errors import OptionError
 from passafe_services.cli.link_text import LINK_KEYS, changed_parameters, link_fields, require_ranges, settings_text
-from passafe_services.cli.options import DEFAULT_ROUTER, RobotOption, RouterOption
 from passafe_services.loop.errors import LinkSilentError
 from passafe_services.loop.inlet import require_links
 from passafe_services.loop.link_console import ANSWER_S, SOURCE, open_link_console

@@ -9,7 +9,6 @@ from passafe_protocol.topics import LINKS
 
 from passafe_services.cli.errors import OptionError
 from passafe_services.cli.link_text import LINK_KEYS, link_fields
-from passafe_services.loop.router_endpoint import DEFAULT_PORT, LOOPBACK, RouterEndpoint
 from passafe_services.scenarios.load import load_scenario
 from passafe_services.scenarios.schema import Scenario
 
@@ -57,25 +56,6 @@ LinkOption = Annotated[
 WorkersOption = Annotated[
     int, typer.Option("--workers", "-w", metavar="N", min=0, help="Worker processes; 0: one for each processor.")
 ]
-RouterOption = Annotated[
-    str,
-    typer.Option(
-        "--router",
-        metavar="HOST:PORT",
-        envvar="PASSAFE_ROUTER",
-        help="Where the router of the running system listens.",
-    ),
-]
-RobotOption = Annotated[
-    str,
-    typer.Option(
-        "--robot",
-        metavar="NAME",
-        envvar="PASSAFE_ROBOT",
-        help="Robot, whose name is part of every key on the bus.",
-    ),
-]
-DEFAULT_ROUTER: Final = f"{LOOPBACK}:{DEFAULT_PORT}"
 
 
 def scenario_from_options(
@@ -103,18 +83,6 @@ def scenario_from_options(
     for text in links:
         overrides |= _link_overrides(text)
     return load_scenario(name_or_file, overrides)
-
-
-def parse_endpoint(text: str) -> RouterEndpoint:
-    """Return the endpoint that ``HOST:PORT`` names.
-
-    Raises:
-        OptionError: The text has another form.
-    """
-    host, separator, port = text.rpartition(":")
-    if not separator or not port.isdigit():
-        raise OptionError("--router", repr(text), f"HOST:PORT such as {DEFAULT_ROUTER}")
-    return RouterEndpoint(host=host, port=int(port))
 
 
 def writable_folder(path: Path, option: str = "--out") -> Path:

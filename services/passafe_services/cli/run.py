@@ -10,16 +10,10 @@ import typer
 from passafe_protocol.keys import DEFAULT_ROBOT, require_robot_name
 
 from passafe_services.cli.access_options import InsecureOption, KeysOption, secured_endpoint
+from passafe_services.cli.bus_options import DEFAULT_ROUTER, RobotOption, RouterOption, parse_endpoint
 from passafe_services.cli.failure import run_reporting_errors
 from passafe_services.cli.log_name import log_path
-from passafe_services.cli.options import (
-    DEFAULT_ROUTER,
-    DEFAULT_SCENARIO,
-    RobotOption,
-    RouterOption,
-    RunScenarioOption,
-    parse_endpoint,
-)
+from passafe_services.cli.options import DEFAULT_SCENARIO, RunScenarioOption
 from passafe_services.loop.health_report import HealthReporter
 from passafe_services.loop.process_name import ProcessName
 from passafe_services.loop.process_options import Device, ProcessOptions
@@ -100,6 +94,7 @@ def run(
         bool,
         typer.Option(
             "--start-stopped",
+            envvar="PASSAFE_START_STOPPED",
             help="Plant: start with the emergency stop latched, so that a start moves nothing before `passafe clear`.",
         ),
     ] = False,

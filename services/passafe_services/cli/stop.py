@@ -7,7 +7,8 @@ import typer
 from passafe_protocol.keys import DEFAULT_ROBOT, require_robot_name
 
 from passafe_services.cli.access_options import InsecureOption, KeysOption, secured_endpoint
-from passafe_services.cli.options import DEFAULT_ROUTER, RobotOption, RouterOption
+from passafe_services.cli.bus_options import DEFAULT_ROUTER, RobotOption, RouterOption
+from passafe_services.cli.failure import run_reporting_errors
 from passafe_services.loop.stop_console import ANSWER_S, SOURCE, open_stop_console
 
 WaitOption = Annotated[
@@ -64,3 +65,11 @@ def clear(
         typer.echo("no emergency stop is latched")
     else:
         typer.echo(f"cleared at plant time {state.plant_ns / 1e9:.3f} s")
+
+
+def main() -> None:
+    """Run one of these two commands and exit with its code, without loading the others: a press must not wait."""
+    app = typer.Typer(name="passafe", add_completion=False, pretty_exceptions_enable=False)
+    app.command("stop")(stop)
+    app.command("clear")(clear)
+    run_reporting_errors(app)

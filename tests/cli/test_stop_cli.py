@@ -1,0 +1,37 @@
+"""``passafe stop`` and ``passafe clear`` load fast, and say in one line what is wrong."""
+
+import subprocess
+import sys
+
+import pytest
+
+LOADED = """
+import sys
+sys.argv[1:] = ["stop", "--help"]
+from passafe_services.cli.__main__ import main
+try:
+    main()
+except SystemExit:
+    print(sorted(name for name in ("casadi", "scipy", "mcap") if name in sys.modules))
+"""
+
+
+def passafe(*arguments: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-P", "-m", "passafe_services.cli", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+
+
+def test_a_press_does_not_wait_for_the_mathematics() -> None:
+    done = subprocess.run([sys.executable, "-c", LOADED], capture_output=True, text=True, timeout=60, check=True)
+
+    assert "Press the emergency stop" in done.stdout
+    assert done.stdout.splitlines()[-1] == "[]"
+
+
+@pytest.mark.parametrize("command", ["stop", "clear"])
+def test_without_a_system_one_line_says_so(command: str) -> None:
+    done = passafe(command, "--router", "127.0.0.1:9", "--insecure")
+
+    assert done.returncode != 0
+    [line] = [line for line in done.stderr.splitlines() if "insecure:" not in line]
+    assert "no router answered" in line
