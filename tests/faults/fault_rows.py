@@ -150,6 +150,7 @@ def survived() -> Iterator[Fault]:
         target="machine",
         inject=hogged_processors,
         length_s=2.0,
+        safe_s=3.0,
         promise="drives on, or safe and back within 1 s",
     )
 
@@ -166,7 +167,15 @@ def from_strangers() -> Iterator[Fault]:
             ("forged, epoch 2⁶⁴ − 1", far_future(topic), nothing),
             ("schema version 99", other_version(topic), nothing),
         ):
-            yield Fault(name=name, target=topic.name, inject=inject, promise=promise, length_s=1.0, stranger=True)
+            yield Fault(
+                name=name,
+                target=topic.name,
+                inject=inject,
+                promise=promise,
+                length_s=1.0,
+                safe_s=2.0,  # when the load is felt is chance
+                stranger=True,
+            )
     for name in ("operator", "filter", "plant"):
         yield Fault(
             name="a second process",

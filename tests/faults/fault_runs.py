@@ -28,9 +28,6 @@ ASKED: Final = ("safe", "energy", "bounded", "certified", "consistent")
 """Properties that have to hold in every run, whatever happens."""
 
 ORPHANS_S: Final = 15.0
-STUMBLE_S: Final = 0.1
-"""Time for which a robot that drives on may go without inputs, s: its processes share two processors with others."""
-
 PLANNED_S: Final = "60"
 """Plant time that a run was to last whose end is a fault, s."""
 
@@ -109,9 +106,9 @@ def result_of(fault: Fault, effect: Effect, verdict: Verdict, *, alive: bool) ->
     broken = [
         f"{name}: {entry.worst}" for name, entry in verdict.properties.items() if name in ASKED and entry.holds is False
     ]
-    if effect.to_safe_s is not None and effect.to_safe_s > fault.safe_s + fault.length_s:
+    if effect.to_safe_s is not None and effect.to_safe_s > fault.safe_s:
         broken.append(f"safe after {effect.to_safe_s:.2f} s")
-    if fault.drives_on and effect.undriven_s > STUMBLE_S:
+    if fault.drives_on and effect.to_safe_s is not None:
         broken.append(f"not driven for {effect.undriven_s:.2f} s")
     if effect.to_recover_s is None or effect.to_recover_s > fault.recover_s:
         got = "never" if effect.to_recover_s is None else f"after {effect.to_recover_s:.2f} s"

@@ -16,7 +16,8 @@ from typing import Annotated, Final
 
 import typer
 from fault_rows import Fault, ending, from_strangers, survived
-from fault_runs import STUMBLE_S, Result, one_pass
+from fault_runs import Result, one_pass
+from timeline import STUMBLE_S
 
 LONGEST_SAID: Final = 110
 """Characters of one line that the table repeats."""
@@ -26,7 +27,7 @@ HEAD: Final = """# Faults
 Made by `make faults` from live demos with a page at 250 ticks a second (`notomista-cai-2020`, mode both): each fault in
 each pass once, in an order and at moments that follow from the pass's seed. *To safe*: from the fault until no input of
 the filter or no command counts any more. *To recover*: from the end of the fault until the robot is driven again for
-good. *Drives on*: but for 0.1 s at most, since a demo shares its processors with its judge. The worst of all passes is
+good. *Drives on*: but for 0.2 s at most, since a demo shares its processors with its judge. The worst of all passes is
 shown. Barriers, energy, input limits, certificates and consistency are judged by the review of every run's log, between
 samples too.
 
@@ -99,10 +100,9 @@ def row(fault: Fault, own: Sequence[Result]) -> str:
     recover = [result.to_recover_s for result in lost]
     if fault.exit_code is not None:
         times = ("–", "–")
-    elif not lost:
-        times = ("drove on", "–")
-    elif fault.drives_on and max(result.undriven_s for result in lost) <= STUMBLE_S:
-        times = (f"drove on, but for {max(result.undriven_s for result in lost):.3f} s", "–")
+    elif not lost or max(result.undriven_s for result in lost) <= STUMBLE_S:
+        gap_s = max(result.undriven_s for result in own)
+        times = (f"drove on, but for {gap_s:.2f} s" if gap_s else "drove on", "–")
     else:
         never = None in recover
         times = (f"{safe or 0.0:.2f}", "never" if never else f"{max(one for one in recover if one is not None):.2f}")

@@ -1,7 +1,7 @@
 """Times of a fault, from made-up timelines."""
 
 import pytest
-from timeline import GRID_NS, Timeline
+from timeline import GRID_NS, Timeline, without_stumbles
 
 MS = 1_000_000
 
@@ -29,10 +29,18 @@ def test_times_count_from_begin_and_end_of_the_fault() -> None:
 
 
 def test_robot_that_is_lost_again_has_not_recovered() -> None:
-    effect = timeline((1_100, 1_300), (1_500, 1_900)).effect(1_000 * MS, 1_200 * MS, 2_500 * MS)
+    effect = timeline((1_100, 1_350), (1_500, 1_900)).effect(1_000 * MS, 1_200 * MS, 2_500 * MS)
 
     assert effect.to_recover_s == pytest.approx(0.7, abs=2 * GRID_NS * 1e-9)
     assert timeline((1_100, 2_400)).effect(1_000 * MS, 1_200 * MS, 2_500 * MS).to_recover_s is None
+
+
+def test_stumble_is_measured_and_no_loss() -> None:
+    effect = timeline((1_300, 1_450), (2_000, 2_100)).effect(1_000 * MS, 1_200 * MS, 2_500 * MS)
+
+    assert (effect.to_safe_s, effect.to_recover_s) == (None, 0.0)
+    assert effect.undriven_s == pytest.approx(0.25, abs=4 * GRID_NS * 1e-9)
+    assert without_stumbles([False, True, False, True, False], 1) == [False, True, True, True, False]
 
 
 def test_silence_is_no_driving() -> None:

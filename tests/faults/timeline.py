@@ -3,6 +3,7 @@
 from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from typing import Final
 
 from passafe_protocol.messages import CommandState, Event, FilterTick, PlantPhase, PlantState
@@ -16,6 +17,9 @@ FRESH_NS: Final = 60_000_000
 
 LASTING: Final = 60
 """Points of the grid for which the robot has to be driven without a break until that counts as recovered: 0.3 s."""
+
+STUMBLE_S: Final = 0.2
+"""Time for which a robot that drives on may go without inputs, s: its processes share two processors with others."""
 
 COUNTS: Final = frozenset({CommandState.COUNTS, CommandState.RESUMES})
 
@@ -85,17 +89,19 @@ class Timeline:
         """
         grid = range(began_ns, until_ns, GRID_NS)
         driven = [self.is_driven(at) for at in grid]
+        undriven_s = driven.count(False) * GRID_NS * 1e-9
+        driven = without_stumbles(driven, round(STUMBLE_S * 1e9) // GRID_NS)
         lost = next((k for k, so in enumerate(driven) if not so), None)
         story = self._story(began_ns, until_ns)
         if lost is None:
-            return Effect(to_safe_s=None, to_recover_s=0.0, undriven_s=0.0, story=story)
+            return Effect(to_safe_s=None, to_recover_s=0.0, undriven_s=undriven_s, story=story)
         begin = max(lost, bisect_left(grid, ended_ns))
         again = next((k for k in range(begin, len(driven)) if all(driven[k : k + LASTING])), None)
         complete = again is not None and again + LASTING <= len(driven)
         return Effect(
             to_safe_s=lost * GRID_NS * 1e-9,
             to_recover_s=max(0, grid[again] - ended_ns) * 1e-9 if complete and again is not None else None,
-            undriven_s=driven.count(False) * GRID_NS * 1e-9,
+            undriven_s=undriven_s,
             story=story,
         )
 
@@ -105,3 +111,13 @@ class Timeline:
         texts = [f"{source}: {text}" for _, source, severity, text in found if severity != "info"]
         texts += [f"{source}: {text}" for _, source, severity, text in found if severity == "info"]
         return tuple(dict.fromkeys(text for text in texts if "held back" not in text))
+
+
+def without_stumbles(driven: Sequence[bool], most: int) -> list[bool]:
+    """Return the same with every gap of up to ``most`` points counted as driven, but for those at either end."""
+    found: list[bool] = []
+    for so, run in groupby(driven):
+        length = len(list(run))
+        is_inside = bool(found) and len(found) + length < len(driven)
+        found += [so or (is_inside and length <= most)] * length
+    return found
