@@ -197,6 +197,25 @@ def test_reason_for_an_unchanged_link_is_shown(watched: Watched, served: ServedP
     assert run.links.requests == []
 
 
+def test_the_stop_is_pressed_and_cleared_on_the_page(watched: Watched, served: ServedPage, run: FastRun) -> None:
+    answers = [False, True]
+    watched.page.on("dialog", lambda dialog: dialog.accept() if answers.pop(0) else dialog.dismiss())
+    watched.page.goto(served.url)
+    watched.wait_for("document.getElementById('connection').textContent === 'live'")
+    assert watched.page.is_hidden("#clear")
+
+    watched.page.click("#stop")
+
+    watched.wait_for("document.getElementById('stop-answer').textContent.startsWith('Stopped: pressed at dashboard')")
+    assert run.latch.is_latched
+    watched.page.click("#clear")  # and no
+    assert run.latch.is_latched
+    watched.page.click("#clear")
+    watched.wait_for("document.getElementById('clear').hidden")
+    assert not run.latch.is_latched
+    assert watched.complaints == []
+
+
 def test_end_of_the_run_is_shown(watched: Watched, served: ServedPage, run: FastRun) -> None:
     watched.page.goto(served.url)
     watched.wait_for("document.getElementById('connection').textContent === 'live'")
