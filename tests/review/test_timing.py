@@ -97,6 +97,15 @@ def test_latency_is_unknown_after_a_filter_restart(tmp_path: Path) -> None:
     assert Timing.of(read(run, tmp_path)).operator_to_plant_ms is None
 
 
+def test_latency_between_two_clocks_is_unknown(tmp_path: Path) -> None:
+    run = run_with_times()
+    for index in run.indices(PlantState):
+        head, body = run.sent[index]
+        run.sent[index] = (replace(head, clock_id=7, wall_ns=head.wall_ns + 3_600 * 10**9), body)
+
+    assert Timing.of(read(run, tmp_path)).operator_to_plant_ms is None
+
+
 def test_nothing_is_made_up_for_lockstep(tmp_path: Path) -> None:
     timing = Timing.of(read(run_with_times("lockstep"), tmp_path))
     assert timing.solve_us is None

@@ -34,6 +34,16 @@ def test_truncated_file_is_reported_in_one_line(tmp_path: Path) -> None:
         load_scenario(str(path))
 
 
+def test_folder_that_may_not_be_searched_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(path: Path) -> bool:
+        raise PermissionError(13, "Permission denied", str(path))
+
+    monkeypatch.setattr(Path, "is_file", refuse)  # the superuser may search every folder
+
+    with pytest.raises(UnreadableScenarioError, match=r"mine\.toml.*Permission denied"):
+        load_scenario(str(tmp_path / "mine.toml"))
+
+
 @pytest.mark.parametrize(
     ("field", "value"),
     [

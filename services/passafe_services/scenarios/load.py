@@ -40,9 +40,9 @@ def load_scenario(name_or_file: str, overrides: Mapping[str, Any] | None = None)
         text = (files("passafe_services.scenarios") / f"{name_or_file}.toml").read_text(encoding="utf-8")
         return scenario_from(tomllib.loads(text), name_or_file, overrides)
     path = Path(name_or_file)
-    if not path.is_file():
-        raise UnknownScenarioError(name_or_file, shipped_scenarios())
     try:
+        if not path.is_file():  # raises where a folder on the way may not be searched
+            raise UnknownScenarioError(name_or_file, shipped_scenarios())
         require_bounded(path)
         text = path.read_text(encoding="utf-8")
         data = json.loads(text) if path.suffix == ".json" else tomllib.loads(text)

@@ -56,7 +56,7 @@ class Timing(BaseModel):
         command_age_ms: Age of the newest operator command at each filter tick, its time on the way included.
         state_age_ms: Age of the newest plant state at each filter tick, likewise.
         operator_to_plant_ms: Latency from sending a command to the first plant step that applied an input based on it,
-            play-out included, by the senders' wall clocks.
+            play-out included, by the senders' wall clocks; ``None`` for hosts whose clocks are not one.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -128,6 +128,8 @@ def _operator_to_plant_ms(log: RunLog) -> Percentiles | None:
     states = [state for state in log.of(PlantState) if state.body.phase is not PlantPhase.WAITING]
     if _sessions(ticks) != 1 or _sessions(states) != 1:
         return None  # tick numbers restart with a session and are ambiguous
+    if len({message.header.clock_id for message in (*commands, *states)}) > 1:
+        return None  # nothing says how far apart the wall clocks of two hosts are
     sent_ns = {(c.header.epoch, c.header.sequence): c.header.wall_ns for c in commands}
     applied = np.maximum.accumulate(_ns([state.body.applied_tick for state in states]))
     begun_ns = [s.header.wall_ns - (s.header.sent_ns - s.header.started_ns) for s in states]
