@@ -9,7 +9,7 @@ DEMO ?=
 PYTHONS ?= python3.12 python3.13
 CAMPAIGN ?= $(basename $(notdir $(wildcard services/passafe_services/scenarios/*.toml)))
 
-.PHONY: help demo test check fast proto lock docs site pictures bench campaign generated-campaign atlas delay-atlas worker-kills resumes faults mutation wheel wheel-test clean
+.PHONY: help demo test check fast proto lock docs site pictures bench campaign generated-campaign atlas delay-atlas worker-kills resumes faults mutation wheel wheel-test container-test clean
 
 help:  ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 13
@@ -25,11 +25,11 @@ demo: $(STAMP)  ## the multi-process demo; options by DEMO='--mode off --duratio
 	$(BIN)/passafe demo $(DEMO)
 
 test: $(STAMP)  ## every test that CI runs, with coverage of core and protocol
-	$(BIN)/python -m pytest -n auto --dist loadfile -m 'not live and not browser and not campaign' --cov --cov-report=
+	$(BIN)/python -m pytest -n auto --dist loadfile -m 'not live and not browser and not campaign and not container' --cov --cov-report=
 	$(BIN)/python -m pytest -m 'live or browser' --cov --cov-append --cov-report=term:skip-covered --cov-fail-under=100
 
 fast: $(STAMP)  ## the tests that start no process and no browser, and compile nothing
-	$(BIN)/python -m pytest -n auto --dist loadfile -m 'not live and not browser and not compiled and not campaign'
+	$(BIN)/python -m pytest -n auto --dist loadfile -m 'not live and not browser and not compiled and not campaign and not container'
 
 check: $(STAMP)  ## lint, format, types, import direction, generated files current, docs build
 	$(BIN)/ruff check .
@@ -96,6 +96,9 @@ wheel: $(STAMP)  ## dist/: a wheel with the loop compiled, for long sweeps; take
 
 wheel-test: $(STAMP)  ## the wheel and all that it requires, installed fresh for each of PYTHONS='python3.12 python3.13'
 	@for python in $(PYTHONS); do $(BIN)/python -m pytest tests/system/test_wheel.py --interpreter $$python -o timeout=900 || exit 1; done
+
+container-test: $(STAMP)  ## builds the image and runs docker-compose.yml with Debian's podman; as root, some minutes
+	$(BIN)/python -m pytest -m container tests/deploy/test_container.py -o timeout=1200
 
 lock: $(STAMP)  ## pin what is installed now
 	$(BIN)/python -m pip freeze --all --exclude pip --exclude-editable | grep -v ' @ ' > constraints.txt

@@ -8,6 +8,7 @@ import pytest
 import yaml
 from passafe_protocol.topics import PROCESSES
 from passafe_services.cli.app import app
+from passafe_services.keys.deployment import identities_of
 from passafe_services.loop.realtime import LOOPS
 from typer.testing import CliRunner
 
@@ -58,6 +59,16 @@ def test_service_asks_its_loop_for_health(name: str) -> None:
     check = SERVICES[name]["healthcheck"]["test"]
 
     assert check == ["CMD", "python3", "-P", "-m", "passafe_services.cli.health", name]
+
+
+@every_service
+def test_service_has_its_own_keys_alone(name: str) -> None:
+    holders = {identity.role: identity.common_name for identity in identities_of(["robot"], [], [""])}
+    mounted = [with_defaults(with_defaults(volume)) for volume in SERVICES[name]["volumes"] if "/keys" in volume]
+
+    assert mounted == [f"./keys/{holders[name]}:/keys:ro"]
+    assert SERVICES[name]["environment"]["PASSAFE_KEYS"] == "/keys"
+    assert "PASSAFE_INSECURE" not in SERVICES[name]["environment"]
 
 
 def test_loops_may_have_realtime_priority() -> None:
