@@ -128,7 +128,7 @@ def _operator_to_plant_ms(log: RunLog) -> Percentiles | None:
     states = [state for state in log.of(PlantState) if state.body.phase is not PlantPhase.WAITING]
     if _sessions(ticks) != 1 or _sessions(states) != 1:
         return None  # tick numbers restart with a session and are ambiguous
-    if len({message.header.clock_id for message in (*commands, *states)}) > 1:
+    if len({command.header.clock_id for command in commands} | {state.header.clock_id for state in states}) > 1:
         return None  # nothing says how far apart the wall clocks of two hosts are
     sent_ns = {(c.header.epoch, c.header.sequence): c.header.wall_ns for c in commands}
     applied = np.maximum.accumulate(_ns([state.body.applied_tick for state in states]))
