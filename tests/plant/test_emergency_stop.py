@@ -17,10 +17,12 @@ from passafe_protocol.messages import (
     Received,
     StopClear,
 )
+from passafe_services.plant.build import plant_node
 from passafe_services.plant.node import PlantNode
 from passafe_services.plant.stop_latch import StopLatch
 from passafe_services.plant.unpredicted_node import UnpredictedPlantNode
 from passafe_services.plant_contract.fail_safe import FailSafe
+from passafe_services.scenarios.load import load_scenario
 
 from passafe import SampledPlant, damped_point
 from passafe.limits import Limits
@@ -188,6 +190,16 @@ def test_a_plant_may_start_stopped(kind: type[Node]) -> None:
     states = driver.step(driver.input(0, 1.0), steps=9)
 
     assert {(state.phase, state.stop, state.stop_source) for state in states} == {(PlantPhase.WAITING, 5, "plant")}
+
+
+@pytest.mark.parametrize("prediction", [True, False])
+def test_a_scenarios_plant_may_start_stopped(prediction: bool) -> None:
+    node = plant_node(load_scenario("notomista-cai-2020", {"filter.prediction": prediction}), started_with=77)
+
+    [(_, state)] = node.step(MS, [])
+
+    assert isinstance(state, PlantState)
+    assert (state.stop, state.stop_source) == (77, "plant")
 
 
 @NODES
