@@ -38,6 +38,7 @@ check: $(STAMP)  ## lint, format, types, import direction, generated files curre
 	$(BIN)/mypy wheel_build
 	$(BIN)/mypy benchmarks
 	$(BIN)/mypy docs_build examples
+	$(BIN)/mypy deploy
 	$(BIN)/lint-imports
 	@mkdir -p .build && $(GENERATE) --python_out=.build --pyi_out=.build $(PROTO)
 	@for f in passafe_pb2.py passafe_pb2.pyi; do cmp .build/passafe_protocol/$$f protocol/passafe_protocol/$$f || { echo "protocol/passafe_protocol/$$f is not current: run make proto"; exit 1; }; done

@@ -47,6 +47,7 @@ CLEAN = (
     "wheel_build",
     "docs",
     "docs_build",
+    "deploy",
     "examples",
     ".ci",
     "README.md",
@@ -55,6 +56,8 @@ CLEAN = (
     "CITATION.cff",
     "Makefile",
     "mkdocs.yml",
+    "docker-compose.yml",
+    "Dockerfile",
     "pyproject.toml",
 )
 """Folders and files that are held to it."""

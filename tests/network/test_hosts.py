@@ -31,11 +31,12 @@ LINKS_OF_THE_ROBOT = ("plant-to-filter", "filter-to-plant", "plant-to-operator")
 
 @dataclass(frozen=True, kw_only=True)
 class Outcome:
-    """What the log of a run shows.
+    """Verdict and timing of a run, from its log.
 
     Attributes:
         verdict: The review's.
-        loop_s: Median time from sending a state to the step that applies the input made of it, by the plant's clock.
+        loop_s: Time from sending a state to the step that applies the input made of it, by the plant's clock, of the
+            quickest tenth: a machine that stumbles makes the filter play out later for a while.
         clocks: Monotonic clocks of plant and filter.
     """
 
@@ -65,12 +66,12 @@ def run_over_hosts(folder: Path, *, relay: dict[str, float], links: dict[str, fl
     heads = [logged.header for body in (FilterTick, PlantState) for logged in log.of(body)]
     return Outcome(
         verdict=Verdict.of(log, CoreEvaluator(log.identity.scenario)),
-        loop_s=median_loop_s(log),
+        loop_s=quick_loop_s(log),
         clocks={head.clock_id for head in heads},
     )
 
 
-def median_loop_s(log: RunLog) -> float:
+def quick_loop_s(log: RunLog) -> float:
     states = log.of(PlantState)
     sent_ns = {state.header.sequence: state.header.sent_ns for state in states}
     applied = np.maximum.accumulate([state.body.applied_tick for state in states])
@@ -80,7 +81,7 @@ def median_loop_s(log: RunLog) -> float:
         at = int(np.searchsorted(applied, tick.body.tick))
         if newest in sent_ns and 0 < at < len(states):
             loops_s.append((states[at].header.started_ns - sent_ns[newest]) * 1e-9)
-    return float(np.median(loops_s[len(loops_s) // 4 :]))
+    return float(np.percentile(loops_s[len(loops_s) // 4 :], 10))
 
 
 @pytest.mark.parametrize(
@@ -102,5 +103,5 @@ def test_injected_link_delays_as_the_relay_does(tmp_path: Path) -> None:
 
     assert relayed.broken == injected.broken == set()
     assert relayed.loop_s >= 2 * DELAY_S
-    # The program between the sockets and the network stacks of three hosts cost the relay some periods of 4 ms more.
-    assert relayed.loop_s == pytest.approx(injected.loop_s, abs=0.03), (relayed.loop_s, injected.loop_s)
+    # Both were 0.240 s on an idle machine: twice the delay, and the play-out; a stumble costs some periods of 4 ms.
+    assert relayed.loop_s == pytest.approx(injected.loop_s, abs=0.012), (relayed.loop_s, injected.loop_s)

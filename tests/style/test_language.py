@@ -9,7 +9,7 @@ from typing import Final
 
 ROOT: Final = Path(__file__).resolve().parents[2]
 PACKAGES: Final = ("passafe", "protocol/passafe_protocol", "services/passafe_services", "dashboard/passafe_dashboard")
-FOLDERS: Final = (*PACKAGES, "tests", "benchmarks", "examples", "wheel_build")
+FOLDERS: Final = (*PACKAGES, "tests", "benchmarks", "examples", "wheel_build", "deploy")
 LONGEST_TEST_NAME: Final = 60
 
 QUESTION_WORDS: Final = frozenset(
