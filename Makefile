@@ -9,7 +9,7 @@ DEMO ?=
 PYTHONS ?= python3.12 python3.13
 CAMPAIGN ?= $(basename $(notdir $(wildcard services/passafe_services/scenarios/*.toml)))
 
-.PHONY: help demo test check fast proto lock docs site pictures bench campaign generated-campaign atlas delay-atlas worker-kills resumes faults mutation wheel wheel-test container-test clean
+.PHONY: help demo test check fast proto lock docs site pictures bench campaign generated-campaign atlas delay-atlas worker-kills resumes faults mutation wheel wheel-test container-test network-test clean
 
 help:  ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 13
@@ -100,6 +100,9 @@ wheel-test: $(STAMP)  ## the wheel and all that it requires, installed fresh for
 
 container-test: $(STAMP)  ## builds the image and runs docker-compose.yml with Debian's podman; as root, some minutes
 	$(BIN)/python -m pytest -m container tests/deploy/test_container.py -o timeout=1200
+
+network-test: $(STAMP)  ## the system over hosts with other clocks and a bad network between; as root, minutes
+	$(BIN)/python -m pytest tests/network -m campaign
 
 lock: $(STAMP)  ## pin what is installed now
 	$(BIN)/python -m pip freeze --all --exclude pip --exclude-editable | grep -v ' @ ' > constraints.txt
