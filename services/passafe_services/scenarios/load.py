@@ -46,7 +46,7 @@ def load_scenario(name_or_file: str, overrides: Mapping[str, Any] | None = None)
         require_bounded(path)
         text = path.read_text(encoding="utf-8")
         data = json.loads(text) if path.suffix == ".json" else tomllib.loads(text)
-    except (OSError, UnicodeDecodeError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise UnreadableScenarioError(path, str(error)) from error
     return scenario_from(data, str(path), overrides)
 

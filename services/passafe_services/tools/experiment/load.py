@@ -68,7 +68,7 @@ def load_study(name_or_file: str) -> Study:
         else:
             raise UnknownExperimentError(name_or_file, shipped_experiments())
         data = tomllib.loads(text)
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError) as error:
         raise UnreadableExperimentError(path, str(error)) from error
     experiment = experiment_from(data, name_or_file)
     named = experiment.scenario
