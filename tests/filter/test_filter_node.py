@@ -305,6 +305,18 @@ def test_restarted_plant_gets_a_new_sequence() -> None:
     assert (after.effective_plant_ns, after.input_sequence_start_ns) == (MS, 0)
 
 
+@pytest.mark.parametrize("plant_ms", [10**9, 2**62 // MS], ids=["days", "centuries"])
+def test_plant_time_out_of_reach_is_refused(plant_ms: int) -> None:
+    node = make_node()
+    tick_of(node, 1, plant_state(1), command(1))
+    for k in range(2, 40):
+        running = plant_state(k, k, phase=PlantPhase.RUNNING, sequence=2 * k)
+        forged = plant_state(k, plant_ms, phase=PlantPhase.RUNNING, sequence=2 * k + 1)
+        *_, tick = ticks_of(node, k, running, forged)
+        assert tick.state_age_ns == 0
+        assert tick.effective_plant_ns < 1_000 * MS
+
+
 def test_a_state_that_comes_twice_is_no_sign_of_life() -> None:
     node = make_node()
     tick_of(node, 1, plant_state(1, sequence=5), command(1))

@@ -4,6 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from passafe_protocol.codec import encode
 from passafe_protocol.messages import UNSEQUENCED, Event, Header, PlantInput, PlantPhase, PlantState, Received
+from passafe_services.plant.playout_buffer import MOST_PENDING
 from passafe_services.plant.unpredicted_node import UnpredictedPlantNode
 from passafe_services.plant_contract.fail_safe import FailSafe
 
@@ -98,6 +99,18 @@ def test_an_input_is_held_then_the_fail_safe_takes_over() -> None:
     [state] = [body for _, body in back if isinstance(body, PlantState)]
     assert (state.phase, state.sequence_break_ns) == (RUNNING, 4 * MS)
     assert ["released" in body.text for _, body in back if isinstance(body, Event)] == [True]
+
+
+def test_inputs_due_in_the_far_future_fill_no_buffer() -> None:
+    node = make_node()
+    states(node, 1, unsequenced(1, 0, 1))
+    forged = [unsequenced(2, 10**9 + k, 2) for k in range(MOST_PENDING + 1)]
+
+    refused = states(node, 2, *forged)[-1]
+    state = states(node, 3, unsequenced(3, 2, 3, (5.0, 0.0)))[-1]
+
+    assert refused.inputs_refused == MOST_PENDING + 1
+    assert (state.u, state.applied_tick, state.inputs_refused) == ((5.0, 0.0), 3, MOST_PENDING + 1)
 
 
 def test_a_sequenced_input_is_refused() -> None:

@@ -1,8 +1,15 @@
 """Newest plant state that the filter received."""
 
-from passafe_protocol.messages import PlantState, Received
+from typing import Final
+
+from passafe_protocol.messages import PlantPhase, PlantState, Received
 
 from passafe_services.filter.send_time import SendTime
+
+LONGEST_PERIOD_NS: Final = 100_000_000
+"""Period of the slowest plant, ns: the most by which its time advances from one state to the next."""
+
+_WAITING: Final = PlantPhase.WAITING
 
 
 class NewestState:
@@ -56,12 +63,18 @@ class NewestState:
         elif (
             received.term < self._term
             or header.sequence <= self._sequence  # a duplicate does not refresh the age
-            or (newest is not None and state.plant_ns < newest.plant_ns)
+            or (newest is not None and not self._follows(header.sequence, state, newest))
         ):
             return False
         self.state, self._sequence = state, header.sequence
         self._sent_ns, self._received_ns = self._send_time.of(received), received.received_ns
         return True
+
+    def _follows(self, sequence: int, state: PlantState, newest: PlantState) -> bool:
+        """Check that plant time can have advanced so: one forged state must not make all later ones seem old."""
+        advance_ns = state.plant_ns - newest.plant_ns
+        longest_ns = (sequence - self._sequence) * LONGEST_PERIOD_NS
+        return advance_ns >= 0 and (advance_ns <= longest_ns or newest.phase is _WAITING)
 
     def age_ns(self, now_ns: int) -> int:
         """Return the age of the newest state since it was sent, ns.

@@ -10,7 +10,7 @@ from passafe.sampled_plant import SampledPlant
 from passafe_services.node import Outgoing
 from passafe_services.plant.input_account import InputAccount
 from passafe_services.plant.input_check import InputCheck
-from passafe_services.plant.playout_buffer import PlayoutBuffer
+from passafe_services.plant.playout_buffer import MOST_PENDING, PlayoutBuffer
 from passafe_services.plant.simulated_robot import RUNNING, WAITING, SimulatedRobot
 from passafe_services.plant.stop_latch import StopLatch
 from passafe_services.plant_contract.fail_safe import FailSafe
@@ -39,6 +39,7 @@ class UnpredictedPlantNode:
     ) -> None:
         """Put the robot at rest at x0; see ``PlantNode``."""
         self._check = InputCheck(limits)
+        self._period_ns = period_ns
         self._inputs = PlayoutBuffer(period_ns)
         self._account = InputAccount()
         self._latch = StopLatch() if latch is None else latch
@@ -78,6 +79,7 @@ class UnpredictedPlantNode:
             or account.transit.is_ended(received)
             or plant_input.input_sequence_start_ns != UNSEQUENCED
             or not self._check.is_valid(header, plant_input)
+            or self._is_far_ahead(plant_input)
             or not self._inputs.put(plant_input)
         ):
             account.refused += 1
@@ -90,6 +92,11 @@ class UnpredictedPlantNode:
         elif plant_input.effective_plant_ns <= robot.plant_ns:
             account.late += 1
         account.record_arrival(received, plant_input, robot.plant_time_of(received_ns), header.scheduled_ns)
+
+    def _is_far_ahead(self, plant_input: PlantInput) -> bool:
+        """Check whether an input is due so late that a few thousand like it would keep the buffer full for good."""
+        ahead_ns = plant_input.effective_plant_ns - self._robot.plant_ns
+        return self._robot.has_origin and ahead_ns > MOST_PENDING * self._period_ns
 
     def _choose_input(self) -> None:
         """Apply the newest input that is due, unless a newer one is in force."""
