@@ -1,4 +1,4 @@
-"""Several robots under one router, and two linked routers: each robot is heard by its own processes alone."""
+"""Several robots under one router, and two linked routers: messages stay with their robot."""
 
 import time
 from collections.abc import Callable, Iterator
@@ -57,7 +57,7 @@ def collect(drain: Callable[[], list[bytes]], put: Callable[[bytes], None], data
     return found
 
 
-def test_five_robots_hear_their_own_processes_alone(keys: Path, stack: ExitStack) -> None:
+def test_five_robots_receive_their_own_messages_alone(keys: Path, stack: ExitStack) -> None:
     at = router(keys, stack)
     plants = {robot: bus(keys, stack, at, "plant", robot) for robot in ROBOTS}
     filters = {robot: bus(keys, stack, at, "filter", robot) for robot in ROBOTS}
@@ -65,12 +65,12 @@ def test_five_robots_hear_their_own_processes_alone(keys: Path, stack: ExitStack
     puts = {robot: one.publisher(INPUT, "filter") for robot, one in filters.items()}
     logs = {robot: bus(keys, stack, at, "recorder", robot).recording_reader() for robot in ROBOTS}
 
-    heard = {robot: collect(inputs[robot].drain, puts[robot], robot.encode()) for robot in ROBOTS}
-    for robot in ROBOTS:  # once more, now that everybody is known to hear
-        heard[robot] |= collect(inputs[robot].drain, puts[robot], robot.encode())
+    received = {robot: collect(inputs[robot].drain, puts[robot], robot.encode()) for robot in ROBOTS}
+    for robot in ROBOTS:  # once more, now that everybody is known to receive
+        received[robot] |= collect(inputs[robot].drain, puts[robot], robot.encode())
 
     for own, other in permutations(ROBOTS, 2):
-        assert other.encode() not in heard[own]
+        assert other.encode() not in received[own]
     recorded = {robot: {key for key, _ in log.drain()} for robot, log in logs.items()}
     assert recorded == {robot: {f"passafe/{robot}/filter/input"} for robot in ROBOTS}
 
