@@ -54,11 +54,11 @@ def until(condition: Callable[[], object]) -> None:
         time.sleep(0.01)
 
 
-def test_a_session_without_keys_is_told_to_give_some(field: Arena) -> None:
+def test_a_session_without_keys_is_asked_for_them(field: Arena) -> None:
     assert refusal(field.endpoint) == "the router speaks TLS only: give --keys"
 
 
-def test_a_session_with_keys_is_told_that_the_router_has_none(field: Arena) -> None:
+def test_a_session_with_keys_learns_that_the_router_has_none(field: Arena) -> None:
     plain = RouterEndpoint(port=free_port())
     keyed = RouterEndpoint(port=plain.port, credentials=field.with_keys("plant", ROBOT).credentials)
     with listening_router(plain):
@@ -98,7 +98,7 @@ def test_keys_bind_robot_and_role(field: Arena) -> None:
             bus.publisher(INPUT, "filter")
 
 
-def test_a_certificate_that_the_router_does_not_list_is_told(field: Arena) -> None:
+def test_a_certificate_that_the_router_does_not_list_is_reported(field: Arena) -> None:
     Deployment.open(field.keys).issue([Identity(role="operator", robot=ROBOT, name="mallory")])
     endpoint = field.with_keys("operator", ROBOT, "operator.left.mallory")
     with (
@@ -108,7 +108,7 @@ def test_a_certificate_that_the_router_does_not_list_is_told(field: Arena) -> No
         pass
 
 
-def test_a_restarted_router_that_admits_less_is_told(tmp_path: Path) -> None:
+def test_a_restarted_router_that_admits_less_is_reported(tmp_path: Path) -> None:
     deployment = Deployment.create(tmp_path / "keys")
     deployment.issue(identities_of([ROBOT]))
     router = RouterEndpoint(port=free_port(), credentials=load_credentials(deployment.path, ROUTER))
