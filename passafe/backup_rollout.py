@@ -23,13 +23,13 @@ from passafe.design import FilterDesign
 from passafe.enclosure import enclose
 from passafe.reachable_tube import reachable_tube
 from passafe.sampled_plant import held_flow
-from passafe.workspace import Array
+from passafe.workspace import Array, BlockLayout, Workspace
 
-CHUNK: Final = 64
+CHUNK: Final = 32
 """Periods that one call rolls out."""
 
-LONGEST: Final = 32
-"""Calls after which a rollout ends where the robot has not come to rest."""
+LONGEST: Final = 2048
+"""Periods after which a rollout ends where the robot has not come to rest."""
 
 AT_REST: Final = 1e-9
 """Change of the state over a chunk, relative to 1 + |x|, below which the robot counts as at rest."""
@@ -51,12 +51,14 @@ class Course:
     Attributes:
         kept_periods: Periods from the first on in which every barrier is kept; infinite where it is to the end.
         lowest: Smallest lower bound of all h.
+        lowest_at: Period in which it is.
         is_proven: Whether the bounds between samples and the integration are known all along.
         comes_to_rest: Whether the state settled before the rollout ended.
     """
 
     kept_periods: float
     lowest: float
+    lowest_at: int
     is_proven: bool
     comes_to_rest: bool
 
@@ -72,15 +74,17 @@ class Course:
 
     def or_worse(self, other: "Course") -> "Course":
         """Return what is certain of a course that may be this one or another."""
+        lower = min(self, other, key=lambda course: course.lowest)
         return Course(
             kept_periods=min(self.kept_periods, other.kept_periods),
-            lowest=min(self.lowest, other.lowest),
+            lowest=lower.lowest,
+            lowest_at=lower.lowest_at,
             is_proven=self.is_proven and other.is_proven,
             comes_to_rest=self.comes_to_rest and other.comes_to_rest,
         )
 
 
-KEPT: Final = Course(kept_periods=inf, lowest=0.0, is_proven=True, comes_to_rest=True)
+KEPT: Final = Course(kept_periods=inf, lowest=0.0, lowest_at=0, is_proven=True, comes_to_rest=True)
 """A course on which every barrier is kept."""
 
 
@@ -94,24 +98,24 @@ class BackupRollout:
             design: The filter's.
             chains: Chains of the barriers that are to be kept.
         """
-        system = design.system
-        self._n, self._m = system.n, system.m
-        low, high = design.limits.interval(system.u, design.dt_s)
-        law = design.limits.clip(design.fail_safe, system.u, low, high)
-        self._law = ca.Function("law", [system.x, system.u], [law])
-        x_next, _, error = held_flow(system, design.dt_s)
-        bound, known = _lower_bounds(design, chains, x_next)
-        end = ca.vertcat(x_next, system.t + design.dt_s)
-        seen = ca.vertcat(bound, error, known)
-        hold = ca.Function("hold", [ca.vertcat(system.x, system.t), system.u], [end, ca.densify(seen)])
-        state = ca.vertcat(system.x, system.t, system.u)
-        u = self._law(system.x, system.u)
-        step = ca.Function(
-            "step", [state], [ca.vertcat(*hold(state[: -self._m], u)[:1], u), hold(state[: -self._m], u)[1]]
-        )
-        self._hold, self._roll = hold, step.mapaccum("roll", CHUNK)
+        self._n = design.system.n
+        roll = _step(design, chains).mapaccum("roll", CHUNK)
+        stages = {"state": roll.size1_in(0), "held": CHUNK, "states": (roll.size1_in(0), CHUNK), "seen": (3, CHUNK)}
+        space = Workspace(BlockLayout.of(stages))
+        self._state, self._states = space.part("state"), space.view("states")
+        self._held, self._seen = space.part("held"), space.view("seen")
+        self._roll = space.bind(roll, ("state", "held"), ("states", "seen"))
+        self._space = space  # holds what the call above writes to
 
-    def course(self, x: Array, t_s: float, u: Array, held_periods: int, than: Course | None = None) -> Course:
+    def course(
+        self,
+        x: Array,
+        t_s: float,
+        u: Array,
+        held_periods: int,
+        than: Course | None = None,
+        until: int = LONGEST,
+    ) -> Course:
         """Return the course under an input that is held for some periods, and the backup law from then on.
 
         It ends early where it has become worse than another one.
@@ -122,26 +126,79 @@ class BackupRollout:
             u: The input, shape (m,); the one before where nothing is held.
             held_periods: Number of periods, 0 or more.
             than: The other one; ``None`` to follow the course to its end.
+            until: Number of periods after the hold at which the course ends at the latest.
         """
-        state = np.array([*x, t_s])
-        seen = []
-        for _ in range(held_periods):
-            after, observed = self._hold(state, u)
-            state = after.full().ravel()
-            seen.append(observed.full())
-        full, rests = np.concatenate((state, u)), False
-        for _ in range(LONGEST):
-            before = full
-            after, observed = self._roll(full)
-            full = after.full()[:, -1]
-            seen.append(observed.full())
-            if than is not None and not _outcome(np.hstack(seen), rests=False).is_no_worse_than(than):
+        state, record, rests = self._state, _CourseRecord(), False
+        state[:] = (*x, t_s, *u)
+        for begins in range(0, held_periods + until, CHUNK):
+            self._held[:] = np.arange(begins, begins + CHUNK) < held_periods
+            self._roll()
+            record.add(self._seen)
+            after = self._states[:, -1]
+            change = np.abs(after[: self._n] - state[: self._n])
+            state[:] = after
+            if than is not None and not record.course(rests=False).is_no_worse_than(than):
                 break
-            change = np.abs(full[: self._n] - before[: self._n])
-            if not np.isfinite(full).all() or (change <= AT_REST * (1 + np.abs(full[: self._n]))).all():
-                rests = bool(np.isfinite(full).all())
+            if not np.isfinite(state).all():
                 break
-        return _outcome(np.hstack(seen), rests=rests)
+            if begins >= held_periods and (change <= AT_REST * (1 + np.abs(state[: self._n]))).all():
+                rests = True
+                break
+        return record.course(rests=rests)
+
+
+class _CourseRecord:
+    """What a course has kept so far."""
+
+    def __init__(self) -> None:
+        self._periods = 0
+        self._kept_periods, self._lowest, self._lowest_at = inf, inf, 0
+        self._errors, self._is_known = 0.0, True
+
+    def add(self, seen: Array) -> None:
+        """Take the next periods into account.
+
+        Args:
+            seen: Lower bound of h, estimated integration error and whether the bound is known, shape (3, CHUNK).
+        """
+        bounds, errors, known = seen
+        place = int(bounds.argmin())  # that of the first NaN, if there is one
+        lowest = float(bounds[place])
+        if not lowest >= 0.0 and self._kept_periods == inf:
+            self._kept_periods = float(self._periods + np.argmin(bounds >= 0.0))
+        if not lowest >= self._lowest:
+            self._lowest, self._lowest_at = (lowest if lowest == lowest else -inf), self._periods + place
+        self._errors += float(errors.sum())
+        self._is_known = self._is_known and bool((known > 0).all())
+        self._periods += CHUNK
+
+    def course(self, *, rests: bool) -> Course:
+        """Return the course so far.
+
+        Args:
+            rests: Whether the state has settled.
+        """
+        return Course(
+            kept_periods=self._kept_periods,
+            lowest=self._lowest,
+            lowest_at=self._lowest_at,
+            is_proven=self._is_known and self._errors <= LARGEST_ERROR,
+            comes_to_rest=rests,
+        )
+
+
+def _step(design: FilterDesign, chains: Sequence[BarrierChain]) -> ca.Function:
+    """Return one period: from (x, t, u before) and whether that u is held to (x, t, u) and what is seen of the period."""
+    system = design.system
+    low, high = design.limits.interval(system.u, design.dt_s)
+    law = design.limits.clip(design.fail_safe, system.u, low, high)
+    x_next, _, error = held_flow(system, design.dt_s)
+    bound, known = _lower_bounds(design, chains, x_next)
+    seen = ca.densify(ca.vertcat(bound, error, known))
+    end = ca.densify(ca.vertcat(x_next, system.t + design.dt_s, system.u))
+    period = ca.Function("period", [ca.vertcat(system.x, system.t), system.u], [end, seen])
+    state, held = ca.vertcat(system.x, system.t, system.u), ca.SX.sym("held")
+    return ca.Function("step", [state, held], period(state[: -system.m], ca.if_else(held, system.u, law)))
 
 
 def _lower_bounds(design: FilterDesign, chains: Sequence[BarrierChain], x_next: ca.SX) -> tuple[ca.SX, ca.SX]:
@@ -160,14 +217,3 @@ def _lower_bounds(design: FilterDesign, chains: Sequence[BarrierChain], x_next: 
             known *= ball.known
         lowest = ca.fmin(lowest, reduce(ca.fmax, bounds))
     return lowest, known
-
-
-def _outcome(seen: Array, *, rests: bool) -> Course:
-    lowest, errors, known = seen
-    lost = np.flatnonzero(~(lowest >= 0.0))
-    return Course(
-        kept_periods=float(lost[0]) if len(lost) else inf,
-        lowest=float(np.nanmin(lowest, initial=inf)) if not np.isnan(lowest).any() else -inf,
-        is_proven=bool((known > 0).all() and np.nansum(errors) <= LARGEST_ERROR and np.isfinite(errors).all()),
-        comes_to_rest=rests,
-    )

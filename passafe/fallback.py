@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from math import ceil
 from typing import Final
 
-from passafe.backup_rollout import KEPT, BackupRollout, Course
+from passafe.backup_rollout import CHUNK, KEPT, LONGEST, BackupRollout, Course
 from passafe.barrier_chain import BarrierChain
 from passafe.design import FilterDesign
 from passafe.workspace import Array
@@ -42,7 +42,9 @@ class Fallback:
     def best(self, x: Array, t_s: float, u: Array, candidates: Sequence[Array]) -> int | None:
         """Return the place of the best candidate, or ``None`` where the backup law's input is better than all.
 
-        Once a candidate keeps every barrier the rest are not looked at.
+        Courses are compared over twice the time in which the backup's gets lowest; one that is better is then followed
+        to its end, and counts if it is no worse there either. Once a candidate keeps every barrier the rest are not
+        looked at.
 
         Args:
             x: State, shape (n,).
@@ -51,12 +53,14 @@ class Fallback:
             candidates: Inputs within the limits, each of shape (m,), in the order of preference; the first is the
                 program's answer.
         """
-        backup = self._rollout.course(x, t_s, u, 0)
-        best, place = backup, None
+        best, place = self._rollout.course(x, t_s, u, 0), None
+        until = 2 * best.lowest_at + CHUNK
         for k, candidate in enumerate(candidates):
-            course = self._held(x, t_s, candidate, best)
+            course = self._held(x, t_s, candidate, best, until)
             if course.is_no_worse_than(best) and (k == 0 or not best.is_no_worse_than(course)):
-                best, place = course, k
+                course = self._held(x, t_s, candidate, best)
+                if course.is_no_worse_than(best):
+                    best, place = course, k
             if place is not None and best.is_no_worse_than(KEPT):
                 break
         return place
@@ -81,12 +85,12 @@ class Fallback:
         """
         return self._rollout.course(x, t_s, u, 0, KEPT).is_safe
 
-    def _held(self, x: Array, t_s: float, u: Array, than: Course) -> Course:
+    def _held(self, x: Array, t_s: float, u: Array, than: Course, until: int = LONGEST) -> Course:
         """Return the course under an input for one period or the longest hold, whichever is worse."""
-        course = self._rollout.course(x, t_s, u, 1, than)
+        course = self._rollout.course(x, t_s, u, 1, than, until)
         if self._held_periods == 1 or not course.is_no_worse_than(than):
             return course
-        return course.or_worse(self._rollout.course(x, t_s, u, self._held_periods, than))
+        return course.or_worse(self._rollout.course(x, t_s, u, self._held_periods, than, until))
 
 
 def between(backup: Array, candidates: Sequence[Array]) -> list[Array]:

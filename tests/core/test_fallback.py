@@ -96,6 +96,6 @@ def test_a_course_that_is_already_worse_is_not_followed() -> None:
 
 
 def test_the_worse_of_two_courses_has_the_worst_of_each() -> None:
-    other = Course(kept_periods=3.0, lowest=-0.5, is_proven=False, comes_to_rest=True)
+    other = Course(kept_periods=3.0, lowest=-0.5, lowest_at=7, is_proven=False, comes_to_rest=True)
 
     assert KEPT.or_worse(other) == other.or_worse(KEPT) == other
