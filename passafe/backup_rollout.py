@@ -12,7 +12,7 @@ to be kept is kept between samples too, up to the integration error that the ste
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import reduce
-from math import inf
+from math import inf, isnan
 from typing import Final
 
 import casadi as ca
@@ -100,7 +100,12 @@ class BackupRollout:
         """
         self._n = design.system.n
         roll = _step(design, chains).mapaccum("roll", CHUNK)
-        stages = {"state": roll.size1_in(0), "held": CHUNK, "states": (roll.size1_in(0), CHUNK), "seen": (3, CHUNK)}
+        stages: dict[str, int | tuple[int, ...]] = {
+            "state": roll.size1_in(0),
+            "held": CHUNK,
+            "states": (roll.size1_in(0), CHUNK),
+            "seen": (3, CHUNK),
+        }
         space = Workspace(BlockLayout.of(stages))
         self._state, self._states = space.part("state"), space.view("states")
         self._held, self._seen = space.part("held"), space.view("seen")
@@ -167,7 +172,7 @@ class _CourseRecord:
         if not lowest >= 0.0 and self._kept_periods == inf:
             self._kept_periods = float(self._periods + np.argmin(bounds >= 0.0))
         if not lowest >= self._lowest:
-            self._lowest, self._lowest_at = (lowest if lowest == lowest else -inf), self._periods + place
+            self._lowest, self._lowest_at = (-inf if isnan(lowest) else lowest), self._periods + place
         self._errors += float(errors.sum())
         self._is_known = self._is_known and bool((known > 0).all())
         self._periods += CHUNK
@@ -188,7 +193,7 @@ class _CourseRecord:
 
 
 def _step(design: FilterDesign, chains: Sequence[BarrierChain]) -> ca.Function:
-    """Return one period: from (x, t, u before) and whether that u is held to (x, t, u) and what is seen of the period."""
+    """Return one period: from (x, t, u before), and whether that u is held, to (x, t, u) and what is seen of it."""
     system = design.system
     low, high = design.limits.interval(system.u, design.dt_s)
     law = design.limits.clip(design.fail_safe, system.u, low, high)
@@ -198,7 +203,8 @@ def _step(design: FilterDesign, chains: Sequence[BarrierChain]) -> ca.Function:
     end = ca.densify(ca.vertcat(x_next, system.t + design.dt_s, system.u))
     period = ca.Function("period", [ca.vertcat(system.x, system.t), system.u], [end, seen])
     state, held = ca.vertcat(system.x, system.t, system.u), ca.SX.sym("held")
-    return ca.Function("step", [state, held], period(state[: -system.m], ca.if_else(held, system.u, law)))
+    after, observed = period(state[: -system.m], ca.if_else(held, system.u, law))
+    return ca.Function("step", [state, held], [after, observed])
 
 
 def _lower_bounds(design: FilterDesign, chains: Sequence[BarrierChain], x_next: ca.SX) -> tuple[ca.SX, ca.SX]:

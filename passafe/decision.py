@@ -31,12 +31,13 @@ class Status(IntEnum):
 
     AT_SAMPLES = 7
     """The hard rows can be kept at the sample, but no admissible input is known to keep them with their margin for the
-    whole period: a fallback."""
+    whole period, nor any whose course is proven to keep every barrier: a fallback."""
 
     BACKUP = 8
-    """The rows could be kept, but the backup law's input is better, and sent. In the protected set that is the
-    gatekeeper's doing: from where the answer leads the backup law would not keep every barrier, which it is proven to
-    keep now. Outside of it the backup law loses barriers later, or by less. No fallback."""
+    """What is sent is judged by the backup law's course instead of by rows with margins. In the protected set every
+    barrier is proven to be kept on that course: the margins cannot be kept, but the barriers can; or a gatekeeper
+    refuses an answer, or finds that no input keeps the rows. Outside of it an answer keeps the rows, but the backup law
+    loses barriers later, or by less. No fallback."""
 
     @property
     def is_fallback(self) -> bool:

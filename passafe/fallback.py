@@ -11,6 +11,7 @@ the rows at the sample may be far too long for the period, and a part of it brak
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from math import ceil
 from typing import Final
 
@@ -26,6 +27,19 @@ PARTS: Final = (0.5, 0.25, 0.125, 0.0625, 0.03125)
 """Parts of the way from the backup's input to a candidate that are tried."""
 
 
+@dataclass(frozen=True, kw_only=True, slots=True)
+class BestCourse:
+    """The best of some inputs.
+
+    Attributes:
+        place: Place of the candidate; ``None`` for the backup law's input.
+        is_safe: Whether every barrier is proven to be kept on its course, until the robot rests.
+    """
+
+    place: int | None
+    is_safe: bool
+
+
 class Fallback:
     """Compares inputs by the courses that they lead to."""
 
@@ -39,11 +53,12 @@ class Fallback:
         self._rollout = BackupRollout(design, chains)
         self._held_periods = max(1, ceil(design.held_s / design.dt_s - SLACK_PERIODS))
 
-    def best(self, x: Array, t_s: float, u: Array, candidates: Sequence[Array]) -> int | None:
-        """Return the place of the best candidate, or ``None`` where the backup law's input is better than all.
+    def best(self, x: Array, t_s: float, u: Array, candidates: Sequence[Array]) -> BestCourse:
+        """Return the best of the candidates and the backup law's input.
 
         Courses are compared over twice the time in which the backup's gets lowest; one that is better is then followed
-        to its end, and counts if it is no worse there either. Once a candidate keeps every barrier the rest are not
+        to its end, and counts if it is no worse there either, nor safe without proof where the best so far is proven to
+        be. Once a candidate keeps every barrier the rest are not
         looked at.
 
         Args:
@@ -59,11 +74,11 @@ class Fallback:
             course = self._held(x, t_s, candidate, best, until)
             if course.is_no_worse_than(best) and (k == 0 or not best.is_no_worse_than(course)):
                 course = self._held(x, t_s, candidate, best)
-                if course.is_no_worse_than(best):
+                if course.is_no_worse_than(best) and (course.is_safe or not best.is_safe):
                     best, place = course, k
             if place is not None and best.is_no_worse_than(KEPT):
                 break
-        return place
+        return BestCourse(place=place, is_safe=best.is_safe)
 
     def is_backed(self, x: Array, t_s: float, u: Array) -> bool:
         """Return whether every barrier is proven to be kept if the backup law follows this input, whenever it does.

@@ -235,7 +235,11 @@ class SafetyPassivityFilter:
         return Attempt(Status.UNCERTIFIED, attempt.solver, False, self._block.read_assessment())
 
     def _choose(self, attempt: Attempt) -> Attempt:
-        """Send the answer of an attempt, unless another input or the backup law keeps the barriers longer."""
+        """Send the answer of an attempt, unless another input or the backup law keeps the barriers longer.
+
+        Where only the margins cannot be kept, but every barrier is proven to be kept on the course of what is sent,
+        that is no fallback; nor is it where a gatekeeper has kept the robot to such courses.
+        """
         block, fallback = self._block, self._fallback
         if fallback is None:
             return attempt if attempt.status is not Status.UNCERTIFIED else self._send_backup(attempt)
@@ -244,10 +248,15 @@ class SafetyPassivityFilter:
         candidates = [block.evaluation.u_plus.copy(), self._deepest_input(attempt)]
         request, others = block.request, len(candidates)
         candidates += between(self._backup_input(), candidates)
-        place = fallback.best(request.x, float(request.t[0]), self._input_before(), candidates)
-        if place is None:
-            return self._send_backup(attempt)
-        return attempt if place == 0 else self._send(candidates[place], DEEPEST if place < others else BETWEEN, attempt)
+        best = fallback.best(request.x, float(request.t[0]), self._input_before(), candidates)
+        if best.place is None:
+            chosen = self._send_backup(attempt)
+        elif best.place == 0:
+            chosen = attempt
+        else:
+            chosen = self._send(candidates[best.place], DEEPEST if best.place < others else BETWEEN, attempt)
+        is_proven = best.is_safe and (attempt.status is Status.AT_SAMPLES or self.design.gatekeeper)
+        return _by_course(chosen) if is_proven else chosen
 
     def _guard(self, attempt: Attempt) -> Attempt:
         """Send an answer that keeps every row, unless the backup law's input is better.
@@ -262,13 +271,12 @@ class SafetyPassivityFilter:
         request, u_plus, before = block.request, block.evaluation.u_plus.copy(), self._input_before()
         state = request.x, float(request.t[0])
         if attempt.assessment.lowest_psi < UNPROTECTED:
-            is_good = not self.compares_courses or fallback.best(*state, before, [u_plus]) is not None
+            is_good = not self.compares_courses or fallback.best(*state, before, [u_plus]).place is not None
         else:
             is_good = fallback.is_backed(*state, u_plus) or not fallback.keeps(*state, before)
         if is_good:
             return attempt
-        sent = self._send_backup(attempt)
-        return Attempt(Status.BACKUP, sent.solver, True, sent.assessment)
+        return _by_course(self._send_backup(attempt))
 
     def _deepest_input(self, attempt: Attempt) -> Array:
         """Return the admissible input that keeps the hard rows best, as they are posed now, shape (m,)."""
@@ -302,3 +310,8 @@ class SafetyPassivityFilter:
         residuals = block.residuals
         residuals.primal[:], residuals.dual[:], residuals.gap[:] = evidence.primal, evidence.dual, evidence.gap
         return Attempt(attempt.status, solver, False, block.read_assessment())
+
+
+def _by_course(attempt: Attempt) -> Attempt:
+    """Return an attempt whose input is sent because of its course."""
+    return Attempt(Status.BACKUP, attempt.solver, True, attempt.assessment)

@@ -43,6 +43,11 @@ class Passivity:
         require_positive("passivity slack_weight", self.slack_weight)
         require_positive("passivity relaxed_above", self.relaxed_above)
 
+    @property
+    def initial_j(self) -> float:
+        """Energy in the tank at the start, J; zero without one."""
+        return 0.0 if self.tank is None else self.tank.initial_j
+
 
 def power_margin(system: System, V: ca.SX) -> ca.SX:
     """Return h_u(x, u) = g(x)ᵀu − L_f V(x, u), W: what the plant dissipates (paper, equation 10).

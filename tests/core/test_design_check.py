@@ -148,14 +148,16 @@ BOX = StateBox(x0=(0.0,) * 4, low=(-2.0,) * 4, high=(2.0,) * 4)
 
 @pytest.mark.parametrize("tank", [None, Tank(initial_j=1.0, reserve_j=0.5, max_j=5.0, rate_per_s=5.0)])
 def test_a_wall_alone_can_always_be_kept(tank: Tank | None) -> None:
-    for found in row_findings(SafetyPassivityFilter(walled(tank=tank)), BOX, 40, 3):
-        assert found.severity is Severity.NOTE
-        assert "of 40 in the protected set, rows can be kept with margins in 40, without in 40" in found.found
+    random, driven, backup = row_findings(SafetyPassivityFilter(walled(tank=tank)), BOX, 40, 3)
+
+    assert {found.severity for found in (random, driven, backup)} == {Severity.NOTE}
+    assert "of 40 in the protected set, rows can be kept with margins in 40, without in 40" in random.found
+    assert driven.found.endswith("no fallback")
 
 
 def test_a_drive_too_weak_for_its_gains_is_a_warning() -> None:
     box = replace(BOX, low=(-2.0, 0.0, 4.0, 0.0), high=(0.0, 0.0, 8.0, 0.0))
-    random, _ = row_findings(SafetyPassivityFilter(walled(bound=0.5)), box, 200, 3)
+    random, *_ = row_findings(SafetyPassivityFilter(walled(bound=0.5)), box, 200, 3)
 
     assert random.severity is Severity.WARNING
     assert "passafe feasibility" in random.advice
@@ -163,14 +165,14 @@ def test_a_drive_too_weak_for_its_gains_is_a_warning() -> None:
 
 def test_rows_that_can_never_be_kept_are_refused() -> None:
     box = StateBox(x0=(0.0, 0.0, 4.9, 0.0), low=(-0.1, 0.0, 4.9, 0.0), high=(-1e-3, 0.0, 5.0, 0.0))
-    random, _ = row_findings(SafetyPassivityFilter(walled(bound=0.05)), box, 40, 3)
+    random, *_ = row_findings(SafetyPassivityFilter(walled(bound=0.05)), box, 40, 3)
 
     assert random.severity is Severity.REFUSED
 
 
 def test_no_state_of_the_box_in_the_protected_set_is_said() -> None:
     box = replace(BOX, low=(2.0, 0.0, 0.0, 0.0), high=(3.0, 0.0, 0.0, 0.0))
-    random, _ = row_findings(SafetyPassivityFilter(walled()), box, 8, 3)
+    random, *_ = row_findings(SafetyPassivityFilter(walled()), box, 8, 3)
 
     assert random.found == "none of those drawn is in the protected set"
 

@@ -52,9 +52,9 @@ def test_a_part_of_the_way_brakes_where_all_of_it_races() -> None:
     x, before, full = np.array([0.8, 0.4, 0.0]), np.zeros(1), np.array([-50.0])
     judge = fallback(coaster())
 
-    assert judge.best(x, 0.0, before, [full]) is None
+    assert judge.best(x, 0.0, before, [full]).place is None
     parts = between(before, [full])
-    place = judge.best(x, 0.0, before, [full, *parts])
+    place = judge.best(x, 0.0, before, [full, *parts]).place
     assert place is not None
     assert -50.0 < parts[place - 1][0] < 0.0
 
@@ -79,7 +79,7 @@ def test_a_candidate_counts_by_its_worse_hold(hold_s: float, expected: int | Non
     """Backwards from 0.4 m/s at −4 m/s²: a period brakes a little, thirty end at 0.8 m/s."""
     judge = fallback(coaster(dt_s=0.01, hold_s=hold_s))
 
-    assert judge.best(np.array([0.8, 0.4, 0.0]), 0.0, np.zeros(1), [np.array([-4.0])]) == expected
+    assert judge.best(np.array([0.8, 0.4, 0.0]), 0.0, np.zeros(1), [np.array([-4.0])]).place == expected
 
 
 def test_a_course_that_is_already_worse_is_not_followed() -> None:

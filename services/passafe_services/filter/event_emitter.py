@@ -43,7 +43,7 @@ _EVENTS: Final = {
     ),
     FilterStatus.BACKUP: (
         "warning",
-        "the answer leads where the backup law would not keep every barrier: the backup law's input is sent",
+        "what is sent is judged by the backup law's course: it keeps every barrier, or keeps them longer",
     ),
 }
 _NORMAL: Final = ("info", "the filter's decisions are certified and its inputs fresh again")

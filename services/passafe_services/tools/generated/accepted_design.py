@@ -1,41 +1,87 @@
 """The check of a generated design: what ``passafe check`` would say of it before anything moves."""
 
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
 
+from passafe.backup_start import is_kept_from
 from passafe.design_check import check_design
+from passafe.driven_states import driven_finding
 from passafe.errors import IntegrationError
 from passafe.filter import SafetyPassivityFilter
-from passafe.finding import Severity
+from passafe.finding import Finding, Severity
 from passafe.row_share import StateBox
 from passafe_services.tools.generated.generated_design import GeneratedDesign
 from passafe_services.tools.generated.protected_set import ProtectedSet
 
 SAMPLES: Final = 32
-"""Random states of a check, and as many that operators reach: a decision in a fallback is a slow one."""
+"""Random states of a check: a decision in a fallback is a slow one."""
+
+LOOP_OPERATORS: Final = 2
+"""Operators that drive from the start of every single loop."""
 
 STREAM: Final = 0xC4EC
 """First part of the seed of the start that a check is given."""
 
 
+def start_of_check(design: GeneratedDesign, protected: ProtectedSet) -> tuple[float, ...] | None:
+    """Return a random start in the protected set; ``None`` if no random state of the box is in it.
+
+    Args:
+        design: The design.
+        protected: Its protected set.
+    """
+    inside, _ = protected.draw(np.random.default_rng([STREAM, design.seed]))
+    return tuple(inside[:, 0].tolist()) if inside.size else None
+
+
+def built(design: GeneratedDesign, x0: Sequence[float] | None) -> SafetyPassivityFilter:
+    """Return the filter of a design, with a gatekeeper if it is to have one and that has something to hold on to.
+
+    Args:
+        design: The design.
+        x0: Start of its check.
+
+    Raises:
+        DesignError: The core refuses a part of it.
+    """
+    core = SafetyPassivityFilter(design.filter_design())
+    if design.gatekeeper and x0 is not None and is_kept_from(core, x0):
+        return SafetyPassivityFilter(design.filter_design(gatekeeper=True))
+    return core
+
+
 def check_warnings(
-    design: GeneratedDesign, core: SafetyPassivityFilter, protected: ProtectedSet
+    design: GeneratedDesign, core: SafetyPassivityFilter, x0: tuple[float, ...] | None
 ) -> tuple[tuple[Severity, str], ...]:
-    """Return the findings of a design that are more than notes, from a random start in its protected set.
+    """Return the findings of a design that are more than notes.
 
     Args:
         design: The design.
         core: Its filter.
-        protected: Its protected set.
+        x0: Start of its check.
     """
-    inside, _ = protected.draw(np.random.default_rng([STREAM, design.seed]))
-    if not inside.size:
+    if x0 is None:
         return ((Severity.WARNING, "no random state of the box is in the protected set"),)
-    x0 = tuple(inside[:, 0].tolist())
     box = StateBox(x0=x0, low=design.plant.low, high=design.plant.high)
     try:
         findings = check_design(core, box, samples=SAMPLES, seed=design.seed)
     except IntegrationError as error:
         return ((Severity.WARNING, str(error)),)
     return tuple((each.severity, str(each)) for each in findings if each.severity is not Severity.NOTE)
+
+
+def start_warning(core: SafetyPassivityFilter, x0: Sequence[float], seed: int) -> str:
+    """Return what a check of one loop's own start finds; empty if it is clean.
+
+    Args:
+        core: The filter.
+        x0: The start, n numbers.
+        seed: Seed of the loop.
+    """
+    try:
+        found: Finding = driven_finding(core, x0, SAMPLES, seed, LOOP_OPERATORS)
+    except IntegrationError as error:
+        return str(error)
+    return "" if found.severity is Severity.NOTE else str(found)

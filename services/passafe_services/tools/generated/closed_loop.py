@@ -58,7 +58,11 @@ class LoopTrace:
 
 
 class ClosedLoop:
-    """Runs loops of one design."""
+    """Runs loops of one design.
+
+    Attributes:
+        core: Its filter.
+    """
 
     def __init__(self, design: GeneratedDesign, core: SafetyPassivityFilter) -> None:
         """Compile the plant.
@@ -68,21 +72,26 @@ class ClosedLoop:
             core: Its filter.
         """
         plant = design.plant
-        self._design, self._core = design, core
+        self._design, self.core = design, core
         self._dt_s = design.timing.dt_s
         self._flow, self._watch = DenseFlow(plant.system, self._dt_s), Watch(design)
         self._fail_safe = ca.Function("fail_safe", [plant.system.x], [ca.densify(plant.fail_safe)])
         low, high = np.array(plant.low), np.array(plant.high)
         self._middle, self._furthest = (low + high) / 2, FAR * (high - low)
 
-    def run(self, plan: LoopPlan) -> LoopTrace:
-        """Return what happens when the filter decides."""
+    def run(self, plan: LoopPlan, most_fallbacks: int | None = None) -> LoopTrace:
+        """Return what happens when the filter decides.
+
+        Args:
+            plan: The loop.
+            most_fallbacks: Ticks in a fallback after which the loop ends; ``None`` for no limit.
+        """
         trace, m = LoopTrace(), self._design.plant.system.m
         zero, slack_w, lost_j = np.zeros(m), 0.0, 0.0
         level_j = self._design.tank.initial_j if self._design.tank else 0.0
-        x, before = plan.x, zero
+        x, before, fallbacks = plan.x, zero, 0
         for k, arrives in enumerate(plan.arrives.tolist()):
-            if not self._is_near(x):
+            if not self._is_near(x) or (most_fallbacks is not None and fallbacks >= most_fallbacks):
                 break
             decision = self._decide(k, x, before, plan, level_j)
             u = np.array(decision.u)
@@ -93,6 +102,7 @@ class ClosedLoop:
             if not np.isfinite(after).all():
                 break  # at a singular point of the model there is nothing to judge
             trace.add(x, before, decision.status, lowest)
+            fallbacks += decision.status.is_fallback
             x, before, slack_w = after, applied, granted_w
             level_j, lost_j = lowest.level_j, lost_j + slack_w * self._dt_s
             trace.accounted_j.append(lowest.tank_j + lost_j)
@@ -123,7 +133,7 @@ class ClosedLoop:
     def _decide(self, k: int, x: Array, before: Array, plan: LoopPlan, level_j: float) -> Decision:
         u_h, rate = plan.operator(k, x)
         state, in_force = x.tolist(), before.tolist()
-        return self._core.decide(state, in_force, u_h.tolist(), rate.tolist(), level_j, k * self._dt_s, start=k == 0)
+        return self.core.decide(state, in_force, u_h.tolist(), rate.tolist(), level_j, k * self._dt_s, start=k == 0)
 
     def _advance(self, k: int, x: Array, u: Array, level_j: float) -> tuple[Array, Lowest]:
         period = self._flow.over(x, u)

@@ -28,6 +28,8 @@ ORACLE_STATES: Final = {True: 1000, False: 100}
 TIGHTEST, LOOSEST = 0.3, 30.0
 """Limits as multiples of what the rows ask for at most in random states: below one they are too tight."""
 
+SHARE_WITH_GATEKEEPER: Final = 0.25
+
 LEAST_INPUT: Final = 0.2
 """Least limit, in units of the plant's input scale."""
 
@@ -48,6 +50,7 @@ class GeneratedDesign:
         k_i: α/2, 1/s.
         oracle_share: Share of random states in the protected set in which some admissible input keeps all rows; NaN
             without such a state.
+        gatekeeper: Whether it is to have a gatekeeper, if the fail-safe law keeps every barrier from its start.
     """
 
     seed: int
@@ -60,6 +63,7 @@ class GeneratedDesign:
     tank: Tank | None
     k_i: float
     oracle_share: float
+    gatekeeper: bool
 
     @classmethod
     def of(cls, seed: int) -> "GeneratedDesign":
@@ -94,6 +98,7 @@ class GeneratedDesign:
             mode=mode,
             tank=_draw_tank(rng, plant) if mode is Mode.BOTH and chance(rng, 0.7) else None,
             k_i=log_uniform(rng, 0.05, 0.95) / timing.dt_s,
+            gatekeeper=chance(np.random.default_rng([STREAM, seed, 1]), SHARE_WITH_GATEKEEPER),
             oracle_share=float(oracle.exists(states, limits).mean()) if states.size else float("nan"),
         )
 
@@ -102,8 +107,11 @@ class GeneratedDesign:
         """True if the oracle found an admissible input in every state that it was asked about."""
         return self.oracle_share == 1.0
 
-    def filter_design(self) -> FilterDesign:
+    def filter_design(self, *, gatekeeper: bool = False) -> FilterDesign:
         """Return what the filter is derived from.
+
+        Args:
+            gatekeeper: Whether it has a gatekeeper.
 
         Raises:
             DesignError: The core refuses a part of it.
@@ -125,6 +133,7 @@ class GeneratedDesign:
             input_norm_bound=limits.norm,
             input_rate_bound_per_s=limits.rate_per_s,
             mode=self.mode,
+            gatekeeper=gatekeeper,
         )
 
 

@@ -10,10 +10,9 @@ from typing import Final
 import numpy as np
 
 from passafe.errors import DesignError
-from passafe.filter import SafetyPassivityFilter
 from passafe.finding import Severity
 from passafe.workspace import Array
-from passafe_services.tools.generated.accepted_design import check_warnings
+from passafe_services.tools.generated.accepted_design import built, check_warnings, start_of_check, start_warning
 from passafe_services.tools.generated.closed_loop import ClosedLoop
 from passafe_services.tools.generated.generated_design import GeneratedDesign
 from passafe_services.tools.generated.loop_plan import LoopPlan
@@ -21,14 +20,17 @@ from passafe_services.tools.generated.loop_result import ROUNDING, LoopResult
 from passafe_services.tools.generated.protected_set import ProtectedSet
 from passafe_services.tools.runs.results_file import ResultsFile, ResultsHeading
 
-LOOPS: Final = 4
-"""Loops of every design: seed s is loop s mod 4 of design ⌊s/4⌋."""
+LOOPS: Final = 8
+"""Loops of every design: seed s is loop s mod 8 of design ⌊s/8⌋."""
 
-MOST_DESIGNS: Final = 25
+MOST_DESIGNS: Final = 5
 """Designs of one chunk, at most: results come every few seconds."""
 
 COMPARED: Final = 3
 """Entries into a fallback of each loop from which braking is rolled out, at most."""
+
+MOST_FALLBACKS: Final = 40
+"""Ticks in a fallback after which a loop without the promise h ≥ 0 ends: each costs as much as a hundred others."""
 
 BETTER: Final = 1e-6
 """By how much more h braking has to keep, relative to 1 + |h|, to count as better where both last equally long."""
@@ -79,13 +81,15 @@ def loops_of(design: GeneratedDesign, seeds: Sequence[int]) -> list[LoopResult]:
         hold_s=design.timing.held_s,
         oracle_share=design.oracle_share,
     )
+    protected = ProtectedSet(design.plant, design.chains)
+    x0 = start_of_check(design, protected)
     try:
-        core = SafetyPassivityFilter(design.filter_design())
+        core = built(design, x0)
     except DesignError as error:
         return [known.model_copy(update={"seed": seed, "refusal": str(error)}) for seed in seeds]
-    protected = ProtectedSet(design.plant, design.chains)
-    found = check_warnings(design, core, protected)
-    known = known.model_copy(update={"warnings": tuple(text for _, text in found)})
+    found = check_warnings(design, core, x0)
+    said = {"warnings": tuple(text for _, text in found), "gatekeeper": core.design.gatekeeper}
+    known = known.model_copy(update=said)
     if any(severity is Severity.REFUSED for severity, _ in found):
         return [known.model_copy(update={"seed": seed, "refusal": known.warnings[0]}) for seed in seeds]
     loop = ClosedLoop(design, core)
@@ -94,13 +98,16 @@ def loops_of(design: GeneratedDesign, seeds: Sequence[int]) -> list[LoopResult]:
 
 def _result(known: LoopResult, design: GeneratedDesign, loop: ClosedLoop, protected: ProtectedSet) -> LoopResult:
     plan = LoopPlan.of(known.seed, design, protected)
-    trace = loop.run(plan)
+    is_promised = known.is_accepted and plan.started_inside
+    warning = start_warning(loop.core, plan.x.tolist(), known.seed) if is_promised else ""
+    trace = loop.run(plan, None if is_promised and not warning else MOST_FALLBACKS)
     entries, lowest = trace.entries(), trace.lowest
     better = [first for first in entries[:COMPARED] if keeps_longer(loop.brake(plan, trace, first), trace.h(first))]
     tank, reserve_j = design.tank, design.tank.reserve_j if design.tank else 0.0
     return known.model_copy(
         update={
             "started_inside": plan.started_inside,
+            "start_warning": warning,
             "operator": plan.operator_name,
             "lost": int((~plan.arrives[: len(lowest)]).sum()),
             "ticks": len(lowest),

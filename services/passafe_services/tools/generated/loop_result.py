@@ -27,7 +27,9 @@ class LoopResult(SweepRecord):
         oracle_share: Share of random protected states in which some admissible input keeps all rows.
         refusal: Why the filter was not built; empty if it was.
         warnings: What the check of the design found; empty if it was clean.
+        gatekeeper: Whether the filter had one.
         started_inside: Whether the start was in the protected set.
+        start_warning: What a check of this very start found; empty if it was clean, or not asked for.
         operator: Name of the operator.
         lost: Inputs that did not arrive.
         ticks: Decisions taken.
@@ -51,7 +53,9 @@ class LoopResult(SweepRecord):
     oracle_share: float
     refusal: str = ""
     warnings: tuple[str, ...] = ()
+    gatekeeper: bool = False
     started_inside: bool = False
+    start_warning: str = ""
     operator: str = ""
     lost: int = 0
     ticks: int = 0
@@ -79,8 +83,8 @@ class LoopResult(SweepRecord):
 
     @property
     def counts(self) -> bool:
-        """True if the filter promises h ≥ 0: an accepted design that started in the protected set."""
-        return self.is_accepted and self.started_inside
+        """True if the filter promises h ≥ 0: an accepted design, and a start in the protected set without a warning."""
+        return self.is_accepted and self.started_inside and not self.start_warning
 
     @property
     def is_safe(self) -> bool:

@@ -20,7 +20,8 @@ class FamilySummary(SweepRecord):
     Attributes:
         family: Name.
         loops: How many.
-        counted: Those of accepted designs that started in the protected set.
+        counted: Those of accepted designs that started in the protected set, from where the check was clean.
+        start_warned: Those of accepted designs that started in the protected set, but where the check was not.
         safe: Of these, those with h ≥ 0 at and between samples.
         unsafe_seeds: The others, those without a fallback first.
         unsafe_without_fallback: How many of the others never entered a fallback.
@@ -42,6 +43,7 @@ class FamilySummary(SweepRecord):
     family: str
     loops: int
     counted: int
+    start_warned: int
     safe: int
     unsafe_seeds: tuple[int, ...]
     unsafe_without_fallback: int
@@ -74,6 +76,7 @@ class FamilySummary(SweepRecord):
             family=family,
             loops=len(results),
             counted=len(counted),
+            start_warned=sum(bool(result.start_warning) for result in run),
             safe=len(counted) - len(unsafe),
             unsafe_seeds=_seeds(unsafe),
             unsafe_without_fallback=sum(r.fallback_ticks == 0 for r in unsafe),
