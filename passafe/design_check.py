@@ -51,7 +51,7 @@ def check_design(
     Args:
         core: The filter.
         box: Its start, and the box that random states are drawn from.
-        samples: Number of random states, and of states that random operators reach.
+        samples: Number of random states.
         seed: Seed of both.
     """
     return (*formula_findings(core.design, core.chains, box.x0), *row_findings(core, box, samples, seed))

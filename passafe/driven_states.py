@@ -59,7 +59,7 @@ def driven_finding(
     Args:
         core: The filter.
         x0: Start, n numbers.
-        samples: Number of random states that are looked at elsewhere: bounds the time of this one, too.
+        samples: Number of random states of the same check, which bounds the time of this part, too.
         seed: Seed of the operators.
         operators: How many drive.
     """

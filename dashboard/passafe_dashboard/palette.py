@@ -33,7 +33,9 @@ STATUS_STYLES: Final[dict[FilterStatus, StatusStyle]] = {  # in the order of sev
     FilterStatus.PASSED: StatusStyle("the operator's input goes through unchanged", "#00785A", PAPER),
     FilterStatus.MODIFIED: StatusStyle("the filter changes the input; every row is kept", "#0072B2", PAPER),
     FilterStatus.RELAXED: StatusStyle("the passivity row is relaxed by the slack", "#E69F00", INK),
-    FilterStatus.BACKUP: StatusStyle("the backup law's course keeps the barriers, whatever the rows say", "#56B4E9", INK),
+    FilterStatus.BACKUP: StatusStyle(
+        "the backup law's course keeps the barriers, whatever the rows say", "#56B4E9", INK
+    ),
     FilterStatus.STOPPED: StatusStyle("an emergency stop is latched at the plant; nothing is sent", "#8B0000", PAPER),
     FilterStatus.STALE: StatusStyle("command or plant state is too old; fallback in force", "#8A8A8A", INK),
     FilterStatus.AT_SAMPLES: StatusStyle(

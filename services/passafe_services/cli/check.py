@@ -32,7 +32,7 @@ def check(
 
     Looks at the relative degree of every barrier, the set that its start is in, whether the plant's fail-safe keeps
     every barrier when its inputs are held for a period, the limits of the input, the storage function, play-out and
-    loop rate, and decides in random states and in those that random operators reach: how often can the rows be kept,
+    loop rate, and decides in random states and drives from the start at the limits: how often can the rows be kept,
     with the margins between samples and without? Every finding says what, with which value, and what to change.
 
     Commands that run a scenario print its warnings too, except those that take decisions, and refuse what cannot be

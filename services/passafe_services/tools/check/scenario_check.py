@@ -39,7 +39,7 @@ def scenario_findings(scenario: Scenario, samples: int, seed: int) -> tuple[Find
 
     Args:
         scenario: The scenario.
-        samples: Number of random states, and of states that operators reach.
+        samples: Number of random states.
         seed: Seed of both.
     """
     try:
