@@ -69,7 +69,7 @@ def test_a_live_log_is_complete(finished: tuple[RunLog, list[str], int]) -> None
     }
 
 
-def test_the_filter_repeats_its_scenario_for_those_that_come_later(finished: tuple[RunLog, list[str], int]) -> None:
+def test_filter_repeats_its_scenario_for_late_joiners(finished: tuple[RunLog, list[str], int]) -> None:
     log, _, _ = finished
     scenarios = [message.body.scenario_json for message in log.of(ScenarioInfo)]
 
