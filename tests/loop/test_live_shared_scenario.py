@@ -13,8 +13,9 @@ from passafe_protocol.messages import Event, Header, ScenarioInfo
 from passafe_protocol.topics import SCENARIO, Topic
 from passafe_services.cli.errors import OptionError
 from passafe_services.cli.joined_scenario import joined_scenario
-from passafe_services.loop.bus import listening_router, open_bus
+from passafe_services.loop.bus import open_bus
 from passafe_services.loop.router_endpoint import RouterEndpoint
+from passafe_services.loop.routing import listening_router
 from passafe_services.loop.running_scenario import running_scenario
 from passafe_services.loop.shared_scenario import SharedScenario, digest
 from passafe_services.scenarios.load import load_scenario
