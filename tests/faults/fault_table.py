@@ -42,6 +42,7 @@ def main(
     seed: Annotated[int, typer.Option(help="Seed of the first pass.")] = 1,
     out: Annotated[Path, typer.Option(help="Folder of the results.")] = Path("runs/faults"),
     only: Annotated[str, typer.Option(help="Only faults whose name contains this.")] = "",
+    note: Annotated[str, typer.Option(help="What to say of the machine.")] = "",
     write: Annotated[Path | None, typer.Option(help="Markdown file for the table.")] = None,
 ) -> None:
     """Run the passes that have no results yet, and write the table."""
@@ -57,14 +58,14 @@ def main(
         else:
             found = [Result(**values) for values in json.loads(kept.read_text(encoding="utf-8"))]
         results.append(found)
-    text = table(results)
+    text = table(results, note)
     sys.stdout.write(text)
     if write is not None:
         write.write_text(text, encoding="utf-8")
     raise typer.Exit(any(result.broken for found in results for result in found))
 
 
-def table(results: Sequence[Sequence[Result]]) -> str:
+def table(results: Sequence[Sequence[Result]], note: str = "") -> str:
     """Return the page with the table of several passes: of each fault the worst times."""
     faults = (*survived(), *from_strangers(), *ending())
     every = [result for found in results for result in found]
@@ -73,7 +74,7 @@ def table(results: Sequence[Sequence[Result]]) -> str:
     lines = [
         HEAD,
         f"{len(results)} passes, {len(every)} faults injected, **{broken} broken promises**; smallest barrier value of",
-        f"all runs {h_min:.2g}.",
+        f"all runs {h_min:.2g}. {note}".rstrip(),
         "",
         "| fault | at | promised | to safe, s | to recover, s | what was said | broken |",
         "|---|---|---|---|---|---|---|",

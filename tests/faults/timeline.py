@@ -93,7 +93,7 @@ class Timeline:
         driven = without_stumbles(driven, round(STUMBLE_S * 1e9) // GRID_NS)
         lost = next((k for k, so in enumerate(driven) if not so), None)
         story = self._story(began_ns, until_ns)
-        if lost is None:
+        if lost is None or undriven_s <= STUMBLE_S:
             return Effect(to_safe_s=None, to_recover_s=0.0, undriven_s=undriven_s, story=story)
         begin = max(lost, bisect_left(grid, ended_ns))
         again = next((k for k in range(begin, len(driven)) if all(driven[k : k + LASTING])), None)
