@@ -74,7 +74,8 @@ def table(results: Sequence[Sequence[Result]], note: str = "") -> str:
     lines = [
         HEAD,
         f"{len(results)} passes, {len(every)} faults injected, **{broken} broken promises**; smallest barrier value of",
-        f"all runs {h_min:.2g}. {note}".rstrip(),
+        f"all runs {h_min:.2g}.",
+        *([] if not note else ["", note]),
         "",
         "| fault | at | promised | to safe, s | to recover, s | what was said | broken |",
         "|---|---|---|---|---|---|---|",
