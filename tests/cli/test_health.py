@@ -45,6 +45,7 @@ def test_run_takes_its_options_from_the_environment(tmp_path: Path, monkeypatch:
         "PASSAFE_PORT": "8181",
         "PASSAFE_PAGE_NAME": "robot.example",
         "PASSAFE_OUT": str(tmp_path),
+        "PASSAFE_START_STOPPED": "0",
         "PASSAFE_HEALTH": str(tmp_path),
     }
 
@@ -56,6 +57,7 @@ def test_run_takes_its_options_from_the_environment(tmp_path: Path, monkeypatch:
     assert options.endpoint.locator == "tcp/router:7448"
     assert options.robot == "r7"
     assert (options.host, options.port) == ("0.0.0.0", 8181)  # noqa: S104 - nothing listens
+    assert not options.start_stopped
     assert options.page_names == ("robot.example",)
     assert options.out.parent == tmp_path
     assert options.health.wanted
