@@ -29,7 +29,7 @@ class Outlet:
     Args:
         bus: The session.
         source: Name of the process; the table of topics lists what it may publish.
-        epoch: Session number, larger than that of every previous session of this process.
+        epoch: Session number, another than that of every other session of this process.
         health: Reports the health that the process publishes, also to what supervises it.
 
     Attributes:

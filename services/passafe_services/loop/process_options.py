@@ -30,7 +30,7 @@ class ProcessOptions:
         port: Dashboard: port of its page.
         host: Dashboard: address of its page.
         page_names: Dashboard: further names by which its page is reached.
-        epoch: Epoch of its session, larger than those of all earlier ones of this process.
+        epoch: Epoch of its session, another than those of all earlier ones of this process.
         take_over: Operator: whether to take the lease over from the operator that holds it.
         start_stopped: Plant: whether its emergency stop is latched from the start.
         lifeline: Whether to end when standard input closes.

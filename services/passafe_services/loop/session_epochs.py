@@ -1,4 +1,4 @@
-"""Epochs of the sessions that one supervisor starts: they grow whatever the wall clock does."""
+"""Epochs of the sessions that one supervisor starts: no two are equal, whatever the wall clock does."""
 
 import time
 from collections.abc import Callable
@@ -7,8 +7,8 @@ from collections.abc import Callable
 class SessionEpochs:
     """Gives every process an epoch larger than that of every process started before it.
 
-    An epoch is the wall clock's time, so that it is larger than those of earlier runs; but a clock that was set back,
-    or that was ahead when an earlier process started, must not lock a restarted process out.
+    An epoch is the wall clock's time, so that no earlier run had it; but a clock that was set back could give it twice.
+    Readers do not order sessions by their epochs.
     """
 
     def __init__(self, wall_ns: Callable[[], int] = time.time_ns) -> None:
