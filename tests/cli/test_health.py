@@ -46,6 +46,7 @@ def test_run_takes_its_options_from_the_environment(tmp_path: Path, monkeypatch:
         "PASSAFE_PAGE_NAME": "robot.example",
         "PASSAFE_OUT": str(tmp_path),
         "PASSAFE_START_STOPPED": "0",
+        "PASSAFE_INSECURE": "1",
         "PASSAFE_HEALTH": str(tmp_path),
     }
 
