@@ -153,7 +153,7 @@ class BackupRollout:
 
 
 class _CourseRecord:
-    """What a course has kept so far."""
+    """Record of a course as far as it was followed."""
 
     def __init__(self) -> None:
         self._periods = 0

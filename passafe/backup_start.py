@@ -1,4 +1,4 @@
-"""What the fail-safe law keeps from the start, followed until the robot rests."""
+"""The barriers that the fail-safe law keeps from the start, followed until the robot rests."""
 
 from collections.abc import Iterator, Sequence
 

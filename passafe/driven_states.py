@@ -1,4 +1,4 @@
-"""What operators at the limits of the input reach from the start, through the filter: whether rows can be kept there.
+"""States that operators at the limits reach from the start, through the filter: can rows be kept there?
 
 Random states say how much of the protected set is good; these say whether a robot gets to where it is not. Some
 operators ask for the same corner of the limits all the time, as one who drives at a wall; others change it now and

@@ -1,4 +1,4 @@
-"""What decisions say of a design: where its rows can be kept, and whether operators drive the robot to where not."""
+"""Findings that take decisions: where rows can be kept, and whether operators drive the robot to where they cannot."""
 
 from collections import Counter
 from collections.abc import Iterator

@@ -69,7 +69,7 @@ def test_a_gatekeeper_has_no_fallback_where_the_law_keeps_all() -> None:
     assert found.found == "keeps every barrier until the robot rests, h ≥ 1: a gatekeeper would do so for ever"
 
 
-def test_a_start_too_fast_for_the_law_leaves_a_gatekeeper_helpless() -> None:
+def test_too_fast_a_start_leaves_a_gatekeeper_helpless() -> None:
     """From 2 m/s it takes 2 m to stop: h = −1 after 2 s."""
     core = SafetyPassivityFilter(walled(20.0, gatekeeper=True))
 
