@@ -51,15 +51,15 @@ class Fallback:
             chains: Chains of the enforced barriers.
         """
         self._rollout = BackupRollout(design, chains)
+        self._has_gatekeeper = design.gatekeeper
         self._held_periods = max(1, ceil(design.held_s / design.dt_s - SLACK_PERIODS))
 
     def best(self, x: Array, t_s: float, u: Array, candidates: Sequence[Array]) -> BestCourse:
         """Return the best of the candidates and the backup law's input.
 
         Courses are compared over twice the time in which the backup's gets lowest; one that is better is then followed
-        to its end, and counts if it is no worse there either, nor safe without proof where the best so far is proven to
-        be. Once a candidate keeps every barrier the rest are not
-        looked at.
+        to its end, and counts if it is no worse there either. For a gatekeeper it must be proven to be safe if the best
+        so far is. Once a candidate keeps every barrier the rest are not looked at.
 
         Args:
             x: State, shape (n,).
@@ -74,7 +74,7 @@ class Fallback:
             course = self._held(x, t_s, candidate, best, until)
             if course.is_no_worse_than(best) and (k == 0 or not best.is_no_worse_than(course)):
                 course = self._held(x, t_s, candidate, best)
-                if course.is_no_worse_than(best) and (course.is_safe or not best.is_safe):
+                if course.is_no_worse_than(best) and (course.is_safe or not (self._has_gatekeeper and best.is_safe)):
                     best, place = course, k
             if place is not None and best.is_no_worse_than(KEPT):
                 break
