@@ -99,3 +99,21 @@ def test_the_worse_of_two_courses_has_the_worst_of_each() -> None:
     other = Course(kept_periods=3.0, lowest=-0.5, lowest_at=7, is_proven=False, comes_to_rest=True)
 
     assert KEPT.or_worse(other) == other.or_worse(KEPT) == other
+
+
+def test_a_course_that_blows_up_keeps_nothing() -> None:
+    """From x = 2, ẋ = x³ is infinite after 1/8 s; the law does nothing about it."""
+    x, u = ca.SX.sym("x"), ca.SX.sym("u")
+    design = coaster(
+        system=System(x=x, u=u, f=x**3 + u, y=x),
+        barriers=(Barrier(name="wall", h=10 - x, class_k=(Linear(gain=1.0),) * 2),),
+        passivity=Passivity(V=x**2 / 2),
+        dt_s=0.1,
+    )
+    chains = [chain for barrier in design.barriers for chain in derive_chains(design.system, barrier)]
+    course = BackupRollout(design, chains).course(np.array([2.0]), 0.0, np.zeros(1), 0)
+
+    assert course.lowest == -np.inf
+    assert course.kept_periods < 3
+    assert not course.is_proven
+    assert not course.comes_to_rest
