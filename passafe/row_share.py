@@ -10,7 +10,7 @@ import numpy as np
 
 from passafe.backup_start import backup_findings
 from passafe.decision import Status
-from passafe.driven_states import driven_finding
+from passafe.driven_states import EASIER, driven_finding
 from passafe.filter import SafetyPassivityFilter
 from passafe.finding import Finding, Severity
 from passafe.vanishing_effect import vanishing_effect
@@ -77,7 +77,7 @@ def _share(statuses: Counter[Status]) -> Finding:
     severity, advice = Severity.NOTE, ""
     if with_margin < count:
         severity = Severity.WARNING if with_margin < ENOUGH * count else Severity.NOTE
-        advice = "wider limits of the input, lower gains, a higher rate or a shorter hold; see `passafe feasibility`"
+        advice = f"{EASIER}; see `passafe feasibility`"
     if at_all == 0 and count >= FEWEST:
         severity = Severity.REFUSED
     return Finding(severity=severity, topic="rows", subject="random states", found=found, advice=advice)

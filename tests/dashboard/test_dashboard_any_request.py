@@ -74,7 +74,7 @@ def test_no_request_makes_the_server_fail(
     page: ServedPage, path: str, method: str, name: str, body: bytes, kind: str
 ) -> None:
     url = page.url + path.replace("{name}", quote(name, safe="")).replace("{stop}", quote(name, safe=""))
-    answer = httpx.request(method, url, content=body, headers={"content-type": kind.encode("latin-1")}, timeout=30)  # type: ignore[dict-item]
+    answer = httpx.request(method, url, content=body, headers={b"content-type": kind.encode("latin-1")}, timeout=30)
 
     assert answer.status_code in ANSWERS, answer.text
     if answer.status_code == 422:

@@ -11,6 +11,7 @@ from passafe_dashboard.routes.own_hosts import OwnHosts
 from served_page import FastRun, ServedPage, frames, serve_page
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
+from websockets.typing import Origin
 
 EVIL = "rebound.example"
 EVERYWHERE = "::"
@@ -82,8 +83,8 @@ def test_the_answer_to_a_wrong_host_says_what_to_do(page: ServedPage) -> None:
 def test_socket_of_a_rebound_name_is_refused(page: ServedPage) -> None:
     with (
         pytest.raises(InvalidStatus) as refused,
-        connect(f"ws://{EVIL}/live", sock=_socket(page), origin=f"http://{EVIL}"),
-    ):  # type: ignore[arg-type]
+        connect(f"ws://{EVIL}/live", sock=_socket(page), origin=Origin(f"http://{EVIL}")),
+    ):
         pass
     assert refused.value.response.status_code == 421
 
@@ -91,7 +92,7 @@ def test_socket_of_a_rebound_name_is_refused(page: ServedPage) -> None:
 def test_a_page_by_another_own_name_is_let_in(page: ServedPage) -> None:
     own = f"localhost:{page.port}"
     assert httpx.get(page.url, headers={"host": own}).status_code == 200
-    with connect(f"ws://{own}/live", sock=_socket(page), origin=f"http://{own}", max_queue=None) as connection:  # type: ignore[arg-type]
+    with connect(f"ws://{own}/live", sock=_socket(page), origin=Origin(f"http://{own}"), max_queue=None) as connection:
         assert frames(connection, 1)
 
 

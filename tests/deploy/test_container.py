@@ -56,7 +56,7 @@ class Deployment:
             while not self.healthy(process):
                 output = self.host.run("podman", "logs", self.container(process), check=False)
                 assert time.monotonic() < end, f"{process} is not healthy: {output.stdout}{output.stderr}"
-                time.sleep(0.5)
+                time.sleep(0.5)  # each check starts a process: not more often
 
     def pid(self, process: str) -> int:
         return int(self.host.inspect(self.container(process))["State"]["Pid"])
@@ -156,7 +156,7 @@ def test_page_answers_on_the_published_port(deployment: Deployment) -> None:
 
 
 def test_robot_is_driven_and_its_log_is_in_the_volume(deployment: Deployment) -> None:
-    time.sleep(DRIVEN_S)
+    time.sleep(DRIVEN_S)  # what is judged is a drive of this length
     deployment.wait_until_healthy(*PROCESSES)
     for process in reversed(PROCESSES):  # the plant first, as `docker compose stop` does
         deployment.compose("stop", process)
@@ -177,7 +177,7 @@ def test_health_is_asked_of_the_loop_and_a_killed_filter_returns(deployment: Dep
     assert len(deployment.logs()) == 2  # a restarted recorder replaces no log
 
     os.kill(deployment.pid("plant"), signal.SIGSTOP)
-    time.sleep(3.5)
+    time.sleep(3.5)  # longer than the silence after which a loop counts as dead
     assert not deployment.healthy("plant")
     os.kill(deployment.pid("plant"), signal.SIGCONT)
 
@@ -186,5 +186,5 @@ def test_health_is_asked_of_the_loop_and_a_killed_filter_returns(deployment: Dep
     end = time.monotonic() + PATIENCE_S
     while deployment.pid("filter") in {killed, 0}:
         assert time.monotonic() < end
-        time.sleep(0.2)
+        time.sleep(0.2)  # the engine says nothing of a restart that one could wait for
     deployment.wait_until_healthy(*PROCESSES)

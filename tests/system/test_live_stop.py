@@ -99,7 +99,7 @@ def stop_outlasts_its_operator_and_filter(watch: Watch, demo: RunningDemo) -> No
     os.kill(children["filter"], signal.SIGKILL)  # another one is started
     os.kill(children["operator"], signal.SIGCONT)
     watch.until_lease(lambda lease: lease.number == 1)
-    time.sleep(0.2)
+    time.sleep(0.2)  # fifty periods in which nothing may move it
     assert watch.phases() == {PlantPhase.FAIL_SAFE}
     cleared = CliRunner().invoke(app, ["clear", "--router", demo.router])
     assert cleared.exit_code == 0, cleared.output

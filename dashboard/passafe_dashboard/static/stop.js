@@ -18,9 +18,9 @@ export function showStop({ stop, lease }) {
 
 function leaseText(lease) {
   if (!lease) return "–";
-  const other = lease.refused ? `; session ${lease.refused} is refused` : "";
+  const other = lease.refused ? "; another session is refused" : "";
   if (!lease.holder) return `free${other}`;
-  return `session ${lease.holder} (${lease.device}), heartbeat ${Math.round(lease.heartbeat_ms)} ms${other}`;
+  return `${lease.device}, heartbeat ${Math.round(lease.heartbeat_ms)} ms${other}`;
 }
 
 async function request(path, doing) {
