@@ -4,34 +4,23 @@ Make a log with ``passafe simulate --out runs/run.mcap``, then run ``python exam
 """
 
 import sys
-from pathlib import Path
 
-import pandas as pd
-from passafe_protocol.messages import FilterStatus, FilterTick, PlantState
-from passafe_services.tools.review.run_log import RunLog
+import passafe.log
 
-log = RunLog.read(Path(sys.argv[1]))  # decodes every message and counts what is missing
-print(f"{log.identity.scenario.title}: mode {log.identity.scenario.filter.mode}")
+run = passafe.log.read(sys.argv[1], topics=("tick", "state", "scenario"))  # every message, decoded and checked
+if run.scenario is not None:
+    print(f"{run.scenario.title}: mode {run.scenario.filter.mode}")
 
-# One row per tick of the filter. A message has a header (who, which one, when) and a body (what).
-ticks = pd.DataFrame(
-    {
-        "plant_s": message.body.effective_plant_ns / 1e9,  # plant time at which the input takes effect
-        "status": FilterStatus(message.body.status).name,
-        "h": min((report.psi[0] for report in message.body.barriers), default=float("nan")),  # ψ₀ = h
-        "power_margin_w": message.body.power_margin,
-        "command_age_ms": message.body.command_age_ns / 1e6,
-    }
-    for message in log.of(FilterTick)
-).set_index("plant_s")
+# One row per tick of the filter. `plant_s` is the plant time at which its input takes effect.
+ticks = run.ticks.pandas().set_index("plant_s")
+h = ticks.filter(regex="^barrier_.*_psi_0$").min(axis=1)  # ψ₀ = h of the nearest barrier
+ages_ms = ticks["command_age_ns"] / 1e6
 
-# One row per state of the plant, where the robot really was.
-states = pd.DataFrame(
-    {"plant_s": message.body.plant_ns / 1e9, "x1": message.body.x[0], "x2": message.body.x[1]}
-    for message in log.of(PlantState)
-).set_index("plant_s")
+# One row per state of the plant, where the robot really was. A table is a NumPy array for each column, too.
+places = run.states.matrix("x")[:, :2]
 
 print(ticks["status"].value_counts().to_string())
-print(ticks[["h", "power_margin_w"]].describe().loc[["min", "50%", "max"]].to_string())
-print(f"the tick nearest to a barrier was at {ticks['h'].idxmin():.3f} s")
-print(f"the robot ended at ({states['x1'].iloc[-1]:.3f}, {states['x2'].iloc[-1]:.3f})")
+print(ticks.assign(h=h)[["h", "power_margin"]].describe().loc[["min", "50%", "max"]].to_string())
+print(f"oldest command: {ages_ms.max():.1f} ms; units: {run.ticks.units['power_margin']}, {run.states.units['x_1']}")
+print(f"the tick nearest to a barrier was at {h.idxmin():.3f} s")
+print(f"the robot ended at ({places[-1, 0]:.3f}, {places[-1, 1]:.3f})")

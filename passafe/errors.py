@@ -13,6 +13,8 @@
             * ``ExperimentError``: an experiment
                 * ``UnknownExperimentError``: no experiment of that name and no such file
                 * ``UnreadableExperimentError``: a file that is no TOML
+        * ``ColumnNameError``: a column that a table does not have
+        * ``TopicNameError``: a topic that no log has
         * ``OptionError``: an option of a command
         * ``UnusableScenarioError``: a scenario that a check refuses
         * ``SourceConfigError``: a setting of a source of commands
@@ -33,6 +35,7 @@
         * ``ResultsFileError``: a file of results that a sweep cannot resume from
         * ``SchedulerError``: a cluster that cannot be used
         * ``LiveRunError``: a live run without a log
+    * ``MissingPackageError``: a package of an extra that is not installed
     * ``IntegrationError``: a step of a nonlinear plant that did not reach its stated accuracy
     * ``ProtocolError``: anything wrong with what crosses the wire
         * ``DecodeError``: bytes that are no message of their topic
@@ -50,6 +53,7 @@
             * ``ForeignLogError``: it is not of a run of passafe
             * ``ScenarioRecordError``: this build cannot read its scenario
             * ``MismatchedLogError``: its messages do not fit its scenario
+    * ``ExportError``: output of an export that cannot be written
     * ``KeysError``: keys that cannot be used
         * ``KeysMissingError``: a file of keys that is not there
         * ``KeysUnreadableError``: a file that cannot be read or is no such file, or one that others can read
@@ -70,7 +74,7 @@
 """
 
 from reprlib import Repr
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 _SHORT = Repr()
 _SHORT.maxstring = _SHORT.maxother = _SHORT.maxlong = 100
@@ -135,6 +139,28 @@ class RelativeDegreeError(DesignError):
             f"an h whose first {tried} time derivatives do not contain the input",
             "an h with a relative degree: the input must reach it through the dynamics",
         )
+
+
+class MissingPackageError(PassafeError):
+    """A package that is not installed, because it comes with an extra of passafe.
+
+    Attributes:
+        package: The package.
+        extra: The extra.
+    """
+
+    def __init__(self, package: str, extra: str) -> None:
+        self.package = package
+        self.extra = extra
+        super().__init__(f"no package {package!r}: install it with pip install 'passafe[{extra}]'")
+
+    @classmethod
+    def of(cls, error: ModuleNotFoundError, extra: str) -> Self:
+        """Return the error for a failed import; raise that itself if the module is one of passafe."""
+        package = str(error.name).partition(".")[0]
+        if package.startswith("passafe"):
+            raise error
+        return cls(package, extra)
 
 
 class IntegrationError(PassafeError):

@@ -47,6 +47,18 @@ def test_the_only_program_of_a_page_runs(page: Path, begins: str) -> None:
     assert done.stdout.startswith(begins)
 
 
+def test_the_program_that_opens_a_log_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    [program] = blocks(DOCS / "how-to" / "open-a-log.md", "python")
+    monkeypatch.chdir(tmp_path)
+    command = [sys.executable, "-P", "-m", "passafe_services.cli", "simulate", "--duration", "0.5"]
+    subprocess.run([*command, "--out", "runs/bad.mcap"], check=True, capture_output=True, timeout=120)
+
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
+
+    assert done.returncode == 0, done.stderr
+    assert "barrier_disk_psi_0" in done.stdout
+
+
 @pytest.mark.parametrize(("number", "name"), [(0, "two-walls"), (1, "every-kind")])
 def test_the_example_scenarios_run(number: int, name: str) -> None:
     scenario = scenario_from(tomllib.loads(blocks(OWN_SCENARIO, "toml")[number]), OWN_SCENARIO.name)

@@ -9,6 +9,7 @@ from passafe_services.cli import (
     check,
     demo,
     experiment,
+    export,
     feasibility,
     health,
     keys,
@@ -73,6 +74,7 @@ app.command("feasibility", rich_help_panel=VIRTUAL)(feasibility.feasibility)
 app.command("review", rich_help_panel=LOGS)(review.review)
 app.command("replay", rich_help_panel=LOGS)(replay.replay)
 app.command("recover", rich_help_panel=LOGS)(recover.recover_log)
+app.command("export", rich_help_panel=LOGS)(export.export)
 
 
 def main() -> None:

@@ -1,0 +1,1 @@
+"""Logs as files of other tools: CSV, Parquet, Foxglove, ROS 2."""
