@@ -21,12 +21,12 @@ import typer
 from live_demo import LiveDemo, NoRobotError, is_running, live_demo
 from passafe_protocol.messages import PlantPhase, PlantState
 from passafe_protocol.topics import STATE
+from passafe_services.log.continuity import LoggedMessage
 from passafe_services.loop.bus import open_bus
 from passafe_services.loop.errors import BusError, PlantSilentError
 from passafe_services.loop.router_endpoint import RouterEndpoint
 from passafe_services.loop.stop_console import StopConsole
 from passafe_services.scenarios.load import load_scenario
-from passafe_services.tools.review.continuity import LoggedMessage
 from passafe_services.tools.review.run_log import RunLog
 from report import AsJson, Report, Smallest
 from rich.console import Console

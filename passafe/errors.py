@@ -49,11 +49,13 @@
     * ``LogFileError``: a log that cannot be used
         * ``LogWriteError``: it cannot be created or grown
         * ``LogReadError``: it is missing, empty or no MCAP file
+        * ``ForeignLogError``: it is not of a run of passafe
         * ``ReviewError``: it can be read, but not reviewed
-            * ``ForeignLogError``: it is not of a run of passafe
             * ``ScenarioRecordError``: this build cannot read its scenario
             * ``MismatchedLogError``: its messages do not fit its scenario
     * ``ExportError``: output of an export that cannot be written
+    * ``UnusualLayoutError``: a message that no others are laid out like
+    * ``DecodingWorkerLostError``: a process that decoded part of a log was killed
     * ``KeysError``: keys that cannot be used
         * ``KeysMissingError``: a file of keys that is not there
         * ``KeysUnreadableError``: a file that cannot be read or is no such file, or one that others can read

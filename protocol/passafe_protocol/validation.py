@@ -6,7 +6,7 @@ In every message floats are finite, enum values are known and not UNSPECIFIED, a
 
 from collections.abc import Callable, Mapping
 from enum import IntEnum
-from math import isfinite
+from math import inf, isfinite, nextafter
 from typing import Any, Final, NamedTuple
 
 from passafe_protocol.errors import InvalidMessageError
@@ -51,11 +51,21 @@ UNKNOWN_AGE_NS: Final = -1
 
 
 class Rule(NamedTuple):
-    """Rule for one field: ``holds`` checks it on the whole message, ``allowed`` states it in words."""
+    """Rule for one field.
+
+    Attributes:
+        field: Its name.
+        allowed: The rule in words.
+        holds: Checks it on the whole message.
+        least: Smallest number allowed, if the rule bounds a number.
+        largest: Largest number allowed.
+    """
 
     field: str
     allowed: str
     holds: Callable[[Any], bool]
+    least: float | None = None
+    largest: float = inf
 
 
 def _text(field: str) -> Rule:
@@ -67,23 +77,25 @@ def _one_of(field: str, *choices: str) -> Rule:
 
 
 def _not_negative(field: str) -> Rule:
-    return Rule(field, "≥ 0", lambda m: getattr(m, field) >= 0)
+    return Rule(field, "≥ 0", lambda m: getattr(m, field) >= 0, 0)
 
 
 def _positive(field: str) -> Rule:
-    return Rule(field, "> 0", lambda m: getattr(m, field) > 0)
+    return Rule(field, "> 0", lambda m: getattr(m, field) > 0, nextafter(0.0, 1.0))
 
 
 def _between(field: str, least: float, largest: float) -> Rule:
-    return Rule(field, f"{least:g} to {largest:g}", lambda m: least <= getattr(m, field) <= largest)
+    allowed = f"{least:g} to {largest:g}"
+    return Rule(field, allowed, lambda m: least <= getattr(m, field) <= largest, least, largest)
 
 
 def _age(field: str) -> Rule:
-    return Rule(field, "≥ 0, or −1 before the first one", lambda m: getattr(m, field) >= UNKNOWN_AGE_NS)
+    allowed = "≥ 0, or −1 before the first one"
+    return Rule(field, allowed, lambda m: getattr(m, field) >= UNKNOWN_AGE_NS, UNKNOWN_AGE_NS)
 
 
 def _plant_time(field: str) -> Rule:
-    return Rule(field, "≥ 0, or −1 for none", lambda m: getattr(m, field) >= UNSEQUENCED)
+    return Rule(field, "≥ 0, or −1 for none", lambda m: getattr(m, field) >= UNSEQUENCED, UNSEQUENCED)
 
 
 def _vector(field: str) -> Rule:

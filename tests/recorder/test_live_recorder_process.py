@@ -11,12 +11,12 @@ import pytest
 from passafe_protocol.codec import decode
 from passafe_protocol.messages import Event, Health, TopicHealth
 from passafe_protocol.topics import EVENT, HEALTH
+from passafe_services.log.continuity import TopicCount
 from passafe_services.loop.bus import TopicReader, open_bus
 from passafe_services.loop.outlet import Outlet
 from passafe_services.loop.readiness import ready_line
 from passafe_services.loop.router_endpoint import RouterEndpoint
 from passafe_services.scenarios.load import load_scenario
-from passafe_services.tools.review.continuity import TopicCount
 from passafe_services.tools.review.run_log import RunLog
 
 ROOT = Path(__file__).parents[2]

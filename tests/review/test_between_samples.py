@@ -7,8 +7,8 @@ import pytest
 from damped_point_run import DampedPoint, header, scenario, state
 from hypothesis import given
 from hypothesis import strategies as st
+from passafe_services.log.continuity import LoggedMessage
 from passafe_services.tools.review.between_samples import RecomputedMargins
-from passafe_services.tools.review.continuity import LoggedMessage
 from passafe_services.tools.review.energy_account import logged_gain, tank_ledger
 from passafe_services.tools.review.extremum import Extremum
 from passafe_services.tools.review.trajectory import Trajectory

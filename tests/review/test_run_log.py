@@ -16,10 +16,10 @@ from passafe_protocol.messages import (
     ScenarioInfo,
 )
 from passafe_protocol.topics import STATE
-from passafe_services.log.errors import LogFileError, LogReadError
+from passafe_services.log.errors import ForeignLogError, LogFileError, LogReadError
 from passafe_services.log.log_writer import LogWriter, run_metadata
 from passafe_services.tools.recover import recover
-from passafe_services.tools.review.errors import ForeignLogError, ScenarioRecordError
+from passafe_services.tools.review.errors import ScenarioRecordError
 from passafe_services.tools.review.run_log import RunLog
 
 

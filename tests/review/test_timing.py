@@ -7,7 +7,7 @@ import pytest
 from damped_point_run import PERIOD_NS, Run, header, rollout, tick
 from msgspec.structs import replace
 from passafe_protocol.messages import FilterTick, OperatorCommand, PlantInput, PlantState
-from passafe_services.tools.review.continuity import LoggedMessage
+from passafe_services.log.continuity import LoggedMessage
 from passafe_services.tools.review.run_log import RunLog
 from passafe_services.tools.review.timing import Percentiles, Timing, steps_skipped
 

@@ -9,6 +9,7 @@ from msgspec import structs
 from passafe_protocol.messages import FilterTick, Message
 from passafe_protocol.topics import TICK
 from passafe_services.filter.build import filter_node
+from passafe_services.log.continuity import LoggedMessage
 from passafe_services.log.log_writer import LogWriter, run_metadata
 from passafe_services.loop.lockstep import START_NS, Lockstep
 from passafe_services.operator.build import operator_node
@@ -18,7 +19,6 @@ from passafe_services.scenarios.links import link_settings
 from passafe_services.scenarios.load import load_scenario
 from passafe_services.simulation import CompiledScenario, lockstep_loop, period_ns, steps_of
 from passafe_services.tools.replay import replay_filter
-from passafe_services.tools.review.continuity import LoggedMessage
 from passafe_services.tools.review.run_log import RunLog
 from stop_console import StopConsole
 

@@ -29,3 +29,7 @@ class LogWriteError(LogFileError):
 
 class LogReadError(LogFileError):
     """A file that is missing, empty or no MCAP file."""
+
+
+class ForeignLogError(LogFileError):
+    """An MCAP file without a channel of passafe."""

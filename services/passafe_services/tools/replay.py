@@ -9,7 +9,7 @@ from passafe_protocol.shapes import shape_of
 from passafe_protocol.topics import TICK, TOPIC_OF_BODY
 
 from passafe_services.filter.build import filter_node
-from passafe_services.tools.review.continuity import LoggedMessage
+from passafe_services.log.continuity import LoggedMessage
 from passafe_services.tools.review.run_log import RunLog
 
 

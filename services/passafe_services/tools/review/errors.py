@@ -7,10 +7,6 @@ class ReviewError(LogFileError):
     """A readable log that cannot be reviewed."""
 
 
-class ForeignLogError(ReviewError):
-    """An MCAP file without a channel of passafe."""
-
-
 class ScenarioRecordError(ReviewError):
     """A log that does not state its scenario, or not in a way that this build reads."""
 

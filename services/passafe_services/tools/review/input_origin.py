@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from passafe_protocol.messages import FilterTick, PlantPhase, PlantState
 
-from passafe_services.tools.review.continuity import LoggedMessage
+from passafe_services.log.continuity import LoggedMessage
 from passafe_services.tools.review.property import Property
 from passafe_services.tools.review.trajectory import NS_PER_S
 

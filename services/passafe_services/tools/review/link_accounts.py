@@ -18,7 +18,7 @@ from passafe_protocol.messages import LinkEvent, LinkSource, LinkState, Message
 from passafe_protocol.topics import LINKS, Topic
 from pydantic import BaseModel, ConfigDict
 
-from passafe_services.tools.review.continuity import LoggedMessage
+from passafe_services.log.continuity import LoggedMessage
 from passafe_services.tools.review.run_log import RunLog
 
 LinkSession: TypeAlias = tuple[str, str, int | None]

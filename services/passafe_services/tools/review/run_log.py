@@ -13,11 +13,11 @@ from passafe_protocol.keys import KEY_ROOT
 from passafe_protocol.messages import Message, ScenarioInfo
 from passafe_protocol.topics import SCENARIO, TOPIC_OF_BODY, TOPICS, Topic
 
+from passafe_services.log.continuity import LoggedMessage, TopicCount, in_order
+from passafe_services.log.errors import ForeignLogError
 from passafe_services.log.log_reader import LogReader
 from passafe_services.log.log_writer import SCENARIO_RECORD, topic_of_key
 from passafe_services.tools.recover import RECOVERED_RECORD
-from passafe_services.tools.review.continuity import LoggedMessage, TopicCount, in_order
-from passafe_services.tools.review.errors import ForeignLogError
 from passafe_services.tools.review.run_identity import RunIdentity, identify
 
 B = TypeVar("B", bound=Message)

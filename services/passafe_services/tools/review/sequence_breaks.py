@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from passafe_protocol.messages import PlantPhase, PlantState
 
-from passafe_services.tools.review.continuity import LoggedMessage
+from passafe_services.log.continuity import LoggedMessage
 
 RUNNING, FAIL_SAFE, WAITING = PlantPhase.RUNNING, PlantPhase.FAIL_SAFE, PlantPhase.WAITING
 

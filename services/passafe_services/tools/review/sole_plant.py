@@ -5,7 +5,7 @@ from itertools import pairwise
 
 from passafe_protocol.messages import UNKNOWN_CLOCK, Header, PlantState
 
-from passafe_services.tools.review.continuity import LoggedMessage
+from passafe_services.log.continuity import LoggedMessage
 from passafe_services.tools.review.trajectory import NS_PER_S
 
 

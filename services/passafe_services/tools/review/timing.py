@@ -9,7 +9,7 @@ from passafe_protocol.messages import FilterTick, Header, OperatorCommand, Plant
 from passafe_protocol.topics import COMMAND
 from pydantic import BaseModel, ConfigDict
 
-from passafe_services.tools.review.continuity import LoggedMessage
+from passafe_services.log.continuity import LoggedMessage
 from passafe_services.tools.review.filter_claims import IntArray
 from passafe_services.tools.review.run_log import RunLog
 from passafe_services.tools.review.trajectory import NS_PER_S

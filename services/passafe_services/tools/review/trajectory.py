@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from passafe_protocol.messages import PlantPhase, PlantState
 
-from passafe_services.tools.review.continuity import LoggedMessage
+from passafe_services.log.continuity import LoggedMessage
 from passafe_services.tools.review.plant_evaluator import FloatArray, PlantEvaluator
 
 NS_PER_S: Final = 1e9

@@ -29,6 +29,7 @@ class TopicCount:
         duplicates: Messages that were in the log more than once.
         undecodable: Messages that are not valid for their topic.
         first_gap_wall_ns: Wall time of the message before the first gap, ns.
+        out_of_order: Messages that came too late to be put in order, see ``session_order``; they are left out.
     """
 
     received: int = 0
@@ -38,6 +39,7 @@ class TopicCount:
     undecodable: int = 0
     sessions: int = 0
     first_gap_wall_ns: int | None = None
+    out_of_order: int = 0
 
 
 def in_order(found: Iterable[LoggedMessage[Message]], count: TopicCount) -> list[LoggedMessage[Message]]:
