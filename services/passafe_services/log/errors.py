@@ -20,10 +20,15 @@ class LogFileError(PassafeError):
 
 
 class LogWriteError(LogFileError):
-    """A log that cannot be created or grown: no folder, no permission, a full disk."""
+    """A log that cannot be created or grown: no folder, no permission, a full disk.
+
+    Attributes:
+        error: The system's error.
+    """
 
     def __init__(self, path: Path, error: OSError) -> None:
         self.errno = error.errno
+        self.error = error
         super().__init__(path, f"cannot write the log: {error.strerror or error}")
 
 

@@ -16,6 +16,40 @@ CHUNK_BYTES = 1024 * 1024
 LIBRARY = "passafe"
 
 
+@contextmanager
+def in_place_of(path: Path) -> Iterator[Path]:
+    """Yield the path of a file to write, which becomes ``path`` at the end of the block; after an error it is removed.
+
+    Raises:
+        LogWriteError: ``path`` exists, at the beginning or at the end, or cannot become a file.
+    """
+    fresh = path.with_name(f".{path.name}.part")
+    try:
+        if path.exists():
+            raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST))
+        fresh.unlink(missing_ok=True)  # of a recovery that was killed
+        try:
+            yield fresh
+            _become(fresh, path)
+        finally:
+            fresh.unlink(missing_ok=True)
+    except OSError as error:
+        raise LogWriteError(path, error) from error
+    except LogWriteError as error:
+        raise LogWriteError(path, error.error) from error
+
+
+def _become(fresh: Path, path: Path) -> None:
+    """Give a file its name, which nothing else may have."""
+    try:
+        os.link(fresh, path)  # unlike a rename it replaces nothing
+    except OSError as error:
+        if error.errno not in (errno.EPERM, errno.ENOTSUP, errno.EMLINK, errno.ENOSYS):
+            raise
+        path.touch(exist_ok=False)  # a file system without hard links
+        fresh.replace(path)
+
+
 class LogFile:
     """MCAP file open for writing, compressed with zstd in chunks of 1 MB.
 

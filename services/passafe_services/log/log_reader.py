@@ -1,20 +1,18 @@
-"""Reads the records of an MCAP file, complete or truncated."""
+"""Reads the records of an MCAP file: of a truncated or damaged one, everything intact before and after the damage."""
 
-import struct
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Final
+from typing import BinaryIO, Final
 
-from mcap.exceptions import McapError
-from mcap.records import Footer, McapRecord
-from mcap.stream_reader import StreamReader
+from mcap.opcode import Opcode
+from mcap.records import Channel, DataEnd, McapRecord, Schema
 from mcap.writer import MCAP0_MAGIC
-from zstandard import ZstdError
 
 from passafe_services.log.errors import LogReadError
+from passafe_services.log.record_scan import Damage, IntactRecord, scan_records
 
-DAMAGE: Final = (McapError, ZstdError, struct.error, ValueError, OverflowError, MemoryError)
-"""Errors of the stream reader on truncated or damaged data; ``ValueError``: CRC and UTF-8."""
+_SHOWN: Final = 3
+"""Places of damage that ``tear`` names; ``damage`` has them all."""
 
 
 class LogReader:
@@ -25,8 +23,9 @@ class LogReader:
 
     Attributes:
         path: The file.
-        finished: After ``records`` has ended: whether the end of the file was reached.
-        tear: Description of the damage at which reading stopped; empty if ``finished``.
+        finished: After ``records`` has ended: whether the writer finished the file and all of it is intact.
+        damage: After ``records`` has ended: what is not intact.
+        tear: Description of the damage; empty if ``finished``.
 
     Raises:
         LogReadError: The file is missing, unreadable, empty or not an MCAP file.
@@ -36,31 +35,85 @@ class LogReader:
         self.path = path
         self.finished = False
         self.tear = ""
+        self.damage: list[Damage] = []
         try:
             with path.open("rb") as stream:
                 beginning = stream.read(len(MCAP0_MAGIC))
-            self._size_bytes = path.stat().st_size
+                self._size_bytes = path.stat().st_size
+                is_log = beginning == MCAP0_MAGIC or _has_contents(stream, self._size_bytes)
         except FileNotFoundError as error:
             raise LogReadError(path, "no such file") from error
         except OSError as error:
             raise LogReadError(path, f"cannot be read: {error.strerror or error}") from error
         if not beginning:
             raise LogReadError(path, "is empty")
-        if beginning != MCAP0_MAGIC:
+        if not is_log:
             raise LogReadError(path, "is no MCAP file")
 
     def records(self) -> Iterator[McapRecord]:
-        """Yield every complete record; chunks are replaced by their contents."""
-        self.finished = False
-        self.tear = ""
+        """Yield every intact record; chunks are replaced by their contents, message indexes are left out."""
+        for item in self.items():
+            if not isinstance(item, Damage):
+                yield item
+
+    def items(self) -> Iterator[McapRecord | Damage]:
+        """Yield every intact record as ``records`` does, and the damage between them.
+
+        After damage that may have destroyed the first definition of a channel, the definitions that come later in the
+        file are yielded before anything else.
+        """
+        self.finished, self.tear, self.damage = False, "", []
+        ended, known = False, _Known()
+        try:
+            with self.path.open("rb") as stream:
+                for found in scan_records(stream, self._size_bytes):
+                    if isinstance(found, Damage):
+                        yield found
+                        if not self.damage:
+                            yield from self._definitions(known)
+                        self.damage.append(found)
+                        continue
+                    for record in found.records:
+                        known.note(record)
+                        ended = ended or isinstance(record, DataEnd)
+                        yield record
+        except OSError as error:
+            raise LogReadError(self.path, f"cannot be read: {error.strerror or error}") from error
+        self.finished = ended and not self.damage
+        self.tear = "" if self.finished else self._described(ended=ended)
+
+    def _definitions(self, known: "_Known") -> Iterator[Schema | Channel]:
+        """Yield the schemas and channels of the whole file that are not known yet."""
         with self.path.open("rb") as stream:
-            reader = StreamReader(stream, validate_crcs=True, record_size_limit=self._size_bytes)
-            try:
-                for record in reader.records:
-                    self.finished = self.finished or isinstance(record, Footer)
-                    yield record
-            except OSError as error:
-                raise LogReadError(self.path, f"cannot be read: {error.strerror or error}") from error
-            except DAMAGE as error:
-                if not self.finished:
-                    self.tear = f"{type(error).__name__} after {stream.tell()} of {self._size_bytes} bytes"
+            for found in scan_records(stream, self._size_bytes):
+                for record in () if isinstance(found, Damage) else found.records:
+                    if isinstance(record, Schema | Channel) and known.note(record):
+                        yield record
+
+    def _described(self, *, ended: bool) -> str:
+        places = [str(damage) for damage in self.damage[:_SHOWN]]
+        if len(self.damage) > _SHOWN:
+            places.append(f"and {len(self.damage) - _SHOWN} more")
+        if not ended:
+            places.append("its end is missing")
+        return f"of {self._size_bytes} bytes not all are intact: {'; '.join(places)}"
+
+
+class _Known:
+    """Schemas and channels met so far, by their numbers."""
+
+    def __init__(self) -> None:
+        self._found: set[tuple[type[McapRecord], int]] = set()
+
+    def note(self, record: McapRecord) -> bool:
+        """Remember a record; return whether it defines something new."""
+        if not isinstance(record, Schema | Channel) or (type(record), record.id) in self._found:
+            return False
+        self._found.add((type(record), record.id))
+        return True
+
+
+def _has_contents(stream: BinaryIO, size_bytes: int) -> bool:
+    """Return whether a file without the first bytes of a log is one all the same."""
+    found = (each.opcode for each in scan_records(stream, size_bytes) if isinstance(each, IntactRecord))
+    return any(opcode in (Opcode.HEADER, Opcode.CHUNK) for opcode in found)

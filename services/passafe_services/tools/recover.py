@@ -1,14 +1,16 @@
-"""Recovers a complete log from a truncated one."""
+"""Recovers a complete log from a truncated or damaged one."""
 
+import json
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Final
 
-from mcap.records import Channel, McapRecord, Message, Metadata, Schema
-
-from passafe_services.log.log_file import LogFile
+from passafe_services.log.log_file import LogFile, in_place_of
 from passafe_services.log.log_reader import LogReader
+from passafe_services.log.record_scan import Damage
+from passafe_services.tools.recovered_copy import Loss, RecoveredCopy
 
-RECOVERED_RECORD = "recovered"
+RECOVERED_RECORD: Final = "recovered"
 """Metadata record that marks a recovered log."""
 
 
@@ -21,7 +23,9 @@ class Recovery:
         duration_s: Log time from the first message to the last, s.
         channels: Messages kept, by topic of the channel.
         was_finished: Whether the file was already complete.
-        tear: Description of the damage at which reading stopped; empty if the file was complete.
+        tear: Description of the damage; empty if the file was complete.
+        losses: What is lost, place by place.
+        orphans: Intact messages that are left out, since no intact record says of which channel they are.
     """
 
     messages: int
@@ -29,51 +33,17 @@ class Recovery:
     channels: dict[str, int]
     was_finished: bool
     tear: str
-
-
-class _Copy:
-    """Copies records into a new file with unchanged schemas, channels and times."""
-
-    def __init__(self, out: LogFile) -> None:
-        self._mcap = out.mcap
-        self._schemas = {0: 0}  # 0 is MCAP's "no schema"
-        self._channels: dict[int, tuple[int, str]] = {}
-        self.counts: dict[str, int] = {}
-        self.first_ns: int | None = None
-        self.last_ns: int | None = None
-
-    def add(self, record: McapRecord) -> None:
-        match record:
-            case Schema(id=number) if number not in self._schemas:
-                self._schemas[number] = self._mcap.register_schema(record.name, record.encoding, record.data)
-            case Channel(id=number) if number not in self._channels and record.schema_id in self._schemas:
-                self._channel(record)
-            case Message(channel_id=number) if number in self._channels:
-                self._message(record)
-            case Metadata():
-                self._mcap.add_metadata(record.name, record.metadata)
-            case _:
-                pass  # indexes and statistics are rewritten
-
-    def _channel(self, record: Channel) -> None:
-        schema = self._schemas[record.schema_id]
-        number = self._mcap.register_channel(record.topic, record.message_encoding, schema, record.metadata)
-        self._channels[record.id] = (number, record.topic)
-        self.counts.setdefault(record.topic, 0)
-
-    def _message(self, record: Message) -> None:
-        channel, topic = self._channels[record.channel_id]
-        self._mcap.add_message(channel, record.log_time, record.data, record.publish_time, record.sequence)
-        self.counts[topic] += 1
-        self.first_ns = record.log_time if self.first_ns is None else min(self.first_ns, record.log_time)
-        self.last_ns = record.log_time if self.last_ns is None else max(self.last_ns, record.log_time)
+    losses: tuple[Loss, ...]
+    orphans: int
 
 
 def recover(torn: Path, out: Path) -> Recovery:
-    """Copy everything readable in ``torn`` into a complete file ``out``; ``torn`` is not changed.
+    """Copy everything intact in ``torn``, before and after damage, into a complete file ``out``.
+
+    ``torn`` is not changed. ``out`` appears when it is complete: an interrupted recovery leaves none.
 
     Args:
-        torn: A log whose writer was killed; a complete one is copied too.
+        torn: A log whose writer was killed, or that is damaged; a complete one is copied too.
         out: The file to write; must not exist.
 
     Returns:
@@ -84,19 +54,24 @@ def recover(torn: Path, out: Path) -> Recovery:
         LogWriteError: ``out`` exists or cannot be written.
     """
     reader = LogReader(torn)
-    with LogFile(out, replace=False) as file:
-        copy = _Copy(file)
+    with in_place_of(out) as fresh, LogFile(fresh) as file:
+        copy = RecoveredCopy(file)
         with file.guarded():
-            for record in reader.records():
-                copy.add(record)
-            messages = sum(copy.counts.values())
+            for item in reader.items():
+                if isinstance(item, Damage):
+                    copy.skip(item)
+                else:
+                    copy.add(item)
             if not reader.finished:
-                file.mcap.add_metadata(RECOVERED_RECORD, {"tear": reader.tear, "messages": str(messages)})
-    span_ns = 0 if copy.first_ns is None or copy.last_ns is None else copy.last_ns - copy.first_ns
+                losses = json.dumps([loss.as_json() for loss in copy.losses])
+                note = {"tear": reader.tear, "messages": str(copy.messages), "losses": losses}
+                file.mcap.add_metadata(RECOVERED_RECORD, note)
     return Recovery(
-        messages=messages,
-        duration_s=span_ns * 1e-9,
+        messages=copy.messages,
+        duration_s=copy.duration_s,
         channels=copy.counts,
         was_finished=reader.finished,
         tear=reader.tear,
+        losses=tuple(copy.losses),
+        orphans=copy.orphans,
     )
