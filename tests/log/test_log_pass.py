@@ -155,7 +155,7 @@ def third_chunk(data: bytes | bytearray) -> int:
     return [at for at in range(len(data)) if data.startswith(b"\x28\xb5\x2f\xfd", at)][2]
 
 
-def test_damage_ends_the_pass_and_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_damage_is_named_and_what_follows_it_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = write(tmp_path / "run.mcap", [event("plant", n) for n in range(40)], flush_every=10)
     data = bytearray(path.read_bytes())
     data[third_chunk(data) + 30] ^= 0xFF
@@ -164,7 +164,7 @@ def test_damage_ends_the_pass_and_is_named(tmp_path: Path, monkeypatch: pytest.M
         monkeypatch.setattr(log_pass, "STRETCH_BYTES", stretch_bytes)
         run = LogPass(path)
 
-        assert texts(run) == [f"plant 1 {n}" for n in range(20)]
+        assert texts(run) == [f"plant 1 {n}" for n in range(40) if n // 10 != 2]
         assert not run.finished
         assert f"of {len(data)} bytes" in run.tear
 
@@ -176,7 +176,20 @@ def test_a_torn_log_is_read_up_to_the_tear(tmp_path: Path) -> None:
     run = LogPass(path)
 
     assert texts(run) == [f"plant 1 {n}" for n in range(20)]
-    assert "EndOfFile after" in run.tear
+    assert "cut off; its end is missing" in run.tear
+
+
+@pytest.mark.parametrize("harm", [bytes(40), b""])
+def test_a_pass_finds_the_next_chunk_after_a_damaged_length(tmp_path: Path, harm: bytes) -> None:
+    path = write(tmp_path / "run.mcap", [event("plant", n) for n in range(40)], flush_every=10)
+    data = path.read_bytes()
+    for number in (0, 2):
+        at = [at for at in range(len(data)) if data.startswith(b"\x28\xb5\x2f\xfd", at)][number]
+        path.write_bytes(data[: at - 30] + harm + data[at + 10 :])
+        run = LogPass(path)
+
+        assert texts(run) == [f"plant 1 {n}" for n in range(40) if n // 10 != number]
+        assert not run.finished
 
 
 def test_a_log_without_chunks_is_read(tmp_path: Path) -> None:

@@ -5,21 +5,20 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from io import BytesIO
 from typing import Any, Final, NamedTuple, TypeAlias
-from zlib import crc32
 
 import numpy as np
-import zstandard
 from mcap.data_stream import ReadDataStream
-from mcap.exceptions import EndOfFile, UnsupportedCompressionError
+from mcap.exceptions import EndOfFile
 from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk, Message
 from passafe_protocol import codec
 from passafe_protocol.topics import TOPIC_OF_NAME, Topic
 
+from passafe_services.log.chunk import DAMAGE, chunk_contents
 from passafe_services.log.column import Column
-from passafe_services.log.log_reader import DAMAGE
 from passafe_services.log.log_writer import topic_of_key
 from passafe_services.log.message_columns import ColumnDecoder
+from passafe_services.log.record_scan import Damage
 
 RECORD: Final = "record"
 """Path of the column of decoded messages, each as (header, body)."""
@@ -33,6 +32,8 @@ ORDER_FIELDS: Final = ("header.source", "header.epoch", "header.sequence", "head
 Wants: TypeAlias = Mapping[str, Collection[str]]
 """Paths of the wanted columns by name of the topic, besides ``ORDER_FIELDS``."""
 
+_CHUNK_HEAD_BYTES: Final = 49
+"""Size of a chunk's record without the name of its compression and its data."""
 _HEAD: Final = struct.Struct("<BQ")
 _MESSAGE: Final = struct.Struct("<HIQQ")
 
@@ -58,15 +59,15 @@ class DecodedStretch:
         undecodable: Number of messages that are not valid for their topic, by its name.
         channels: Key of every channel that the stretch registers.
         unknown: Channels of its messages that it does not register, and that were not known.
-        damage: Description of the damage at which decoding stopped; empty without damage.
-        read_bytes: Bytes of the file up to the end of the stretch, or up to the damage.
+        damage: Chunks that are damaged.
+        read_bytes: Bytes of the file up to the end of the stretch.
     """
 
     tables: dict[str, dict[str, Column]] = field(default_factory=dict)
     undecodable: dict[str, int] = field(default_factory=dict)
     channels: dict[int, str] = field(default_factory=dict)
     unknown: set[int] = field(default_factory=set)
-    damage: str = ""
+    damage: list[Damage] = field(default_factory=list)
     read_bytes: int = 0
 
 
@@ -89,8 +90,8 @@ def decode_stretch(stretch: Stretch, channels: Mapping[int, str], wants: Wants) 
         try:
             inner = [*_in_chunk(record)] if isinstance(record, Chunk) else [record]
         except DAMAGE as error:
-            found.damage = f"{type(error).__name__} after {read_bytes}"
-            break
+            found.damage.append(_damaged(record, read_bytes, error))
+            continue
         for one in inner:
             if isinstance(one, Channel):
                 if one.id not in topics:
@@ -135,7 +136,7 @@ def _in_chunk(chunk: Chunk) -> Iterator[Any]:
     Raises:
         DAMAGE: The chunk is damaged.
     """
-    data = _uncompressed(chunk)
+    data = chunk_contents(chunk)
     at, size = 0, len(data)
     while at < size:
         if at + _HEAD.size > size:
@@ -154,13 +155,10 @@ def _in_chunk(chunk: Chunk) -> Iterator[Any]:
         at = end
 
 
-def _uncompressed(chunk: Chunk) -> bytes:
-    if chunk.compression == "zstd":
-        data = zstandard.decompress(chunk.data, chunk.uncompressed_size)
-    elif not chunk.compression:
-        data = chunk.data
-    else:
-        raise UnsupportedCompressionError(chunk.compression)
-    if chunk.uncompressed_crc and crc32(data) != chunk.uncompressed_crc:
-        raise ValueError("the checksum of a chunk is wrong")
-    return data
+def _damaged(record: Chunk | Channel | Message, end: int, error: Exception) -> Damage:
+    reason = f"chunk: {str(error) or type(error).__name__}"
+    if not isinstance(record, Chunk):
+        return Damage(start=end, end=end, reason=reason)
+    start = end - _CHUNK_HEAD_BYTES - len(record.compression.encode()) - len(record.data)
+    times = record.message_start_time, record.message_end_time
+    return Damage(start=start, end=end, reason=reason, first_ns=times[0], last_ns=times[1])

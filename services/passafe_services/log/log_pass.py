@@ -26,9 +26,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, Protocol
 
-from mcap.opcode import Opcode
-from mcap.records import Channel, Chunk, Footer, McapRecord, Message, Metadata
-from mcap.stream_reader import StreamReader
+from mcap.records import Channel, Chunk, DataEnd, McapRecord, Message, Metadata
 from passafe_protocol.keys import KEY_ROOT
 from passafe_protocol.messages import Message as Body
 from passafe_protocol.topics import TOPIC_OF_BODY, TOPICS
@@ -37,9 +35,10 @@ from passafe_services.log.chunk_decoding import RECORD, DecodedStretch, Stretch,
 from passafe_services.log.continuity import LoggedMessage, TopicCount
 from passafe_services.log.decoding_workers import DecodingWorkers
 from passafe_services.log.errors import ForeignLogError, LogReadError
-from passafe_services.log.log_reader import DAMAGE, LogReader
+from passafe_services.log.log_reader import LogReader
 from passafe_services.log.log_writer import SCENARIO_RECORD, topic_of_key
 from passafe_services.log.message_block import MessageBlock
+from passafe_services.log.record_scan import Damage, described, scan_records
 from passafe_services.log.session_order import SessionOrder
 
 STRETCH_BYTES: Final = 8 << 20
@@ -87,8 +86,8 @@ class LogPass:
     Attributes:
         path: The file.
         metadata: Metadata records by name; those before the first message are there from the beginning.
-        finished: Whether the end of the file was reached.
-        tear: Description of the damage at which reading stopped; empty if the end was reached.
+        finished: Whether the writer finished the file and all of it is intact.
+        tear: Description of the damage; empty if ``finished``.
         counts: Message counts of every topic, by its name.
         foreign_keys: Channels that do not belong to passafe.
 
@@ -108,12 +107,12 @@ class LogPass:
         self._workers = _worth(self._size_bytes) if workers is None else workers
         self._channels: dict[int, str] = {}
         self._undecodable: dict[str, int] = {}
-        self._tear = ""
+        self._damage: list[Damage] = []
+        self._ended = False
         self.metadata: dict[str, dict[str, str]] = {}
         for record, _ in self._records():
             if isinstance(record, Chunk | Message):
                 break
-        self.finished = False
 
     def feed(self, *consumers: LogConsumer) -> None:
         """Read the log once for several consumers.
@@ -166,8 +165,10 @@ class LogPass:
         return bool(found or self._undecodable or SCENARIO_RECORD in self.metadata)
 
     def _decoded(self, wants: Wants) -> Iterator[DecodedStretch]:
-        """Yield the decoded stretches in the order of the file, up to the first damage."""
+        """Yield the decoded stretches in the order of the file."""
         for stretch, found in self._first_decoded(wants):
+            for each in found.damage:
+                self._note_damage(each)
             known = self._register(found.channels)
             repeated = found
             if not known or found.unknown & self._channels.keys():
@@ -176,10 +177,9 @@ class LogPass:
             if self._progress is not None:
                 self._progress(repeated.read_bytes, self._size_bytes)
             yield repeated
-            if repeated.damage:
-                self.finished, self.tear = False, f"{repeated.damage} of {self._size_bytes} bytes"
-                return
-        self.tear = self._tear
+        damage = sorted(self._damage, key=lambda each: each.start)
+        self.finished = self._ended and not damage
+        self.tear = described(damage, self._size_bytes, ended=self._ended)
 
     def _first_decoded(self, wants: Wants) -> Iterator[tuple[Stretch, DecodedStretch]]:
         stretches = self._stretches()
@@ -227,31 +227,28 @@ class LogPass:
             yield Stretch(records, read)
 
     def _records(self) -> Iterator[tuple[McapRecord, int]]:
-        """Yield every record of the file, chunks as they are, with the bytes read up to its end."""
-        self.finished, self._tear = False, ""
-        with self.path.open("rb") as stream:
-            reader = _ChunkReader(stream, emit_chunks=True, validate_crcs=True, record_size_limit=self._size_bytes)
-            try:
-                for record in reader.records:
-                    self.finished = self.finished or isinstance(record, Footer)
-                    if isinstance(record, Metadata):
-                        self.metadata[record.name] = record.metadata
-                    yield record, stream.tell()
-            except OSError as error:
-                raise LogReadError(self.path, f"cannot be read: {error.strerror or error}") from error
-            except DAMAGE as error:
-                if not self.finished:
-                    self._tear = f"{type(error).__name__} after {stream.tell()} of {self._size_bytes} bytes"
+        """Yield every intact record of the file, chunks as they are, with the bytes read up to its end."""
+        self._damage, self._ended = [], False
+        try:
+            with self.path.open("rb") as stream:
+                for found in scan_records(stream, self._size_bytes, unpack=False):
+                    if isinstance(found, Damage):
+                        self._note_damage(found)
+                        continue
+                    for record in found.records:
+                        self._ended = self._ended or isinstance(record, DataEnd)
+                        if isinstance(record, Metadata):
+                            self.metadata[record.name] = record.metadata
+                        yield record, found.end
+        except OSError as error:
+            raise LogReadError(self.path, f"cannot be read: {error.strerror or error}") from error
 
-
-class _ChunkReader(StreamReader):
-    """Reader that passes over the indexes of messages: to read one of them takes longer than all it points to."""
-
-    def _read_record(self, opcode: int, length: int) -> McapRecord | None:
-        if opcode == Opcode.MESSAGE_INDEX:
-            self._stream.read(length)
-            return None
-        return super()._read_record(opcode, length)
+    def _note_damage(self, damage: Damage) -> None:
+        """Remember damage; after the first of it, what it may have said of channels is taken from elsewhere."""
+        if not self._damage:
+            channels = (each for each in LogReader(self.path).definitions() if isinstance(each, Channel))
+            self._register({channel.id: channel.topic for channel in channels})
+        self._damage.append(damage)
 
 
 def _size_of(record: Channel | Message) -> int:

@@ -2,17 +2,14 @@
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import BinaryIO, Final
+from typing import BinaryIO
 
 from mcap.opcode import Opcode
 from mcap.records import Channel, DataEnd, McapRecord, Schema
 from mcap.writer import MCAP0_MAGIC
 
 from passafe_services.log.errors import LogReadError
-from passafe_services.log.record_scan import Damage, IntactRecord, scan_records
-
-_SHOWN: Final = 3
-"""Places of damage that ``tear`` names; ``damage`` has them all."""
+from passafe_services.log.record_scan import Damage, IntactRecord, described, scan_records
 
 
 class LogReader:
@@ -70,7 +67,7 @@ class LogReader:
                     if isinstance(found, Damage):
                         yield found
                         if not self.damage:
-                            yield from self._definitions(known)
+                            yield from (each for each in self.definitions() if known.note(each))
                         self.damage.append(found)
                         continue
                     for record in found.records:
@@ -80,23 +77,15 @@ class LogReader:
         except OSError as error:
             raise LogReadError(self.path, f"cannot be read: {error.strerror or error}") from error
         self.finished = ended and not self.damage
-        self.tear = "" if self.finished else self._described(ended=ended)
+        self.tear = described(self.damage, self._size_bytes, ended=ended)
 
-    def _definitions(self, known: "_Known") -> Iterator[Schema | Channel]:
-        """Yield the schemas and channels of the whole file that are not known yet."""
+    def definitions(self) -> Iterator[Schema | Channel]:
+        """Yield every intact schema and channel of the whole file."""
         with self.path.open("rb") as stream:
             for found in scan_records(stream, self._size_bytes):
                 for record in () if isinstance(found, Damage) else found.records:
-                    if isinstance(record, Schema | Channel) and known.note(record):
+                    if isinstance(record, Schema | Channel):
                         yield record
-
-    def _described(self, *, ended: bool) -> str:
-        places = [str(damage) for damage in self.damage[:_SHOWN]]
-        if len(self.damage) > _SHOWN:
-            places.append(f"and {len(self.damage) - _SHOWN} more")
-        if not ended:
-            places.append("its end is missing")
-        return f"of {self._size_bytes} bytes not all are intact: {'; '.join(places)}"
 
 
 class _Known:

@@ -1,7 +1,7 @@
 """Finds the intact records of an MCAP file, before and after damage."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import BinaryIO, Final, NamedTuple
 
@@ -15,6 +15,8 @@ _WINDOW_BYTES: Final = 1 << 20
 _CANDIDATE: Final = re.compile(rb"(?=([\x01-\x0f]).{4}\x00{4})", re.DOTALL)
 """Head of a record of less than 4 GiB, wherever it is."""
 _KINDS: Final = {opcode.value: opcode.name.lower().replace("_", " ") for opcode in Opcode}
+_SHOWN: Final = 3
+"""Places of damage that are named in one line."""
 _INSIDE_CHUNKS: Final = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE)
 
 
@@ -47,7 +49,7 @@ class IntactRecord(NamedTuple):
         start: Offset of its head.
         end: Offset after its contents.
         opcode: Its kind.
-        records: What it is, a chunk's contents in its place; empty for a message index.
+        records: What it is, a chunk's contents in its place if it is unpacked; empty for a message index.
     """
 
     start: int
@@ -56,7 +58,17 @@ class IntactRecord(NamedTuple):
     records: list[McapRecord]
 
 
-def scan_records(stream: BinaryIO, size_bytes: int) -> Iterator[IntactRecord | Damage]:
+def described(damage: Sequence[Damage], size_bytes: int, *, ended: bool) -> str:
+    """Return a description of what is damaged in a file; empty if nothing is and its end was reached."""
+    places = [str(each) for each in damage[:_SHOWN]]
+    if len(damage) > _SHOWN:
+        places.append(f"and {len(damage) - _SHOWN} more")
+    if not ended:
+        places.append("its end is missing")
+    return f"of {size_bytes} bytes not all are intact: {'; '.join(places)}" if places else ""
+
+
+def scan_records(stream: BinaryIO, size_bytes: int, *, unpack: bool = True) -> Iterator[IntactRecord | Damage]:
     """Yield the intact records of a file up to its footer, and the damage between them, in order of offsets.
 
     After damage the next record is searched for. Schemas, channels and messages count only where no chunk can contain
@@ -65,6 +77,7 @@ def scan_records(stream: BinaryIO, size_bytes: int) -> Iterator[IntactRecord | D
     Args:
         stream: The file, seekable.
         size_bytes: Its size.
+        unpack: Whether chunks are unpacked; otherwise they come as they are, of the right length but not checked.
 
     Raises:
         OSError: It cannot be read.
@@ -75,7 +88,7 @@ def scan_records(stream: BinaryIO, size_bytes: int) -> Iterator[IntactRecord | D
         at = scan.next_record(0)
         yield Damage(start=0, end=at, reason="not the first bytes of an MCAP file")
     while at < size_bytes:
-        found = scan.record_at(at)
+        found = scan.record_at(at, unpack=unpack)
         if isinstance(found, IntactRecord):
             yield found
             if found.opcode == Opcode.FOOTER:
@@ -107,8 +120,11 @@ class _Scan:
         self._stream.seek(at)
         return self._stream.read(length)
 
-    def record_at(self, at: int) -> IntactRecord | _Broken:
-        """Return the record whose head is at an offset, or why there is none."""
+    def record_at(self, at: int, *, unpack: bool = True) -> IntactRecord | _Broken:
+        """Return the record whose head is at an offset, or why there is none.
+
+        A chunk that is not to be unpacked is unpacked all the same where its length is in doubt, to check it.
+        """
         head = self.bytes_at(at, RECORD_HEAD.size)
         opcode, length = RECORD_HEAD.unpack(head) if len(head) == RECORD_HEAD.size else (Opcode.HEADER, self._size)
         end = at + RECORD_HEAD.size + length
@@ -116,20 +132,24 @@ class _Scan:
             return _Broken(f"a record of kind {opcode}, which MCAP does not define")
         if end > self._size:
             return _Broken("cut off")
-        content = self._stream.read(length)
         record = None
         try:
-            record = read_record(opcode, content)
-            if not isinstance(record, Chunk):
-                return IntactRecord(at, end, opcode, [] if record is None else [record])
-            records = list(records_of_chunk(chunk_contents(record)))
+            record = read_record(opcode, self._stream.read(length))
+            records = [] if record is None else [record]
+            if isinstance(record, Chunk) and (unpack or not self._may_begin_at(end)):
+                inner = list(records_of_chunk(chunk_contents(record)))
+                self._is_chunked = True
+                records = inner if unpack else records
         except DAMAGE as error:
-            reason = f"{_KINDS[opcode]}: {str(error) or type(error).__name__}"
+            times: tuple[int | None, int | None] = (None, None)
             if isinstance(record, Chunk) and 0 < record.message_start_time <= record.message_end_time:
-                return _Broken(reason, record.message_start_time, record.message_end_time)
-            return _Broken(reason)
-        self._is_chunked = True
+                times = (record.message_start_time, record.message_end_time)
+            return _Broken(f"{_KINDS[opcode]}: {str(error) or type(error).__name__}", *times)
         return IntactRecord(at, end, opcode, records)
+
+    def _may_begin_at(self, at: int) -> bool:
+        """Return whether the head of a record may be at an offset."""
+        return _CANDIDATE.match(self.bytes_at(at, RECORD_HEAD.size)) is not None
 
     def after_damage(self, at: int) -> int:
         """Return where to go on after a record that is damaged: after its contents if its length is right."""
