@@ -55,7 +55,7 @@ def without(*lost: int) -> list[int]:
     return [k for k in range(CHUNKS * BETWEEN) if k // BETWEEN not in lost]
 
 
-def test_chunks_after_a_flipped_byte_are_kept_and_the_loss_is_named(tmp_path: Path, log: Path) -> None:
+def test_chunks_after_a_flipped_byte_are_kept(tmp_path: Path, log: Path) -> None:
     content = bytearray(log.read_bytes())
     start, end = chunks(log)[1]
     content[(start + end) // 2] ^= 0x10

@@ -100,7 +100,7 @@ def scan_records(stream: BinaryIO, size_bytes: int, *, unpack: bool = True) -> I
 
 
 class _Broken(NamedTuple):
-    """Why there is no intact record at some offset, and the times that a damaged chunk claims."""
+    """Reason for which no intact record is at some offset, and the times that a damaged chunk claims."""
 
     reason: str
     first_ns: int | None = None
