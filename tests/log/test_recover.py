@@ -81,7 +81,7 @@ def test_a_whole_log_is_copied(tmp_path: Path) -> None:
     recovery = recover(whole, out)
     assert (recovery.messages, recovery.was_finished, recovery.tear) == (50, True, "")
     assert contents(out) == contents(whole)
-    assert metadata(out) == {"driver": {"kind": "live"}}
+    assert metadata(out) == metadata(whole)
 
 
 def test_logs_of_other_programs_are_recovered_as_they_are(tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """The recorder's loop: with a clock of the test's own, and as a child process that is killed."""
 
+import errno
 import os
 import signal
 import subprocess
@@ -9,12 +10,16 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from mcap.records import Footer
+from mcap.records import Message as LoggedMessage
 from passafe_protocol.codec import decode, encode
 from passafe_protocol.messages import Event, Header, Health, Message
 from passafe_protocol.topics import EVENT, HEALTH, Topic
+from passafe_services.log.chain import Chain
 from passafe_services.log.errors import LogWriteError
 from passafe_services.log.log_reader import LogReader
-from passafe_services.log.log_writer import LogWriter
+from passafe_services.log.segmented_log import SegmentedLog
+from passafe_services.recorder.background_log import BackgroundLog
 from passafe_services.recorder.record_loop import record
 from passafe_services.tools.recover import recover
 
@@ -33,6 +38,7 @@ class Desk:
         self.late_messages = late_messages
         self.made = 0
         self.published: list[tuple[Topic, Message]] = []
+        self.log: BackgroundLog | None = None
 
     def drain(self) -> list[tuple[str, bytes]]:
         """Return what was made since the last call."""
@@ -49,6 +55,8 @@ class Desk:
     def wait(self, timeout_s: float | None = None) -> bool:
         """Let time pass."""
         assert timeout_s is not None
+        if self.log is not None:
+            self.log.wait_until_idle()
         self.now_ns += max(round(timeout_s * S), 1)
         return self.now_ns >= self.stop_ns
 
@@ -56,17 +64,22 @@ class Desk:
         """Keep it for the test."""
         self.published.append((topic, body))
 
-    def run(self, log: LogWriter) -> None:
-        """Record into ``log``."""
+    def run(self, log: SegmentedLog) -> None:
+        """Record into ``log``, whose disk has done its work whenever time passes."""
+        self.log = BackgroundLog(log, retry_s=0.01)
         record(
             self,
-            log,
+            self.log,
             publish=self.publish,
             stop=self,
             pause=lambda seconds: self.wait(seconds) and None,
             monotonic_ns=lambda: self.now_ns,
             wall_ns=lambda: self.now_ns,
         )
+
+
+def new_log(path: Path) -> SegmentedLog:
+    return SegmentedLog(path, {}, Chain("test"))
 
 
 def sequences(path: Path) -> list[int]:
@@ -76,7 +89,7 @@ def sequences(path: Path) -> list[int]:
 def test_messages_in_flight_at_the_end_are_logged(tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"
     desk = Desk(stop_after_s=1.0, late_messages=5)
-    desk.run(LogWriter(path, {}))
+    desk.run(new_log(path))
     assert sequences(path) == [k for k in range(desk.made) if k not in {7, 8}]
     assert desk.made >= 98 + 5
     assert desk.now_ns < 1.4 * S  # it does not wait for what does not come
@@ -89,13 +102,13 @@ def test_a_bus_that_never_falls_silent_does_not_keep_it(tmp_path: Path) -> None:
         return [(EVENT.key("plant"), b"")]
 
     desk.drain = drain  # type: ignore[method-assign]  # the one thing that differs
-    desk.run(LogWriter(tmp_path / "run.mcap", {}))
+    desk.run(new_log(tmp_path / "run.mcap"))
     assert desk.now_ns < 1 * S
 
 
 def test_health_every_second_and_a_warning_for_missing_messages(tmp_path: Path) -> None:
     desk = Desk(stop_after_s=3.5)
-    desk.run(LogWriter(tmp_path / "run.mcap", {}))
+    desk.run(new_log(tmp_path / "run.mcap"))
     health = [body for topic, body in desk.published if topic is HEALTH]
     assert len(health) == 3
     assert all(isinstance(body, Health) for body in health)
@@ -116,7 +129,7 @@ def test_messages_under_strange_keys_are_reported_once(tmp_path: Path) -> None:
         return [(f"passafe/robot/k{desk.now_ns}-{k}/health", b"123") for k in range(1_000)]
 
     desk.drain = drain  # type: ignore[method-assign]  # the one thing that differs
-    desk.run(LogWriter(tmp_path / "run.mcap", {}))
+    desk.run(new_log(tmp_path / "run.mcap"))
     [warning] = [body for topic, body in desk.published if topic is EVENT]
     assert isinstance(warning, Event)
     assert warning.text.startswith("messages that are none of the topic table's, not logged so far: ")
@@ -127,7 +140,7 @@ def test_logged_messages_are_on_disk_within_a_quarter_second(tmp_path: Path) -> 
     path = tmp_path / "run.mcap"
     desk = Desk(stop_after_s=2.0)
     worst_ns = 0
-    log = LogWriter(path, {})
+    log = new_log(path)
 
     def publish_and_look(seconds: float | None = None) -> bool:
         nonlocal worst_ns
@@ -137,19 +150,60 @@ def test_logged_messages_are_on_disk_within_a_quarter_second(tmp_path: Path) -> 
 
     desk.wait = publish_and_look  # type: ignore[method-assign]  # the same, with a look at the disk before
     desk.run(log)
-    assert 100 * MS < worst_ns <= 250 * MS
+    assert 100 * MS < worst_ns <= 200 * MS
 
 
-def test_full_disk_is_reported_and_ends_the_recording(tmp_path: Path) -> None:
+def test_full_disk_is_reported_and_ends_no_recording(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     desk = Desk(stop_after_s=5.0)
-    log = LogWriter(tmp_path / "run.mcap", {})
-    os.close(log._file._raw.fileno())  # every write fails from now on
-    with pytest.raises(LogWriteError, match="cannot write the log"):
+    path = tmp_path / "run.mcap"
+    synchronize = os.fdatasync
+
+    def full_for_a_while(descriptor: int) -> None:
+        if 2 * S <= desk.now_ns < 3 * S and not failures.done():
+            failures.failed += 1
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        synchronize(descriptor)
+
+    failures = Failures(most=3)
+    monkeypatch.setattr(os, "fdatasync", full_for_a_while)
+    desk.run(new_log(path))
+    texts = [body.text for topic, body in desk.published if topic is EVENT and isinstance(body, Event)]
+    [full] = [text for text in texts if "No space left" in text]
+    assert f"what was recorded before is in {path}" in full
+    assert f"recording again, in {tmp_path / 'run.2.mcap'}" in texts
+    assert sequences(path) == [k for k in range(desk.made) if k not in {7, 8}]
+    reader = LogReader(path)
+    assert [record for record in reader.records() if isinstance(record, Footer)]
+    assert reader.finished
+    assert reader.shortcomings == [f"messages that the recorder never received: 2 of {EVENT.key('plant')}"]
+
+
+def test_a_disk_that_stays_full_is_an_error_in_the_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    desk = Desk(stop_after_s=2.0)
+    log = new_log(tmp_path / "run.mcap")
+
+    def full(_: int) -> None:
+        desk.log = None  # it has nothing more to wait for
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "fdatasync", full)
+    with pytest.raises(LogWriteError, match="No space left"):
         desk.run(log)
-    [(topic, body)] = desk.published
-    assert topic is EVENT
-    assert isinstance(body, Event)
-    assert body.severity == "error"
+    severities = [body.severity for topic, body in desk.published if topic is EVENT and isinstance(body, Event)]
+    assert "error" in severities
+    assert [path.name for path in tmp_path.iterdir()] == ["run.mcap"]
+
+
+class Failures:
+    """Number of writes that were refused, and how many are to be."""
+
+    def __init__(self, most: int) -> None:
+        self.failed = 0
+        self._most = most
+
+    def done(self) -> bool:
+        """Return whether all were refused."""
+        return self.failed >= self._most
 
 
 @contextmanager
@@ -210,18 +264,23 @@ def test_a_signal_ends_it_with_a_finished_file(tmp_path: Path, signum: int) -> N
     assert times[-1] == max(first_ns, *map(int, rest.split()))
 
 
-def test_full_disk_ends_it_in_one_line_with_a_readable_log(tmp_path: Path) -> None:
+def test_a_limit_of_size_begins_another_file(tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"
-    with writing_child(path, limit_bytes=200_000) as child:
+    with writing_child(path, limit_bytes=1_000_000) as child:
+        assert child.stdout is not None
+        for _ in child.stdout:
+            if (tmp_path / "run.3.mcap").exists():
+                break
+        child.terminate()
         _, errors = child.communicate(timeout=PATIENCE_S)
-    assert child.returncode == 1
-    reported = f"{path}: cannot write the log: File too large"
-    assert errors == f"error: {reported}\n{reported}\n"
-    assert path.stat().st_size == 200_000
-    out = tmp_path / "out.mcap"
-    recovery = recover(path, out)
-    assert recovery.messages > 500
-    for entry in LogReader(out).records():
-        if hasattr(entry, "data") and hasattr(entry, "log_time"):
-            header, _ = decode(EVENT, entry.data)
-            assert header.sequence == entry.sequence
+    assert child.returncode == 0
+    assert f"error: {path}: cannot write the log: File too large; what was recorded before is in {path}" in errors
+    assert path.stat().st_size <= 1_000_000
+    reader = LogReader(path)
+    entries = [entry for entry in reader.records() if isinstance(entry, LoggedMessage)]
+    assert [entry.sequence for entry in entries] == list(range(len(entries)))
+    assert len(entries) > 3000
+    assert (reader.finished, reader.shortcomings) == (True, [])
+    for entry in entries[::100]:
+        header, _ = decode(EVENT, entry.data)
+        assert header.sequence == entry.sequence

@@ -12,9 +12,11 @@ from pathlib import Path
 from passafe_protocol.codec import encode
 from passafe_protocol.messages import Event, Header
 from passafe_protocol.topics import EVENT
+from passafe_services.log.chain import Chain
 from passafe_services.log.errors import LogFileError
-from passafe_services.log.log_writer import LogWriter
+from passafe_services.log.segmented_log import SegmentedLog
 from passafe_services.loop.stop import stop_requests
+from passafe_services.recorder.background_log import BackgroundLog
 from passafe_services.recorder.record_loop import record
 
 PERIOD_NS = 250_000
@@ -46,7 +48,8 @@ def main(path: Path, limit_bytes: int) -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (limit_bytes, limit_bytes))
     with stop_requests(lifeline=False) as stop:
         try:
-            record(Source(), LogWriter(path, {}), publish=lambda *_: None, stop=stop)
+            log = BackgroundLog(SegmentedLog(path, {}, Chain("child")), retry_s=0.05)
+            record(Source(), log, publish=lambda *_: None, stop=stop)
         except LogFileError as error:
             sys.exit(str(error))
 

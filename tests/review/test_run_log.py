@@ -150,7 +150,7 @@ def unfit(tmp_path: Path) -> dict[str, tuple[Path, type[LogFileError], str]]:
         pass
     return {
         "missing": (tmp_path / "missing.mcap", LogReadError, "no such file"),
-        "folder": (tmp_path, LogReadError, "cannot be read: Is a directory"),
+        "folder": (tmp_path, LogReadError, "recordings"),
         "empty": (files["empty"], LogReadError, "is empty"),
         "text": (files["text"], LogReadError, "is no MCAP file"),
         "foreign": (files["foreign"], ForeignLogError, "/camera/image"),

@@ -15,17 +15,20 @@ from passafe_services.cli.access_options import InsecureOption, KeysOption, secu
 from passafe_services.cli.bus_options import RobotOption
 from passafe_services.cli.check import warn_at_load
 from passafe_services.cli.demo_outcome import report_outcome
-from passafe_services.cli.demo_processes import demo_processes
+from passafe_services.cli.demo_processes import demo_processes, rotation_options
 from passafe_services.cli.demo_rate import limited_beside_page
 from passafe_services.cli.errors import OptionError
 from passafe_services.cli.log_name import log_name
 from passafe_services.cli.options import (
+    DEFAULT_ROTATE_S,
     DEFAULT_SCENARIO,
     DurationOption,
     LawOption,
     LinkOption,
     ModeOption,
     RateOption,
+    RotateMbOption,
+    RotateSOption,
     ScenarioOption,
     scenario_from_options,
     writable_folder,
@@ -72,6 +75,8 @@ def demo(
     rate: RateOption = None,
     headless: Annotated[bool, typer.Option("--headless", help="Run without the dashboard.")] = False,
     out: Annotated[Path, typer.Option("--out", "-o", metavar="FOLDER", help="Folder for the log.")] = Path("runs"),
+    rotate_mb: RotateMbOption = None,
+    rotate_s: RotateSOption = DEFAULT_ROTATE_S,
     port: PortOption = 8080,
     router_port: RouterPortOption = DEFAULT_PORT,
     robot: RobotOption = DEFAULT_ROBOT,
@@ -133,6 +138,7 @@ def demo(
             page_port=None if headless else port,
             duration_s=duration,
             restart=restart,
+            rotation=rotation_options(rotate_mb, rotate_s),
         )
         specs = [*(awake_specs() if keep_awake else ()), *processes]
         outcome = supervise(specs, duration_s=most_s, on_ready=report_ready, emit=console.out)

@@ -8,6 +8,8 @@ from rich.markup import escape
 
 from passafe_services.cli.verdict import exit_code, print_verdict
 from passafe_services.log.errors import LogFileError, LogWriteError
+from passafe_services.log.log_files import files_of
+from passafe_services.log.log_reader import LogReader
 from passafe_services.loop.process_exit import ExitCause, RunOutcome
 from passafe_services.loop.process_name import ProcessName
 from passafe_services.scenarios.schema import Scenario
@@ -60,17 +62,28 @@ def _report_end(outcome: RunOutcome, console: Console, *, has_end: bool) -> bool
 
 
 def _recovered(log: Path, console: Console) -> Path:
-    """Put a complete copy in the place of a log that the recorder did not finish; return the path of what there is."""
-    torn = log.with_suffix(".torn.mcap")
+    """Put complete copies in the places of files that the recorder did not finish; return the path of what there is."""
+    for file in files_of(log):
+        reader = LogReader(file, alone=True)
+        for _ in reader.records():
+            pass
+        if not reader.finished and (left := _replaced(file, console)) is not None:
+            return left
+    return log
+
+
+def _replaced(file: Path, console: Console) -> Path | None:
+    """Put a complete copy in the place of a file; return where it is if that is not possible."""
+    torn = file.with_suffix(".torn.mcap")
     try:
-        log.rename(torn)
-        kept = recover(torn, log)
+        file.rename(torn)
+        kept = recover(torn, file)
     except (OSError, LogWriteError) as error:  # most likely a full disk
         if torn.exists():
-            log.unlink(missing_ok=True)
-        left = torn if torn.exists() else log
+            file.unlink(missing_ok=True)
+        left = torn if torn.exists() else file
         console.print(f"the recorder did not finish its log, and a copy cannot be written: {escape(str(error))}")
         console.print(f"what was recorded is in {left}; `passafe recover` completes it where there is room")
         return left
     console.print(f"the recorder did not finish its log; {kept.messages} messages were recovered from {torn}")
-    return log
+    return None

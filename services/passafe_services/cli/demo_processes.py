@@ -31,6 +31,7 @@ def demo_processes(
     page_port: int | None,
     duration_s: float | None,
     restart: bool,
+    rotation: Sequence[str] = (),
 ) -> list[ProcessSpec]:
     """Return the processes in the order in which they start; the plant last, so that it is stopped first.
 
@@ -42,12 +43,13 @@ def demo_processes(
         keys: Folder of the deployment's keys; ``None``: no TLS and no access control.
         page_port: Port of the dashboard's page; ``None``: no dashboard.
         duration_s: Plant time after which the plant ends, s; ``None``: never.
+        rotation: Options of the recorder, see ``rotation_options``.
         restart: Whether those of ``RESTARTED`` are started again when they die.
     """
     duration = [] if duration_s is None else ["--duration", str(duration_s)]
     arguments: dict[ProcessName, list[str]] = {
         ProcessName.ROUTER: [],
-        ProcessName.RECORDER: ["--out", str(log), *duration],
+        ProcessName.RECORDER: ["--out", str(log), *rotation, *duration],
         ProcessName.DASHBOARD: ["--port", str(page_port)],
         ProcessName.OPERATOR: [],
         ProcessName.FILTER: [],
@@ -68,6 +70,12 @@ def demo_processes(
         )
         for name, own in arguments.items()
     ]
+
+
+def rotation_options(rotate_mb: float | None, rotate_s: float | None) -> tuple[str, ...]:
+    """Return the recorder's options for files of a size, MB, and of a time, s."""
+    given = {"--rotate-mb": rotate_mb, "--rotate-s": rotate_s}
+    return tuple(text for option, value in given.items() if value is not None for text in (option, str(value)))
 
 
 def is_demo_process(argv: Sequence[str], name: ProcessName, endpoint: RouterEndpoint) -> bool:

@@ -53,6 +53,18 @@ LinkOption = Annotated[
         "seconds, probabilities from 0 to 1.",
     ),
 ]
+RotateMbOption = Annotated[
+    float | None,
+    typer.Option("--rotate-mb", metavar="MB", min=0.1, help="Recorder: begin another file of the log at this size."),
+]
+RotateSOption = Annotated[
+    float | None,
+    typer.Option(
+        "--rotate-s", metavar="SECONDS", min=1.0, help="Recorder: begin another file of the log after this time."
+    ),
+]
+DEFAULT_ROTATE_S: Final = 3600.0
+"""Time after which a file of the log ends: the index of one that is written for days would fill the memory."""
 WorkersOption = Annotated[
     int, typer.Option("--workers", "-w", metavar="N", min=0, help="Worker processes; 0: one for each processor.")
 ]

@@ -32,6 +32,8 @@ def recover_log(
             console.print(f"  {channel:<28} {first} to {last}, {last - first + 1} messages")
     if kept.orphans:
         console.print(f"left out  {kept.orphans} messages of which no intact record says what they are")
+    if kept.altered:
+        console.print(f"altered   metadata records that are not as they were written: {', '.join(kept.altered)}")
     console.print("the log was whole" if kept.was_finished else kept.tear)
     console.print(f"log       {out}")
 

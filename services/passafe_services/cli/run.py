@@ -13,7 +13,13 @@ from passafe_services.cli.access_options import InsecureOption, KeysOption, secu
 from passafe_services.cli.bus_options import DEFAULT_ROUTER, RobotOption, RouterOption, parse_endpoint
 from passafe_services.cli.failure import run_reporting_errors
 from passafe_services.cli.log_name import log_path
-from passafe_services.cli.options import DEFAULT_SCENARIO, RunScenarioOption
+from passafe_services.cli.options import (
+    DEFAULT_ROTATE_S,
+    DEFAULT_SCENARIO,
+    RotateMbOption,
+    RotateSOption,
+    RunScenarioOption,
+)
 from passafe_services.loop.health_report import HealthReporter
 from passafe_services.loop.process_name import ProcessName
 from passafe_services.loop.process_options import Device, ProcessOptions
@@ -54,6 +60,8 @@ def run(
             help="Recorder: MCAP log to write; in an existing folder a new one, named after scenario, mode and time.",
         ),
     ] = Path("run.mcap"),
+    rotate_mb: RotateMbOption = None,
+    rotate_s: RotateSOption = DEFAULT_ROTATE_S,
     port: Annotated[
         int,
         typer.Option(metavar="PORT", min=1, max=65535, envvar="PASSAFE_PORT", help="Dashboard: port of its page."),
@@ -127,6 +135,8 @@ def run(
         device=device,
         duration_s=duration,
         out=log_path(out, effective),
+        rotate_mb=rotate_mb,
+        rotate_s=rotate_s,
         port=port,
         host=host,
         epoch=time.time_ns() if epoch is None else epoch,

@@ -50,11 +50,20 @@ def _become(fresh: Path, path: Path) -> None:
         fresh.replace(path)
 
 
+def _synchronize(folder: Path) -> None:
+    """Make the names in a folder safe on the disk."""
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
 class LogFile:
     """MCAP file open for writing, compressed with zstd in chunks of 1 MB.
 
-    Use it as a context manager, which finishes the file. After a failed write nothing more is written: data flushed
-    before can be read with ``recover``.
+    Use it as a context manager, which finishes the file. After a failed write nothing more is written: the file ends
+    with the data flushed before, which ``recover`` completes.
 
     Args:
         path: Path of the file.
@@ -74,10 +83,12 @@ class LogFile:
             self._raw = io.FileIO(path, "w" if replace else "x")
         except OSError as error:
             raise LogWriteError(path, error) from error
+        self._safe_bytes = 0
         self._stream = io.BufferedWriter(self._raw, buffer_size=CHUNK_BYTES)
         self.mcap = Writer(self._stream, chunk_size=CHUNK_BYTES, compression=CompressionType.ZSTD)
         with self.guarded():
             self.mcap.start(library=LIBRARY)
+            _synchronize(path.parent)  # of a file without a name in its folder nothing would be left after a crash
 
     @contextmanager
     def guarded(self) -> Iterator[None]:
@@ -88,9 +99,11 @@ class LogFile:
             raise self.failed(error) from error
 
     def failed(self, error: OSError) -> LogWriteError:
-        """Close the unfinished file and return the error to raise."""
+        """Cut the file down to what is safe on the disk, close it and return the error to raise."""
         # The raw file first: closing the buffer would retry the failed write.
         with suppress(OSError):  # the first error is the one to report
+            os.ftruncate(self._raw.fileno(), self._safe_bytes)
+        with suppress(OSError):
             self._raw.close()
         return LogWriteError(self.path, error)
 
@@ -104,6 +117,7 @@ class LogFile:
             self.mcap.flush()  # type: ignore[no-untyped-call]  # mcap leaves it unannotated
             os.fdatasync(self._raw.fileno())
             self._require_in_place()
+            self._safe_bytes = os.fstat(self._raw.fileno()).st_size
 
     def close(self) -> None:
         """Write the summary, which completes the file, and close it; a second call has no effect.
@@ -119,6 +133,16 @@ class LogFile:
             os.fdatasync(self._raw.fileno())
             self._require_in_place()
             self._stream.close()
+
+    @property
+    def closed(self) -> bool:
+        """Whether nothing can be written any more."""
+        return self._raw.closed
+
+    @property
+    def size_bytes(self) -> int:
+        """Size of what is safe on the disk."""
+        return self._safe_bytes
 
     def _require_in_place(self) -> None:
         """Check that the path still leads to this file: one that was removed can be written on without an error."""

@@ -35,10 +35,11 @@ from passafe_services.log.chunk_decoding import RECORD, DecodedStretch, Stretch,
 from passafe_services.log.continuity import LoggedMessage, TopicCount
 from passafe_services.log.decoding_workers import DecodingWorkers
 from passafe_services.log.errors import ForeignLogError, LogReadError
-from passafe_services.log.log_reader import LogReader
+from passafe_services.log.log_reader import LogReader, definitions
 from passafe_services.log.log_writer import SCENARIO_RECORD, topic_of_key
 from passafe_services.log.message_block import MessageBlock
-from passafe_services.log.record_scan import Damage, described, scan_records
+from passafe_services.log.reading_state import ReadingState
+from passafe_services.log.record_scan import Damage, scan_records
 from passafe_services.log.session_order import SessionOrder
 
 STRETCH_BYTES: Final = 8 << 20
@@ -79,7 +80,7 @@ class LogPass:
     """One pass over a log; the attributes are final when it has ended.
 
     Args:
-        path: The log.
+        path: The log: its first file, or a folder that holds one recording.
         progress: Is called after every stretch.
         workers: Processes to decode with; by default one a processor for a log that is worth it, and none for others.
 
@@ -88,6 +89,7 @@ class LogPass:
         metadata: Metadata records by name; those before the first message are there from the beginning.
         finished: Whether the writer finished the file and all of it is intact.
         tear: Description of the damage; empty if ``finished``.
+        shortcomings: Reasons for which checkpoints do not prove that nothing is missing, in words.
         counts: Message counts of every topic, by its name.
         foreign_keys: Channels that do not belong to passafe.
 
@@ -96,19 +98,19 @@ class LogPass:
     """
 
     def __init__(self, path: Path, *, progress: Progress | None = None, workers: int | None = None) -> None:
-        LogReader(path)  # refuses what is no log
         self.path = path
+        self._files = [(file, file.stat().st_size) for file in LogReader(path).files]  # refuses what is no log
         self.finished = False
         self.tear = ""
         self.foreign_keys: list[str] = []
         self.counts: dict[str, TopicCount] = {topic.name: TopicCount() for topic in TOPICS}
         self._progress = progress
-        self._size_bytes = path.stat().st_size
+        self._size_bytes = sum(size_bytes for _, size_bytes in self._files)
         self._workers = _worth(self._size_bytes) if workers is None else workers
         self._channels: dict[int, str] = {}
         self._undecodable: dict[str, int] = {}
-        self._damage: list[Damage] = []
-        self._ended = False
+        self._state = ReadingState(self._files)
+        self.shortcomings: list[str] = []
         self.metadata: dict[str, dict[str, str]] = {}
         for record, _ in self._records():
             if isinstance(record, Chunk | Message):
@@ -177,9 +179,8 @@ class LogPass:
             if self._progress is not None:
                 self._progress(repeated.read_bytes, self._size_bytes)
             yield repeated
-        damage = sorted(self._damage, key=lambda each: each.start)
-        self.finished = self._ended and not damage
-        self.tear = described(damage, self._size_bytes, ended=self._ended)
+        self.finished, self.tear = self._state.finished, self._state.tear
+        self.shortcomings = self._state.audit.shortcomings
 
     def _first_decoded(self, wants: Wants) -> Iterator[tuple[Stretch, DecodedStretch]]:
         stretches = self._stretches()
@@ -227,28 +228,32 @@ class LogPass:
             yield Stretch(records, read)
 
     def _records(self) -> Iterator[tuple[McapRecord, int]]:
-        """Yield every intact record of the file, chunks as they are, with the bytes read up to its end."""
-        self._damage, self._ended = [], False
-        try:
-            with self.path.open("rb") as stream:
-                for found in scan_records(stream, self._size_bytes, unpack=False):
-                    if isinstance(found, Damage):
-                        self._note_damage(found)
-                        continue
-                    for record in found.records:
-                        self._ended = self._ended or isinstance(record, DataEnd)
-                        if isinstance(record, Metadata):
-                            self.metadata[record.name] = record.metadata
-                        yield record, found.end
-        except OSError as error:
-            raise LogReadError(self.path, f"cannot be read: {error.strerror or error}") from error
+        """Yield every intact record of the files, chunks as they are, with the bytes read up to its end."""
+        state = self._state = ReadingState(self._files)
+        for number, (file, size_bytes) in enumerate(self._files):
+            try:
+                with file.open("rb") as stream:
+                    for found in scan_records(stream, size_bytes, unpack=False):
+                        if isinstance(found, Damage):
+                            self._note_damage(found, number)
+                            continue
+                        for record in found.records:
+                            if isinstance(record, DataEnd):
+                                state.note_end(number)
+                            elif isinstance(record, Metadata):
+                                self.metadata[record.name] = record.metadata
+                                state.note_metadata(record.name, record.metadata)
+                            yield record, state.bases[number] + found.end
+            except OSError as error:
+                raise LogReadError(file, f"cannot be read: {error.strerror or error}") from error
 
-    def _note_damage(self, damage: Damage) -> None:
+    def _note_damage(self, damage: Damage, number: int = 0) -> None:
         """Remember damage; after the first of it, what it may have said of channels is taken from elsewhere."""
-        if not self._damage:
-            channels = (each for each in LogReader(self.path).definitions() if isinstance(each, Channel))
-            self._register({channel.id: channel.topic for channel in channels})
-        self._damage.append(damage)
+        if not self._state.damage:
+            for file, _ in self._files:
+                channels = (each for each in definitions(file) if isinstance(each, Channel))
+                self._register({channel.id: channel.topic for channel in channels})
+        self._state.note_damage(damage, number)
 
 
 def _size_of(record: Channel | Message) -> int:

@@ -1,51 +1,67 @@
-"""Reads the records of an MCAP file: of a truncated or damaged one, everything intact before and after the damage."""
+"""Reads the records of a log: of a truncated or damaged one, everything intact before and after the damage."""
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import BinaryIO
+from typing import BinaryIO, Final
 
 from mcap.opcode import Opcode
-from mcap.records import Channel, DataEnd, McapRecord, Schema
+from mcap.records import Channel, DataEnd, McapRecord, Metadata, Schema
+from mcap.well_known import MessageEncoding
 from mcap.writer import MCAP0_MAGIC
 
+from passafe_services.log.checkpoint import CHECKPOINT_RECORD, checkpoint_of
 from passafe_services.log.errors import LogReadError
-from passafe_services.log.record_scan import Damage, IntactRecord, described, scan_records
+from passafe_services.log.log_files import files_of
+from passafe_services.log.reading_state import ReadingState
+from passafe_services.log.record_scan import Damage, IntactRecord, scan_records
+
+UNKNOWN_SCHEMA: Final = 2**16 - 1
+"""Schema of a channel that is known from a checkpoint alone."""
 
 
 class LogReader:
-    """Reader of one MCAP file, in the order in which its records were written.
+    """Reader of the files of a recording, in the order in which its records were written.
 
     Args:
-        path: The file.
+        path: The first file, or a folder that holds one recording (see ``log_files.files_of``).
+        alone: Whether the file is read without others that continue it.
 
     Attributes:
-        path: The file.
-        finished: After ``records`` has ended: whether the writer finished the file and all of it is intact.
+        path: As given.
+        files: The files.
+        finished: After ``records`` has ended: whether the writer finished the log and all of it is intact.
         damage: After ``records`` has ended: what is not intact.
         tear: Description of the damage; empty if ``finished``.
+        shortcomings: After ``records`` has ended: reasons for which checkpoints do not prove that nothing is missing.
 
     Raises:
-        LogReadError: The file is missing, unreadable, empty or not an MCAP file.
+        LogReadError: A file is missing, unreadable, empty or not an MCAP file.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, *, alone: bool = False) -> None:
         self.path = path
-        self.finished = False
-        self.tear = ""
-        self.damage: list[Damage] = []
-        try:
-            with path.open("rb") as stream:
-                beginning = stream.read(len(MCAP0_MAGIC))
-                self._size_bytes = path.stat().st_size
-                is_log = beginning == MCAP0_MAGIC or _has_contents(stream, self._size_bytes)
-        except FileNotFoundError as error:
-            raise LogReadError(path, "no such file") from error
-        except OSError as error:
-            raise LogReadError(path, f"cannot be read: {error.strerror or error}") from error
-        if not beginning:
-            raise LogReadError(path, "is empty")
-        if not is_log:
-            raise LogReadError(path, "is no MCAP file")
+        self.files = [path] if alone else files_of(path)
+        self._state = ReadingState([(file, _size_of_log(file)) for file in self.files])
+
+    @property
+    def finished(self) -> bool:
+        """See the class."""
+        return self._state.finished
+
+    @property
+    def tear(self) -> str:
+        """See the class."""
+        return self._state.tear
+
+    @property
+    def damage(self) -> list[Damage]:
+        """See the class."""
+        return self._state.damage
+
+    @property
+    def shortcomings(self) -> list[str]:
+        """See the class."""
+        return self._state.audit.shortcomings
 
     def records(self) -> Iterator[McapRecord]:
         """Yield every intact record; chunks are replaced by their contents, message indexes are left out."""
@@ -59,33 +75,68 @@ class LogReader:
         After damage that may have destroyed the first definition of a channel, the definitions that come later in the
         file are yielded before anything else.
         """
-        self.finished, self.tear, self.damage = False, "", []
-        ended, known = False, _Known()
-        try:
-            with self.path.open("rb") as stream:
-                for found in scan_records(stream, self._size_bytes):
-                    if isinstance(found, Damage):
-                        yield found
-                        if not self.damage:
-                            yield from (each for each in self.definitions() if known.note(each))
-                        self.damage.append(found)
-                        continue
-                    for record in found.records:
-                        known.note(record)
-                        ended = ended or isinstance(record, DataEnd)
-                        yield record
-        except OSError as error:
-            raise LogReadError(self.path, f"cannot be read: {error.strerror or error}") from error
-        self.finished = ended and not self.damage
-        self.tear = described(self.damage, self._size_bytes, ended=ended)
+        state = self._state = ReadingState([(file, _size_of_log(file)) for file in self.files])
+        for number, file in enumerate(self.files):
+            try:
+                yield from _items(file, number, state)
+            except OSError as error:
+                raise LogReadError(file, f"cannot be read: {error.strerror or error}") from error
 
-    def definitions(self) -> Iterator[Schema | Channel]:
-        """Yield every intact schema and channel of the whole file."""
-        with self.path.open("rb") as stream:
-            for found in scan_records(stream, self._size_bytes):
-                for record in () if isinstance(found, Damage) else found.records:
-                    if isinstance(record, Schema | Channel):
-                        yield record
+
+def definitions(file: Path) -> Iterator[Schema | Channel]:
+    """Yield every intact schema and channel of a file, and the channels that its checkpoints name."""
+    named: dict[int, str] = {}
+    with file.open("rb") as stream:
+        for found in scan_records(stream, file.stat().st_size):
+            for record in () if isinstance(found, Damage) else found.records:
+                if isinstance(record, Schema | Channel):
+                    yield record
+                elif isinstance(record, Metadata) and record.name == CHECKPOINT_RECORD:
+                    checkpoint = checkpoint_of(record.metadata)
+                    named |= {} if checkpoint is None else checkpoint.channels
+    for number, key in named.items():
+        yield Channel(number, key, MessageEncoding.Protobuf, {}, UNKNOWN_SCHEMA)
+
+
+def _items(file: Path, number: int, state: ReadingState) -> Iterator[McapRecord | Damage]:
+    known, is_damaged = _Known(), False
+    with file.open("rb") as stream:
+        for found in scan_records(stream, state.bases[number + 1] - state.bases[number]):
+            if isinstance(found, Damage):
+                state.note_damage(found, number)
+                yield found
+                if not is_damaged:
+                    yield from (each for each in definitions(file) if known.note(each))
+                is_damaged = True
+                continue
+            for record in found.records:
+                known.note(record)
+                if isinstance(record, DataEnd):
+                    state.note_end(number)
+                elif isinstance(record, Metadata):
+                    state.note_metadata(record.name, record.metadata)
+                yield record
+
+
+def _size_of_log(path: Path) -> int:
+    """Return the size of a file.
+
+    Raises:
+        LogReadError: It is missing, unreadable, empty or not an MCAP file.
+    """
+    try:
+        with path.open("rb") as stream:
+            beginning, size_bytes = stream.read(len(MCAP0_MAGIC)), path.stat().st_size
+            is_log = beginning == MCAP0_MAGIC or _has_contents(stream, size_bytes)
+    except FileNotFoundError as error:
+        raise LogReadError(path, "no such file") from error
+    except OSError as error:
+        raise LogReadError(path, f"cannot be read: {error.strerror or error}") from error
+    if not beginning:
+        raise LogReadError(path, "is empty")
+    if not is_log:
+        raise LogReadError(path, "is no MCAP file")
+    return size_bytes
 
 
 class _Known:

@@ -27,6 +27,8 @@ class ProcessOptions:
         device: Operator: input device.
         duration_s: Plant and recorder: plant time after which the plant ends, s; ``None``: never.
         out: Recorder: log to write.
+        rotate_mb: Recorder: size at which a file of the log ends and the next begins, MB; ``None``: at no size.
+        rotate_s: Recorder: time after which a file ends, s; ``None``: never.
         port: Dashboard: port of its page.
         host: Dashboard: address of its page.
         page_names: Dashboard: further names by which its page is reached.
@@ -51,5 +53,7 @@ class ProcessOptions:
     start_stopped: bool
     lifeline: bool
     health: HealthReporter
+    rotate_mb: float | None = None
+    rotate_s: float | None = None
     page_names: tuple[str, ...] = ()
     linked_routers: tuple[RouterEndpoint, ...] = ()

@@ -3,7 +3,7 @@
 from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Protocol
 
 from passafe_protocol.codec import MAX_MESSAGE_BYTES
 from passafe_protocol.keys import parts_of
@@ -12,7 +12,6 @@ from passafe_protocol.sequence import SequenceGuard
 from passafe_protocol.session_guards import SessionGuards, guard_of
 from passafe_protocol.topics import TOPIC_OF_NAME, Topic
 
-from passafe_services.log.log_writer import LogWriter
 from passafe_services.log.wire_header import read_header
 
 OTHERS: Final = "other"
@@ -29,6 +28,14 @@ class _Channel:
     source: str
     guard: SequenceGuard | SessionGuards
     invalid: int = 0
+
+
+class MessageSink(Protocol):
+    """Takes messages to log, such as ``BackgroundLog`` and ``LogWriter``."""
+
+    def write(self, key: str, data: bytes, *, sequence: int, wall_ns: int) -> None:
+        """Log one message."""
+        ...
 
 
 class MessageRecorder:
@@ -48,7 +55,7 @@ class MessageRecorder:
         last_other: Description of the last of these; empty without one.
     """
 
-    def __init__(self, log: LogWriter) -> None:
+    def __init__(self, log: MessageSink) -> None:
         self.bytes_recorded = 0
         self.others = 0
         self.last_other = ""

@@ -8,14 +8,14 @@ from passafe_protocol.messages import Event, Health, Message
 from passafe_protocol.topics import EVENT, HEALTH, Topic
 
 from passafe_services.log.errors import LogWriteError
-from passafe_services.log.log_writer import LogWriter
 from passafe_services.loop.pace import Pace
 from passafe_services.loop.rate_limited_log import RateLimitedLog
+from passafe_services.recorder.background_log import BackgroundLog
 from passafe_services.recorder.message_recorder import MessageRecorder
 
 DRAIN_RATE_HZ: Final = 50.0
-FLUSH_PERIOD_NS: Final = 200_000_000
-"""Together with a drain period and the flush itself below the 300 ms that a kill may lose."""
+FLUSH_PERIOD_NS: Final = 150_000_000
+"""Together with a drain period, the hand-over and the flush itself below the 300 ms that a kill may lose."""
 HEALTH_PERIOD_NS: Final = 1_000_000_000
 LAST_DRAIN_NS: Final = 500_000_000
 """Longest time to wait for messages in flight after the stop request."""
@@ -45,7 +45,7 @@ Publish = Callable[[Topic, Message, int], object]
 
 def record(
     reader: RawReader,
-    log: LogWriter,
+    log: BackgroundLog,
     *,
     publish: Publish,
     stop: StopSignal,
@@ -56,7 +56,7 @@ def record(
     """Log all messages until a stop request, then those still in flight, and finish the file.
 
     Drains ``DRAIN_RATE_HZ`` times a second, flushes every ``FLUSH_PERIOD_NS``, publishes Health once per second and an
-    Event when messages are missing.
+    Event when messages are missing, or when the disk is slow, full, or can be written again.
 
     Args:
         reader: Source of the messages.
@@ -71,7 +71,7 @@ def record(
         The recorder with its counts.
 
     Raises:
-        LogWriteError: The log cannot be written; an Event has reported it.
+        LogWriteError: The log cannot be written in the end; an Event has reported it.
     """
     loop = _Loop(reader, log, publish, monotonic_ns, wall_ns)
     try:
@@ -83,8 +83,9 @@ def record(
             while arriving and monotonic_ns() < until_ns:
                 pause(SETTLE_S)
                 arriving = loop.drain() > 0
+            log.close(loop.recording.gaps())
     except LogWriteError as error:
-        loop.report("disk", "error", str(error), monotonic_ns())
+        loop.report("end", "error", str(error), monotonic_ns())
         raise
     return loop.recording
 
@@ -95,7 +96,7 @@ class _Loop:
     def __init__(
         self,
         reader: RawReader,
-        log: LogWriter,
+        log: BackgroundLog,
         publish: Publish,
         monotonic_ns: Callable[[], int],
         wall_ns: Callable[[], int],
@@ -121,6 +122,7 @@ class _Loop:
         """Log the messages received; return their number."""
         samples = self._reader.drain()
         self.recording.record(samples, self._wall_ns(), self._monotonic_ns())
+        self._log.hand_over()
         return len(samples)
 
     def step(self) -> None:
@@ -129,8 +131,10 @@ class _Loop:
         self.pace.begin(now_ns)
         self.drain()
         if now_ns - self._flushed_ns >= FLUSH_PERIOD_NS:
-            self._log.flush()
+            self._log.flush(self.recording.gaps())
             self._flushed_ns = now_ns
+            for report in self._log.take_reports():
+                self.report(*report, now_ns)
         if now_ns - self._reported_ns >= HEALTH_PERIOD_NS:
             self._publish_health(now_ns)
         self.pace.end(self._monotonic_ns())

@@ -26,6 +26,7 @@ class Recovery:
         tear: Description of the damage; empty if the file was complete.
         losses: What is lost, place by place.
         orphans: Intact messages that are left out, since no intact record says of which channel they are.
+        altered: Names of the metadata records that are missing or not as they were written.
     """
 
     messages: int
@@ -35,6 +36,7 @@ class Recovery:
     tear: str
     losses: tuple[Loss, ...]
     orphans: int
+    altered: tuple[str, ...]
 
 
 def recover(torn: Path, out: Path) -> Recovery:
@@ -53,7 +55,7 @@ def recover(torn: Path, out: Path) -> Recovery:
         LogReadError: ``torn`` is missing, empty or no MCAP file.
         LogWriteError: ``out`` exists or cannot be written.
     """
-    reader = LogReader(torn)
+    reader = LogReader(torn, alone=True)
     with in_place_of(out) as fresh, LogFile(fresh) as file:
         copy = RecoveredCopy(file)
         with file.guarded():
@@ -74,4 +76,5 @@ def recover(torn: Path, out: Path) -> Recovery:
         tear=reader.tear,
         losses=tuple(copy.losses),
         orphans=copy.orphans,
+        altered=tuple(sorted(copy.altered)),
     )

@@ -7,6 +7,7 @@ from mcap.records import Attachment, Channel, McapRecord, Message, Metadata, Sch
 from mcap.well_known import SchemaEncoding
 from passafe_protocol.codec import file_descriptor_set, schema_name
 
+from passafe_services.log.checkpoint import CHECKPOINT_RECORD, checkpoint_of, record_digest
 from passafe_services.log.log_file import LogFile
 from passafe_services.log.log_writer import topic_of_key
 from passafe_services.log.record_scan import Damage
@@ -55,12 +56,15 @@ class RecoveredCopy:
         counts: Messages copied, by topic of the channel.
         losses: Damage that was skipped.
         orphans: Messages of a channel that no record describes; they are left out.
+        altered: Names of the metadata records that are missing or not as they were written.
     """
 
     def __init__(self, out: LogFile) -> None:
         self.counts: dict[str, int] = {}
         self.losses: list[Loss] = []
         self.orphans = 0
+        self.altered: set[str] = set()
+        self._metadata: dict[str, str] = {}
         self._mcap = out.mcap
         self._schemas = {0: 0}  # 0 is MCAP's "no schema"
         self._channels: dict[int, tuple[int, str]] = {}
@@ -92,12 +96,27 @@ class RecoveredCopy:
             case Message():
                 self.orphans += 1
             case Metadata():
-                self._mcap.add_metadata(record.name, record.metadata)
+                self._add_metadata(record)
             case Attachment():
                 times = record.create_time, record.log_time
                 self._mcap.add_attachment(*times, record.name, record.media_type, record.data)
             case _:
                 pass
+
+    def _add_metadata(self, record: Metadata) -> None:
+        """Copy a metadata record after the messages before it, which it may attest."""
+        self._mcap.flush()  # type: ignore[no-untyped-call]  # mcap leaves it unannotated
+        self._mcap.add_metadata(record.name, record.metadata)
+        if record.name != CHECKPOINT_RECORD:
+            self._metadata[record.name] = record_digest(record.metadata)
+            return
+        checkpoint = checkpoint_of(record.metadata)
+        if checkpoint is None:
+            self.altered.add(record.name)
+            return
+        for name, digest in checkpoint.metadata.items():
+            if self._metadata.get(name) != digest:
+                self.altered.add(name)
 
     def skip(self, damage: Damage) -> None:
         """Note damage at this place."""

@@ -119,15 +119,15 @@ def judge_margins(margins: RecomputedMargins, scenario: Scenario, tolerances: To
 def judge_completeness(log: RunLog, trajectory: Trajectory) -> Property:
     """Return the property that the log contains the whole run."""
     missing = sum(log.counts[topic.name].gaps for topic in CONTROL_TOPICS)
-    cut_short = _cut_short(log, trajectory) or two_plants(log.of(PlantState))
+    doubt = _cut_short(log, trajectory) or two_plants(log.of(PlantState)) or "; ".join(log.shortcomings)
     return Property(
-        holds=missing == 0 and log.finished and _shows_the_start(log, trajectory) and not cut_short,
+        holds=missing == 0 and log.finished and _shows_the_start(log, trajectory) and not doubt,
         required=True,
         worst=float(missing),
         at_s=_first_gap_s(log),
         requirement="messages of command, input, state and tick missing = 0, from the first state to the end",
         allowed="= 0",
-        note=cut_short,
+        note=doubt,
     )
 
 

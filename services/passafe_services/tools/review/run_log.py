@@ -48,6 +48,7 @@ class RunLog:
         identity: Scenario, driver and versions of the run.
         counts: Message counts of every topic, by its name.
         foreign_keys: Channels that do not belong to passafe.
+        shortcomings: Reasons for which its checkpoints do not prove that nothing is missing, in words.
         messages: Messages by name of the topic; see ``of``.
     """
 
@@ -57,6 +58,7 @@ class RunLog:
     identity: RunIdentity
     counts: Mapping[str, TopicCount]
     foreign_keys: tuple[str, ...]
+    shortcomings: tuple[str, ...]
     messages: Mapping[str, list[LoggedMessage[Message]]] = field(repr=False)
 
     def of(self, body: type[B]) -> list[LoggedMessage[B]]:
@@ -67,7 +69,10 @@ class RunLog:
 
     @classmethod
     def read(cls, path: Path) -> Self:
-        """Read a log; of a truncated one, the part before the damage.
+        """Read a log; of a damaged one, everything intact.
+
+        Args:
+            path: Its first file, or a folder that holds one recording.
 
         Raises:
             LogReadError: The file is missing, empty or no MCAP file.
@@ -91,6 +96,7 @@ class RunLog:
             identity=identify(path, contents.metadata, info if isinstance(info, ScenarioInfo) else None),
             counts=counts,
             foreign_keys=tuple(contents.foreign_keys),
+            shortcomings=tuple(reader.shortcomings),
             messages=messages,
         )
 
