@@ -1,12 +1,12 @@
 """``passafe recover``: write a whole log from one that is torn or damaged."""
 
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated
 
 import typer
 from rich.console import Console
 
+from passafe_services.cli.log_time import log_time
 from passafe_services.tools.recover import recover
 from passafe_services.tools.recovered_copy import Loss
 
@@ -43,17 +43,8 @@ def _in_words(loss: Loss) -> str:
     damage = loss.damage
     said = [str(damage)]
     if damage.first_ns is not None and damage.last_ns is not None:
-        said.append(f"by its own head {_time(damage.first_ns)} to {_time(damage.last_ns)}")
-    after = "the beginning" if loss.after_ns is None else _time(loss.after_ns)
-    before = "the end" if loss.before_ns is None else _time(loss.before_ns)
+        said.append(f"by its own head {log_time(damage.first_ns)} to {log_time(damage.last_ns)}")
+    after = "the beginning" if loss.after_ns is None else log_time(loss.after_ns)
+    before = "the end" if loss.before_ns is None else log_time(loss.before_ns)
     said.append(f"between {after} and {before}")
     return "; ".join(said)
-
-
-def _time(wall_ns: int) -> str:
-    """Return a log time in UTC; in ns if it is no date."""
-    try:
-        at = datetime.fromtimestamp(wall_ns // 1_000_000_000, UTC)
-    except (ValueError, OverflowError, OSError):
-        return f"{wall_ns} ns"
-    return f"{at:%H:%M:%S}.{wall_ns % 1_000_000_000 // 1_000_000:03d}"

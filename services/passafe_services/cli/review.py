@@ -1,5 +1,6 @@
 """``passafe review``: judge a run from its log."""
 
+from json import dumps
 from pathlib import Path
 from typing import Annotated
 
@@ -7,26 +8,46 @@ import typer
 
 from passafe_services.cli.options import writable_folder
 from passafe_services.cli.verdict import exit_code, print_verdict
+from passafe_services.cli.verification import print_verification
+from passafe_services.log.verification import Verification
+from passafe_services.log.verification import verify as verify_log
 from passafe_services.tools.review.core_evaluator import CoreEvaluator
 from passafe_services.tools.review.run_log import RunLog
 from passafe_services.tools.review.verdict import Verdict
 
 
 def review(
-    run: Annotated[Path, typer.Argument(metavar="LOG", help="MCAP log, of a live or simulated run, whole or torn.")],
+    run: Annotated[
+        Path,
+        typer.Argument(
+            metavar="LOG|FOLDER", help="MCAP log, whole or torn: its first file, or a folder that holds one recording."
+        ),
+    ],
     html: Annotated[
         Path | None, typer.Option("--html", metavar="FILE", help="Write an HTML report to this file.")
     ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print the verdict as one JSON object.")] = False,
+    verify: Annotated[
+        bool, typer.Option("--verify", help="Also check that the log is as its recorder wrote and signed it.")
+    ] = False,
+    authority: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="Certificate (PEM) of the authority that you trust, or of the recorder itself; with it --verify.",
+        ),
+    ] = None,
 ) -> None:
     """Judge a run from its log.
 
     Barriers and power margin are recomputed from the plant's states alone, between samples too; filter telemetry is
-    not trusted. Exits with 0 only if every required property holds.
+    not trusted. Exits with 0 only if every required property holds, and with `--verify` only if all of the log is
+    signed and as it was written.
 
     Examples:
     - `passafe review runs/bad.mcap --html report.html`
     - `passafe review runs/bad.mcap --json`
+    - `passafe review runs/bad.mcap --verify --authority keys/authority/ca.pem` names each message that was changed
     """
     log = RunLog.read(run)
     evaluator = CoreEvaluator(log.identity.scenario)
@@ -36,8 +57,19 @@ def review(
 
         writable_folder(html.parent, "--html")
         html.write_text(render_report(log, evaluator, verdict), encoding="utf-8")
+    verification = verify_log(run, authority) if verify or authority is not None else None
     if json:
-        typer.echo(verdict.model_dump_json(indent=2))
+        typer.echo(_as_json(verdict, verification))
     else:
         print_verdict(verdict, run)
-    raise typer.Exit(exit_code(verdict))
+        if verification is not None:
+            print_verification(verification)
+    is_verified = verification is None or verification.holds
+    raise typer.Exit(exit_code(verdict) if is_verified else 1)
+
+
+def _as_json(verdict: Verdict, verification: Verification | None) -> str:
+    fields = verdict.model_dump(mode="json")
+    if verification is not None:
+        fields["verification"] = verification.model_dump(mode="json")
+    return dumps(fields, indent=2)
