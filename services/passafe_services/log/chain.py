@@ -1,5 +1,6 @@
 """Chain of the checkpoints of a recording, over all of its files."""
 
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Protocol
@@ -89,9 +90,8 @@ class Chain:
         """
         end, written = self.end, dict(self.end.written)
         keys = {number: key for key, number in channels.items()}
-        for entry in manifest.entries:
-            key = keys[entry.channel]
-            written[key] = written.get(key, 0) + 1
+        for number, messages in Counter(manifest.channels).items():
+            written[keys[number]] = written.get(keys[number], 0) + messages
         newest_ns = max(end.newest_ns, manifest.newest_ns)
         body = Checkpoint(
             recording=self.recording,

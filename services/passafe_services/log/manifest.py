@@ -65,27 +65,35 @@ class Manifest:
 
     Attributes:
         newest_ns: Log time of the newest message, ns.
+        channels: Channel of every message, in order.
     """
 
     def __init__(self) -> None:
         self.newest_ns = 0
-        self._entries: list[Entry] = []
+        self.channels: list[int] = []
+        self._sequences: list[int] = []
+        self._times: list[int] = []
+        self._tags = bytearray()
         self._digest = sha256()
 
     def __len__(self) -> int:
         """Return the number of messages."""
-        return len(self._entries)
+        return len(self.channels)
 
     def add(self, channel: int, sequence: int, wall_ns: int, digest: bytes) -> None:
         """Add a message."""
-        self._entries.append(Entry(channel, sequence, wall_ns, digest[:TAG_BYTES]))
+        self.channels.append(channel)
+        self._sequences.append(sequence)
+        self._times.append(wall_ns)
+        self._tags += digest[:TAG_BYTES]
         self._digest.update(digest)
         self.newest_ns = max(self.newest_ns, wall_ns)
 
     @property
     def entries(self) -> list[Entry]:
         """The messages, in order."""
-        return self._entries
+        tags = (bytes(self._tags[at : at + TAG_BYTES]) for at in range(0, len(self._tags), TAG_BYTES))
+        return [Entry(*each) for each in zip(self.channels, self._sequences, self._times, tags, strict=True)]
 
     @property
     def digest(self) -> str:
@@ -95,13 +103,12 @@ class Manifest:
     @property
     def text(self) -> str:
         """The manifest as it is in a checkpoint."""
-        if not self._entries:
+        if not self.channels:
             return ""
-        channels, sequences, times, tags = zip(*self._entries, strict=True)
-        number = np.array(channels, dtype="<u2")
-        steps = _steps_of_channels(number, np.array(sequences, dtype=np.int64))
-        moments = _steps(np.array(times, dtype=np.uint64).astype(np.int64))
-        columns = number.tobytes() + _planes(steps) + _planes(moments) + b"".join(tags)
+        number = np.array(self.channels, dtype="<u2")
+        steps = _steps_of_channels(number, np.array(self._sequences, dtype=np.int64))
+        moments = _steps(np.array(self._times, dtype=np.uint64).astype(np.int64))
+        columns = number.tobytes() + _planes(steps) + _planes(moments) + bytes(self._tags)
         return b64encode(zlib.compress(columns, _LEVEL)).decode()
 
 

@@ -1,7 +1,7 @@
 """Log of a recording in one file after the other: by size, by time, and after a disk that could not be written."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -80,16 +80,20 @@ class SegmentedLog:
         self._monotonic_ns = monotonic_ns
         self._unsafe: list[RawMessage] = []
         self._scenarios: dict[str, RawMessage] = {}
+        self._is_scenario: dict[str, bool] = {}
         self._begun_ns = monotonic_ns()
         self._writer = LogWriter(path, metadata, chain=chain)
         self._safe = chain.end
 
-    def write(self, message: RawMessage) -> None:
-        """Log one message."""
-        self._unsafe.append(message)
-        if topic_of_key(message.key) is SCENARIO:
-            self._scenarios[message.key] = message
-        self._writer.write(message.key, message.data, sequence=message.sequence, wall_ns=message.wall_ns)
+    def write(self, *messages: RawMessage) -> None:
+        """Log messages."""
+        self._unsafe += messages
+        for each in messages:
+            if each.key not in self._is_scenario:
+                self._is_scenario[each.key] = topic_of_key(each.key) is SCENARIO
+            if self._is_scenario[each.key]:
+                self._scenarios[each.key] = each
+        self._log(messages)
 
     def flush(self, counts: RecorderCounts) -> None:
         """Make the messages safe on the disk, with a checkpoint; begin the next file if it is due."""
@@ -113,8 +117,7 @@ class SegmentedLog:
         safe = self._chain.end = self._safe
         self._begin_next()
         try:
-            for each in self._unsafe:
-                self._writer.write(each.key, each.data, sequence=each.sequence, wall_ns=each.wall_ns)
+            self._log(self._unsafe)
             self._writer.flush(counts)
         except LogWriteError:
             self._discard_next()
@@ -127,6 +130,11 @@ class SegmentedLog:
         """Finish the recording."""
         self._writer.close(counts, final=True)
 
+    def _log(self, messages: Iterable[RawMessage]) -> None:
+        write = self._writer.write
+        for key, data, sequence, wall_ns in messages:
+            write(key, data, sequence=sequence, wall_ns=wall_ns)
+
     def _begin_next(self) -> None:
         """Begin the next file: with the channels so far under the same numbers, and the scenario once more."""
         self.path = part_path(self._first, self._part + 1)
@@ -135,8 +143,7 @@ class SegmentedLog:
         try:
             self._writer = LogWriter(self.path, self._metadata, chain=self._chain, part=self._part, channels=channels)
             self._safe = self._chain.end
-            for each in self._scenarios.values():
-                self._writer.write(each.key, each.data, sequence=each.sequence, wall_ns=each.wall_ns)
+            self._log(self._scenarios.values())
         except LogWriteError:
             self._discard_next()
             raise

@@ -140,8 +140,7 @@ class BackgroundLog:
                 self._counts = item.counts
                 self._attempt(lambda: self._log.flush(self._counts))
                 continue
-            for message in item:
-                self._attempt(lambda: self._log.write(message))  # noqa: B023 - called at once
+            self._attempt(lambda: self._log.write(*item))
             size = sum(len(message.data) for message in item) + MESSAGE_BYTES * len(item)
             with self._changed:
                 self._waiting_bytes -= size
