@@ -296,7 +296,7 @@ def test_a_torn_log_verifies_up_to_its_last_checkpoint(
     assert (again.attested, again.found) == (found.attested, [])
 
 
-def test_messages_after_the_last_checkpoint_are_told(tmp_path: Path) -> None:
+def test_messages_after_the_last_checkpoint_are_reported(tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"
     writer = LogWriter(path, {})
     for k in range(5):
@@ -320,7 +320,7 @@ def test_a_chain_goes_over_rotated_files(tmp_path: Path, pair: KeyPair, authorit
     assert any("are missing" in doubt for doubt in found.doubts)
 
 
-def test_damage_is_told_and_its_messages_are_named(log: Path, pinned: Path, tmp_path: Path) -> None:
+def test_damage_is_reported_and_its_messages_named(log: Path, pinned: Path, tmp_path: Path) -> None:
     content = bytearray(log.read_bytes())
     chunks = [at for at in range(len(content)) if content.startswith(b"\x28\xb5\x2f\xfd", at)]
     content[chunks[2] + 40] ^= 1

@@ -22,7 +22,7 @@ class CheckpointSigner(Protocol):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class RecorderCounts:
-    """What a recorder knows of messages that are not in its log, by key expression.
+    """Counts of messages that a recorder knows of and that are not in its log, by key expression.
 
     Attributes:
         gaps: Sequence numbers never received between others.

@@ -30,7 +30,7 @@ class KeyCount(BaseModel):
 
 
 class Checkpoint(BaseModel):
-    """What the recorder attests of its log at one moment.
+    """Statement of the recorder on its log at one moment.
 
     Attributes:
         recording: Identity of the recording, the same in all of its files.

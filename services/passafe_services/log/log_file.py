@@ -136,7 +136,7 @@ class LogFile:
 
     @property
     def closed(self) -> bool:
-        """Whether nothing can be written any more."""
+        """True if nothing can be written any more."""
         return self._raw.closed
 
     @property

@@ -45,7 +45,7 @@ class ReadingState:
 
     @property
     def finished(self) -> bool:
-        """Whether the writer finished the log, and all of it is intact.
+        """True if the writer finished the log, and all of it is intact.
 
         A file that is continued by the next one need not have an end of its own: the checkpoints show that nothing is
         missing between them.

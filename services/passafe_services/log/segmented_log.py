@@ -16,7 +16,7 @@ from passafe_services.log.log_writer import LogWriter, RunMetadata, topic_of_key
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Rotation:
-    """When the next file begins.
+    """Limits of a file, at which the next one begins.
 
     Attributes:
         size_bytes: Size of a file at which it ends; ``None``: at no size.

@@ -19,7 +19,7 @@ ROLE = "recorder"
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class LogSigner:
-    """Who signed a log, by the certificate in it.
+    """Holder of the key that signed a log, by the certificate in it.
 
     Attributes:
         certificate: The certificate.

@@ -92,7 +92,7 @@ class BackgroundLog:
                 self._changed.notify_all()
 
     def take_reports(self) -> list[DiskReport]:
-        """Return what is to be told of the disk since the last call."""
+        """Return what is to be reported of the disk since the last call."""
         with self._changed:
             reports, self._reports = self._reports, []
             return reports
