@@ -9,7 +9,7 @@ DEMO ?=
 PYTHONS ?= python3.12 python3.13
 CAMPAIGN ?= $(basename $(notdir $(wildcard services/passafe_services/scenarios/*.toml)))
 
-.PHONY: help demo test check fast proto lock docs site pictures bench campaign generated-campaign atlas delay-atlas worker-kills resumes faults mutation wheel wheel-test container-test network-test fuzz soak clean
+.PHONY: help demo test check fast proto lock docs site pictures bench campaign generated-campaign atlas delay-atlas worker-kills resumes faults recovery mutation wheel wheel-test container-test network-test fuzz soak clean
 
 help:  ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 13
@@ -83,6 +83,9 @@ faults: $(STAMP)  ## docs/faults.md: every fault against every process in three 
 
 resumes: $(STAMP)  ## a thousand random resumes after stops, deaths and outages, in virtual time; some minutes
 	$(BIN)/python -m pytest tests/simulation/test_resumes.py -m campaign
+
+recovery: $(STAMP)  ## kills 200 recorders, cuts off 200 logs and damages 200: what is recovered, and is the rest named? some minutes
+	$(BIN)/python tests/log/recovery_campaign.py
 
 fuzz: $(STAMP)  ## 5,000 mutations of every kind of file and message that passafe reads; some minutes
 	$(BIN)/python -m pytest tests/fuzz -m campaign

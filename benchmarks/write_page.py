@@ -31,6 +31,7 @@ BENCHMARKS: Final = {
     "experiment_speed": "a sweep over bad networks",
     "campaign_speed": "one tick of an adversarial campaign, CPU time",
     "human_input": "errors of estimates of the operator's input and its rate, RMS of φ; least and most over signals",
+    "log_rate": "a message on the recorder's way to the disk, processor time",
     "live_latency": "the path from operator to plant in a live system, play-out time included, median",
     "live_tls": "one way from filter to plant with TLS and access control, beside one without, by turns, median",
 }

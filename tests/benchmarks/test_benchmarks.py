@@ -18,6 +18,7 @@ OTHERS = (
     "human_input",
     "lockstep_kills",
     "lockstep_speed",
+    "log_rate",
     "prediction_cost",
 )
 PLAIN = ("mutation", "write_page")

@@ -229,6 +229,7 @@ def ending() -> Iterator[Fault]:
         exit_code=1,
         promise="run ends; verdict: not a whole run; exit 1",
     )
+    promise = f"said at once, the run goes on; verdict on what there is, exit {STOPPED}"
     yield Fault(name="full disk", target="recorder", inject=full_disk, promise=promise, exit_code=STOPPED)
     yield Fault(name="folder deleted", target="recorder", inject=deleted_folder, promise=promise, exit_code=STOPPED)
     yield Fault(

@@ -29,6 +29,9 @@ ASKED: Final = ("safe", "energy", "bounded", "certified", "consistent")
 
 ORPHANS_S: Final = 15.0
 PLANNED_S: Final = "60"
+SHORT_S: Final = "6"
+GOES_ON: Final = ("full disk", "folder deleted")
+"""Faults after which a run goes on to its planned end, although it cannot be recorded."""
 """Plant time that a run was to last whose end is a fault, s."""
 
 STRANGERS: Final = ("--insecure",)
@@ -136,7 +139,8 @@ def run_to_end(fault: Fault, rng: Random, folder: Path) -> Result:
             mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=2m", "tmpfs", log_folder], check=False)  # noqa: S607 - the system's
             if mounted.returncode == 0:
                 stack.callback(subprocess.run, ["umount", "-l", log_folder], check=False)
-        system = stack.enter_context(fault_system(log_folder, folder, "--duration", PLANNED_S))
+        duration = SHORT_S if fault.name in GOES_ON else PLANNED_S
+        system = stack.enter_context(fault_system(log_folder, folder, "--duration", duration))
         sleep(rng.uniform(1.0, 2.0))
         with fault.inject(system):
             code = system.demo.end()

@@ -132,8 +132,7 @@ def full_disk(system: FaultSystem) -> Iterator[None]:
                 filler.write(bytes(4096))
     else:
         recorder = system.process("recorder")
-        size = system.log.stat().st_size
-        recorder.rlimit(resource.RLIMIT_FSIZE, (size, size))
+        recorder.rlimit(resource.RLIMIT_FSIZE, (0, 0))
     yield
 
 
