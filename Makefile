@@ -59,6 +59,7 @@ site: $(STAMP)  ## the documentation as a site, .build/site/index.html
 pictures: $(STAMP)  ## the pictures of README and docs, from runs
 	$(BIN)/python docs_build/moving_picture.py docs/pictures/four-modes.gif
 	$(BIN)/python -m passafe_dashboard.pictures docs/pictures
+	$(BIN)/python docs_build/report_picture.py docs/pictures/report.png
 
 bench: $(STAMP)  ## docs/benchmarks.md: ratios of every benchmark; some 10 minutes on an idle machine
 	$(BIN)/python benchmarks/write_page.py

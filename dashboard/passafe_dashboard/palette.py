@@ -53,6 +53,15 @@ PHASE_MEANINGS: Final[dict[PlantPhase, str]] = {
 }
 
 
+PHASE_STYLES: Final[dict[PlantPhase, str]] = {
+    PlantPhase.WAITING: "#8A8A8A",
+    PlantPhase.RUNNING: "#00785A",
+    PlantPhase.HOLDING: "#E69F00",
+    PlantPhase.FAIL_SAFE: "#B03A00",
+}
+"""Colour of each phase of the plant in a band over time."""
+
+
 def line_style(index: int) -> tuple[str, str]:
     """Return colour and dash of line number ``index``; both repeat, out of step, so that pairs last longer."""
     return (

@@ -1,52 +1,68 @@
-"""Make the HTML report of a log."""
+"""Make the HTML report of a log, in a pass over it, or of two logs over one another."""
 
-from passafe_protocol.messages import FilterTick
-from passafe_services.tools.review.plant_evaluator import PlantEvaluator
-from passafe_services.tools.review.run_log import RunLog
-from passafe_services.tools.review.verdict import Verdict, trajectory_of
+from collections.abc import Sequence
+from pathlib import Path
 
-from passafe_dashboard.decimation import NS_PER_S
+from passafe_services.tools.export.whole_file import whole_output
+from passafe_services.tools.review.run_identity import RunIdentity
+from passafe_services.tools.review.verdict import Verdict
+
+from passafe_dashboard.reports.report_run import ReportRun
 from passafe_dashboard.reports.run_page import report_page
-from passafe_dashboard.run_series import RunSeries, status_spans
+from passafe_dashboard.run_record.collector import RunCollector
+
+__all__ = ["ReportRun", "RunCollector", "overlay_report", "render_report", "report_run", "write_report"]
 
 
-def render_report(log: RunLog, evaluator: PlantEvaluator, verdict: Verdict) -> str:
+def render_report(record: RunCollector, verdict: Verdict, identity: RunIdentity) -> str:
     """Return the report of a run as one self-contained HTML file.
 
     Args:
-        log: Log of the run.
-        evaluator: Functions of its scenario.
+        record: Its record, after a pass over its log.
         verdict: Result of the review.
-
-    Raises:
-        SeriesError: The log has no state of the plant: there is nothing to draw.
-        MismatchedLogError: Its states have not as many numbers as the scenario's.
+        identity: Identity of the run.
     """
-    return report_page(
-        verdict.model_dump(mode="json"),
-        series_of(log, evaluator),
-        configuration=log.identity.scenario.model_dump(mode="json"),
-        versions=log.identity.versions,
+    return report_page([report_run(record, verdict, identity)], title=identity.scenario.title)
+
+
+def overlay_report(runs: Sequence[ReportRun], *, title: str, notes: Sequence[str] = ()) -> str:
+    """Return the report of several runs over one another as one self-contained HTML file.
+
+    Args:
+        runs: The runs, see ``report_run``; scene and choice of charts are those of the first.
+        title: Heading.
+        notes: Sentences under the verdicts.
+    """
+    return report_page(runs, title=title, notes=notes)
+
+
+def report_run(
+    record: RunCollector, verdict: Verdict, identity: RunIdentity, *, label: str = "run", offset_s: float = 0.0
+) -> ReportRun:
+    """Return one run of a report.
+
+    Args:
+        record: Its record, after a pass over its log.
+        verdict: Result of the review.
+        identity: Identity of the run.
+        label: What a report of several runs calls it.
+        offset_s: Seconds to add to its plant time, so that it lies over another run.
+    """
+    return ReportRun(
+        label=label,
+        record=record,
+        verdict=verdict.model_dump(mode="json"),
+        configuration=identity.scenario.model_dump(mode="json"),
+        versions=identity.versions,
+        offset_s=offset_s,
     )
 
 
-def series_of(log: RunLog, evaluator: PlantEvaluator) -> RunSeries:
-    """Return the signals of a logged run; barriers and power margin are recomputed from the plant's states alone.
+def write_report(path: Path, html: str) -> None:
+    """Write a report; what stands at the path stays until the new one is whole.
 
     Raises:
-        SeriesError: The log has no state of the plant.
-        MismatchedLogError: Its states have not as many numbers as the scenario's.
+        ExportError: It cannot be written.
     """
-    scenario = log.identity.scenario
-    trajectory = trajectory_of(log)
-    ticks = ((tick.body.effective_plant_ns / NS_PER_S, tick.body.status) for tick in log.of(FilterTick))
-    return RunSeries(
-        times_s=trajectory.t_s,
-        x=trajectory.x,
-        u=trajectory.u,
-        h=evaluator.h(trajectory.x, trajectory.t_s),
-        power_margin_w=evaluator.power_margin(trajectory.x, trajectory.u),
-        barriers=scenario.barriers,
-        statuses=status_spans(ticks, period_s=scenario.dt_s),
-        points=scenario.plant.robot_model.points,
-    )
+    with whole_output(path) as unfinished:
+        unfinished.write_text(html, encoding="utf-8")

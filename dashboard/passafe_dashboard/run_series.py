@@ -1,4 +1,4 @@
-"""Hold the signals of a whole run as arrays, for report and pictures."""
+"""Hold the signals of a whole run as arrays, for pictures."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -6,8 +6,12 @@ from typing import Final, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from passafe_protocol.messages import FilterStatus
+from passafe_protocol.messages import FilterStatus, FilterTick
 from passafe_services.scenarios.barrier_kinds.barrier_kind import SingleBarrier
+from passafe_services.tools.review.plant_evaluator import PlantEvaluator
+from passafe_services.tools.review.run_log import RunLog
+from passafe_services.tools.review.trajectory import NS_PER_S
+from passafe_services.tools.review.verdict import trajectory_of
 
 from passafe_dashboard.errors import SeriesError
 
@@ -75,6 +79,28 @@ class RunSeries:
     def position(self, point: int) -> FloatArray:
         """Return the position in the plane of a point, counted from 0, m, shape (2, N)."""
         return self.x[PLANE_DIMENSIONS * point : PLANE_DIMENSIONS * (point + 1)]
+
+
+def series_of(log: RunLog, evaluator: PlantEvaluator) -> RunSeries:
+    """Return the signals of a logged run; barriers and power margin are recomputed from the plant's states alone.
+
+    Raises:
+        SeriesError: The log has no state of the plant.
+        MismatchedLogError: Its states have not as many numbers as the scenario's.
+    """
+    scenario = log.identity.scenario
+    trajectory = trajectory_of(log)
+    ticks = ((tick.body.effective_plant_ns / NS_PER_S, tick.body.status) for tick in log.of(FilterTick))
+    return RunSeries(
+        times_s=trajectory.t_s,
+        x=trajectory.x,
+        u=trajectory.u,
+        h=evaluator.h(trajectory.x, trajectory.t_s),
+        power_margin_w=evaluator.power_margin(trajectory.x, trajectory.u),
+        barriers=scenario.barriers,
+        statuses=status_spans(ticks, period_s=scenario.dt_s),
+        points=scenario.plant.robot_model.points,
+    )
 
 
 def _require(field: str, array: FloatArray, shape: tuple[int, ...], rows: str) -> None:

@@ -1,7 +1,5 @@
-"""The page and the report in a real browser."""
+"""The live page in a real browser."""
 
-import os
-import shutil
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -9,61 +7,20 @@ from typing import Any
 
 import pytest
 from closed_form import h, paper_scenario
-from closed_form_series import run_series, verdict
 from passafe_dashboard.live.feed import Feed
-from passafe_dashboard.reports.run_page import report_page
 from passafe_protocol.link_settings import LinkSettings
 from passafe_protocol.messages import BarrierReport, FilterStatus
 from passafe_services.scenarios.schema import Scenario
 from served_page import FastRun, ServedPage, serve_page
+from watched_page import Watched, open_browser
 
 pytestmark = pytest.mark.browser
-playwright = pytest.importorskip("playwright.sync_api")
-
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or "/usr/bin/chromium"
-ARGUMENTS = [
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--no-first-run",
-]
 
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
-    if not os.access(CHROMIUM, os.X_OK):
-        pytest.skip("Chromium is not installed")
-    with playwright.sync_playwright() as driver:
-        started = driver.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS)
+    with open_browser() as started:
         yield started
-        started.close()
-
-
-class Watched:
-    """A browser page, its complaints and what it asked for."""
-
-    def __init__(self, browser: Any) -> None:  # noqa: ANN401 - playwright's
-        self.page = browser.new_page(viewport={"width": 1300, "height": 900})
-        self.page.set_default_timeout(60_000)
-        self.complaints: list[str] = []
-        self.requests: list[str] = []
-        self.page.on("console", self._record_console)
-        self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
-        self.page.on("request", lambda request: self.requests.append(request.url))
-
-    def _record_console(self, message: Any) -> None:  # noqa: ANN401 - playwright's
-        if message.type in ("error", "warning"):
-            self.complaints.append(message.text)
-
-    def text(self, selector: str) -> str:
-        """Text of an element."""
-        return str(self.page.text_content(selector))
-
-    def wait_for(self, condition: str) -> None:
-        """Wait until a JavaScript expression is true."""
-        self.page.wait_for_function(f"() => {condition}")
 
 
 @pytest.fixture
@@ -279,18 +236,3 @@ def test_the_page_fits_a_narrow_window(watched: Watched, served: ServedPage) -> 
     watched.page.goto(served.url)
     watched.wait_for("document.getElementById('connection').textContent === 'live'")
     watched.wait_for("document.documentElement.scrollWidth <= 400")
-
-
-def test_the_report_is_complete_offline(watched: Watched, tmp_path: Path) -> None:
-    file = tmp_path / "report.html"
-    file.write_text(report_page(verdict(), run_series(), configuration={"a": 1}, versions={}), encoding="utf-8")
-    watched.page.context.set_offline(True)
-    watched.page.goto(file.as_uri())
-    watched.wait_for("Bokeh.documents.length === 1")
-    watched.wait_for("Bokeh.index && Object.keys(Bokeh.index.roots ?? Bokeh.index).length >= 4")
-    watched.page.screenshot(path=tmp_path / "report.png", full_page=True)
-    assert watched.complaints == []
-    assert [url for url in watched.requests if not url.startswith(("file:", "data:"))] == []
-    widths = watched.page.evaluate("[...document.querySelectorAll('[data-root-id] > *')].map((e) => e.clientWidth)")
-    assert len(widths) == 4
-    assert min(widths) > 200

@@ -95,7 +95,7 @@ def test_filter_keeps_the_new_barrier(folder: Path, verdict: dict[str, object]) 
 def test_report_draws_the_new_barrier(folder: Path, verdict: dict[str, object]) -> None:
     report = (folder / "table.html").read_text(encoding="utf-8")
     assert "Obstacles: table." in report
-    assert "barrier h (1)" in report
+    assert "Barriers h over plant time. table from" in report
     assert verdict["h_min_barrier"] == "table"
 
 

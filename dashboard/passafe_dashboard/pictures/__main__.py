@@ -15,7 +15,7 @@ from passafe_services.tools.review.core_evaluator import CoreEvaluator
 from passafe_services.tools.review.run_log import RunLog
 
 from passafe_dashboard.pictures.run_picture import run_picture
-from passafe_dashboard.run_report import series_of
+from passafe_dashboard.run_series import series_of
 
 MODES: Final = ("off", "passive", "safe", "both")
 DURATION_S: Final = 10

@@ -1,79 +1,69 @@
-"""Make the HTML report of a run: one file that needs neither network nor server."""
+"""Make the HTML report of a run, or of two over one another: one file that needs neither network nor server."""
 
-import json
-from collections.abc import Mapping
-from pathlib import Path
-from typing import Any, NamedTuple
+from base64 import b64encode
+from collections.abc import Sequence
+from hashlib import sha256
+from typing import Any, Final
 
-from bokeh.embed import components
-from bokeh.model import Model
-from bokeh.settings import settings as bokeh_settings
+from passafe_protocol.messages import PlantPhase
 
-from passafe_dashboard.charts.run_charts import run_charts
-from passafe_dashboard.markup import TEMPLATES, report_css
-from passafe_dashboard.number_text import MINUS, number, signed
-from passafe_dashboard.palette import STATUS_STYLES
-from passafe_dashboard.run_description import descriptions
-from passafe_dashboard.run_series import RunSeries
+from passafe_dashboard.json_text import json_text
+from passafe_dashboard.markup import STATIC, TEMPLATES
+from passafe_dashboard.palette import PHASE_STYLES, STATUS_STYLES
+from passafe_dashboard.reports.report_run import ReportRun
+from passafe_dashboard.reports.run_descriptions import description, marks
+from passafe_dashboard.reports.script_bundle import script_bundle
+from passafe_dashboard.run_record.chart_plan import ChartPlan, chart_plans
+from passafe_dashboard.run_record.run_payload import run_payload
+from passafe_dashboard.run_record.signals import SEVERITY
 
-
-class PropertyLine(NamedTuple):
-    """One line of the verdict's table, as text."""
-
-    name: str
-    outcome: str
-    required: str
-    worst: str
-    at: str
-    requirement: str
+OUTCOMES: Final = {
+    "holds": "Every required property holds",
+    "fails": "A required property is violated",
+    "unproven": "Not proven: the log does not show the whole run",
+}
+START: Final = "\nopenReport(JSON.parse(document.getElementById('data').textContent), document);\n"
 
 
-class TimingLine(NamedTuple):
-    """One line of the timing table; percentiles in ``unit``."""
-
-    quantity: str
-    unit: str
-    percentiles: tuple[str, ...]
-
-
-def report_page(
-    verdict: Mapping[str, Any],
-    series: RunSeries,
-    *,
-    configuration: Mapping[str, Any],
-    versions: Mapping[str, str],
-) -> str:
+def report_page(runs: Sequence[ReportRun], *, title: str, notes: Sequence[str] = ()) -> str:
     """Return the report.
 
     Args:
-        verdict: Output of ``passafe review --json``; a metric that is missing or null is shown as unknown.
-        series: Signals of the run.
-        configuration: Effective scenario.
-        versions: Version of each package that computed it, by name.
+        runs: One run, or several that are drawn over one another; scene and charts are those of the first.
+        title: Heading.
+        notes: Sentences under the verdict.
 
     Returns:
         HTML that refers to no other file or host.
     """
-    charts: dict[str, Model] = {**run_charts(series)}
-    lines = _property_lines(verdict)
-    script, divs = components(charts, wrap_script=False)
-    return TEMPLATES.get_template("report.html").render(
-        verdict=verdict,
-        properties=lines,
-        not_required=[line.name for line in lines if line.outcome == "violated" and line.required == "no"],
-        facts=_facts(verdict),
-        links=verdict.get("links") or (),
-        timing=_timing_lines(verdict.get("timing") or {}),
+    first = runs[0].record
+    plans = chart_plans(first, live=runs[0].verdict.get("driver") == "live")
+    css = _style()
+    script = inline_script(script_bundle("report.js") + START)
+    planar = first.layout.points > 0
+    return TEMPLATES.get_template("run_report.html").render(
+        title=title,
+        notes=notes,
+        runs=[run.view() for run in runs],
+        outcomes=OUTCOMES,
+        marks=marks(runs),
+        absent=_absent(plans),
         statuses=[(status.name, style) for status, style in STATUS_STYLES.items()],
-        counts=verdict.get("status_counts") or {},
-        descriptions=descriptions(series),
-        divs=divs,
-        configuration=json.dumps(configuration, indent=2, ensure_ascii=False),
-        versions=versions,
-        css=report_css(),
-        bokehjs=inline_script(_bokehjs()),
-        script=inline_script(script),
+        has_barriers=bool(first.layout.barriers),
+        scene_title="Robot in the plane" if planar else "Joints",
+        scene_text=_scene_text(planar, runs),
+        scene_note=_SCENE_NOTES[planar],
+        css=css,
+        script=script,
+        policy=_policy(css, script),
+        data=json_text(_data(runs, plans)).replace("<", "\\u003c"),
     )
+
+
+_SCENE_NOTES: Final = {
+    True: "Trail until the cursor; what follows is faint. Arrows: input asked (dashed) and allowed.",
+    False: "Angle of each joint at the cursor, between its limits.",
+}
 
 
 def inline_script(text: str) -> str:
@@ -81,54 +71,52 @@ def inline_script(text: str) -> str:
     return text.replace("</script", "<\\/script").replace("<!--", "<\\!--")
 
 
-def _bokehjs() -> str:
-    return (Path(bokeh_settings.bokehjs_path()) / "js" / "bokeh.min.js").read_text("utf-8")
+def _data(runs: Sequence[ReportRun], plans: Sequence[ChartPlan]) -> dict[str, Any]:
+    first = runs[0].record
+    return {
+        "runs": [run_payload(run.record, label=run.label) | {"offset_s": run.offset_s} for run in runs],
+        "charts": [plan.payload() for plan in plans],
+        "descriptions": {plan.key: description(plan, first) for plan in plans},
+        "bands": {
+            "status": {
+                str(SEVERITY[status]): {"name": status.name, "colour": style.background}
+                for status, style in STATUS_STYLES.items()
+            },
+            "phase": {str(phase.value): {"name": phase.name, "colour": PHASE_STYLES[phase]} for phase in PlantPhase},
+        },
+    }
 
 
-def _property_lines(verdict: Mapping[str, Any]) -> list[PropertyLine]:
-    outcomes = {True: "holds", False: "violated", None: "unknown"}
-    return [
-        PropertyLine(
-            name=name,
-            outcome=outcomes[entry.get("holds")],
-            required="yes" if entry.get("required", True) else "no",
-            worst=number(entry.get("worst")),
-            at="–" if entry.get("at_s") is None else signed(f"{entry['at_s']:.3f} s"),
-            requirement=entry.get("requirement", "").replace(" -", f" {MINUS}"),
-        )
-        for name, entry in (verdict.get("properties") or {}).items()
-    ]
+def _absent(plans: Sequence[ChartPlan]) -> list[str]:
+    keys = {plan.key for plan in plans}
+    reasons = {
+        "h": "No barriers: the scenario has none.",
+        "links": "No link effects: no injected link dropped, copied or corrupted a message.",
+        "latency": "No latencies: the run was simulated in virtual time.",
+        "active": "No active rows: no row of the filter's program changed an input.",
+    }
+    return [reason for key, reason in reasons.items() if key not in keys]
 
 
-def _facts(verdict: Mapping[str, Any]) -> list[tuple[str, str]]:
-    final = verdict.get("final_x")
-    gaps = verdict.get("gaps") or {}
-    missing = ", ".join(f"{topic} {count}" for topic, count in gaps.items() if count)
-    return [
-        ("duration", f"{number(verdict.get('duration_s'))} s"),
-        ("lowest h", number(verdict.get("h_min"))),
-        ("lowest power margin", f"{number(verdict.get('power_margin_min'))} W"),
-        ("lowest tank energy", f"{number(verdict.get('tank_min_j'))} J"),
-        ("largest ‖u‖", number(verdict.get("u_norm_max"))),
-        ("final x", "unknown" if final is None else f"({', '.join(number(value) for value in final)})"),
-        ("filter ticks", number(verdict.get("ticks"), 9)),
-        ("commands of the operator", (verdict.get("commands") or {}).get("text", "unknown")),
-        ("steps skipped", number(verdict.get("steps_skipped"), 9)),
-        ("messages missing in the log", missing or ("none" if gaps else "unknown")),
-    ]
+def _scene_text(planar: bool, runs: Sequence[ReportRun]) -> str:
+    layout = runs[0].record.layout
+    if not planar:
+        return f"Angles of {layout.coordinates} joints between their limits, at the cursor."
+    obstacles = ", ".join(barrier.name for barrier in layout.barriers if barrier.outline is not None)
+    return f"Robot in the plane at the cursor, with its trail. Obstacles: {obstacles or 'none'}."
 
 
-def _timing_lines(timing: Mapping[str, Any]) -> list[TimingLine]:
-    late = [(f"lateness of {name}", "µs", spread) for name, spread in (timing.get("late_us") or {}).items()]
-    entries = [
-        ("filter step: state in, input out", "µs", timing.get("solve_us")),
-        *late,
-        ("age of command at the filter", "ms", timing.get("command_age_ms")),
-        ("age of state at the filter", "ms", timing.get("state_age_ms")),
-        ("operator to plant", "ms", timing.get("operator_to_plant_ms")),
-    ]
-    return [
-        TimingLine(quantity, unit, tuple(number(spread.get(key), 3) for key in ("p50", "p99", "p99_9", "max")))
-        for quantity, unit, spread in entries
-        if spread is not None
-    ]
+def _style() -> str:
+    statuses = "".join(
+        f'[data-status="{status.name}"] {{ background: {style.background}; color: {style.text}; }}\n'
+        for status, style in STATUS_STYLES.items()
+    )
+    return (STATIC / "run_report.css").read_text("utf-8") + statuses
+
+
+def _policy(css: str, script: str) -> str:
+    """Return the content security policy: this style, this script, nothing from anywhere."""
+    allowed = {"style-src": css, "script-src": script}
+    hashes = {name: b64encode(sha256(text.encode()).digest()).decode("ascii") for name, text in allowed.items()}
+    sources = "; ".join(f"{name} 'sha256-{digest}'" for name, digest in hashes.items())
+    return f"default-src 'none'; {sources}; img-src data:; base-uri 'none'; form-action 'none'"

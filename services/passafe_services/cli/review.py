@@ -6,9 +6,11 @@ from typing import Annotated
 
 import typer
 
+from passafe_services.cli.errors import OptionError
 from passafe_services.cli.options import writable_folder
 from passafe_services.cli.verdict import exit_code, print_verdict
 from passafe_services.cli.verification import print_verification
+from passafe_services.log.log_pass import LogPass
 from passafe_services.log.verification import Verification
 from passafe_services.log.verification import verify as verify_log
 from passafe_services.tools.review.core_evaluator import CoreEvaluator
@@ -49,14 +51,20 @@ def review(
     - `passafe review runs/bad.mcap --json`
     - `passafe review runs/bad.mcap --verify --authority keys/authority/ca.pem` names each message that was changed
     """
+    if html is not None:
+        if html.is_dir():
+            raise OptionError("--html", f"{html}, a folder", "a file")
+        writable_folder(html.parent, "--html")
     log = RunLog.read(run)
     evaluator = CoreEvaluator(log.identity.scenario)
     verdict = Verdict.of(log, evaluator)
     if html is not None:
-        from passafe_dashboard.run_report import render_report  # noqa: PLC0415 - a second that other reviews need not wait
+        # a second that other reviews need not wait
+        from passafe_dashboard.run_report import RunCollector, render_report, write_report  # noqa: PLC0415
 
-        writable_folder(html.parent, "--html")
-        html.write_text(render_report(log, evaluator, verdict), encoding="utf-8")
+        record = RunCollector(log.identity.scenario, evaluator)
+        LogPass(run).feed(record)
+        write_report(html, render_report(record, verdict, log.identity))
     verification = verify_log(run, authority) if verify or authority is not None else None
     if json:
         typer.echo(_as_json(verdict, verification))
