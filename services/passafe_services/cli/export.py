@@ -30,6 +30,7 @@ class Format(NamedTuple):
 
 CSV: Final = Format("--csv", "csv_tables", "write_csv", "run")
 PARQUET: Final = Format("--parquet", "parquet_tables", "write_parquet", "service")
+FOXGLOVE: Final = Format("--foxglove", "foxglove_log", "write_foxglove", "foxglove")
 
 
 def export(
@@ -40,6 +41,14 @@ def export(
     parquet: Annotated[
         Path | None, typer.Option("--parquet", metavar="FOLDER", help="Write a Parquet file for each topic, likewise.")
     ] = None,
+    foxglove: Annotated[
+        Path | None,
+        typer.Option(
+            "--foxglove",
+            metavar="FILE",
+            help="Write an MCAP file for viewers, with scene, poses, log lines and named numbers; a layout beside it.",
+        ),
+    ] = None,
 ) -> None:
     """Write a log as files that other tools read: tables with a column for each number that has a name.
 
@@ -47,9 +56,9 @@ def export(
 
     Examples:
     - `passafe export runs/bad.mcap --csv tables`
-    - `passafe export runs/bad.mcap --parquet tables`
+    - `passafe export runs/bad.mcap --foxglove views/bad.mcap`
     """
-    wanted = [(CSV, csv), (PARQUET, parquet)]
+    wanted = [(CSV, csv), (PARQUET, parquet), (FOXGLOVE, foxglove)]
     asked = [(kind, path) for kind, path in wanted if path is not None]
     if not asked:
         raise OptionError("format", "none", ", ".join(kind.option for kind, _ in wanted))

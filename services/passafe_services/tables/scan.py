@@ -74,23 +74,24 @@ class LogScan:
             scenario=messages.scenario,
         )
 
-    def blocks(self) -> Iterator[Block]:
-        """Yield the rows of all tables, each table's in the order of the file.
+    def rows(self) -> Iterator[LoggedRow]:
+        """Yield the messages again, decoded, in the order of the file.
 
         What was added to a log since the first pass, because it is still recorded, is left out.
         """
-        waiting: dict[str, list[list[Any]]] = {name: [] for name in self.layouts}
         left = dict(self.counts)
         for one in self.messages:
-            if not left[one.topic.name]:
-                continue
-            left[one.topic.name] -= 1
-            rows = waiting[one.topic.name]
-            rows.append(self._values(one))
-            if len(rows) >= BLOCK_ROWS:
-                yield Block(one.topic.name, rows)
-                waiting[one.topic.name] = []
-        yield from (Block(name, rows) for name, rows in waiting.items() if rows)
+            if left[one.topic.name]:
+                left[one.topic.name] -= 1
+                yield one
 
-    def _values(self, one: LoggedRow) -> list[Any]:
-        return self.layouts[one.topic.name].row(one.log_ns, self.start_ns, one.header, one.body)
+    def blocks(self) -> Iterator[Block]:
+        """Yield the rows of all tables, each table's in the order of the file."""
+        waiting: dict[str, list[list[Any]]] = {name: [] for name in self.layouts}
+        for one in self.rows():
+            name = one.topic.name
+            waiting[name].append(self.layouts[name].row(one.log_ns, self.start_ns, one.header, one.body))
+            if len(waiting[name]) >= BLOCK_ROWS:
+                yield Block(name, waiting[name])
+                waiting[name] = []
+        yield from (Block(name, rows) for name, rows in waiting.items() if rows)
