@@ -15,6 +15,7 @@
                 * ``UnreadableExperimentError``: a file that is no TOML
         * ``ColumnNameError``: a column that a table does not have
         * ``TopicNameError``: a topic that no log has
+        * ``MeasurementError``: a file that is no measurement of a network
         * ``OptionError``: an option of a command
         * ``UnusableScenarioError``: a scenario that a check refuses
         * ``SourceConfigError``: a setting of a source of commands

@@ -12,6 +12,7 @@ from typing import Final, Generic, TypeVar
 from passafe_protocol.bottleneck import Bottleneck, RateSchedule, Schedule, TraceSchedule
 from passafe_protocol.correlated_uniform import CorrelatedUniform
 from passafe_protocol.delay_distribution import delay_sampler
+from passafe_protocol.delay_trace import DelayTrace
 from passafe_protocol.gilbert_elliott import GilbertElliott
 from passafe_protocol.link_effect import (
     CORRUPTED,
@@ -24,6 +25,8 @@ from passafe_protocol.link_effect import (
     LinkCounts,
 )
 from passafe_protocol.link_settings import LinkSettings
+from passafe_protocol.network_path import NetworkPath
+from passafe_protocol.networks import NETWORKS
 from passafe_protocol.outages import Outages
 
 T = TypeVar("T")
@@ -32,6 +35,9 @@ Damage = Callable[[T, float], T]
 """Returns the damaged item; the number in [0, 1) is the relative position of the damage."""
 
 _NS_PER_S: Final = 1e9
+_OF_NETWORK: Final = ("network", "delay_trace_s", "seed")
+"""Settings with which another network begins."""
+
 _COPY: Final = 0.5
 """Offset of a copy behind its message in the order of ``put``."""
 
@@ -51,6 +57,7 @@ class Link(Generic[T]):
     """
 
     put: Callable[[int, T], Effects]
+    _passage_ns: Callable[[int], int | None]
 
     def __init__(self, name: str, settings: LinkSettings, damage: Damage[T] | None = None) -> None:
         """Create a link with nothing in flight.
@@ -136,23 +143,26 @@ class Link(Generic[T]):
         in_outage = self._outages.cover(now_ns)
         lost = self._is_lost()
         delay_ns = self._delay_ns()
+        passage_ns = self._passage_ns(now_ns)
         strike = self._corrupt_at()
         copied = self._is_copied()
         if in_outage:
             self._outage_drops += 1
             return DROPPED_BY_OUTAGE
-        if lost:
+        if lost or passage_ns is None:
             self._loss_drops += 1
             return DROPPED_BY_LOSS
         departure_ns = now_ns if self._bottleneck is None else self._bottleneck.departure_ns(now_ns)
         if departure_ns is None:
             self._queue_drops += 1
             return DROPPED_BY_QUEUE
-        effects = self._send(departure_ns + delay_ns, number, item, strike)
+        effects = self._send(departure_ns + passage_ns + delay_ns, number, item, strike)
         if copied:
             self._duplicated += 1
             delay_ns = self._copy_delay_ns()
-            effects += DUPLICATED + self._send(departure_ns + delay_ns, number + _COPY, item, self._copy_corrupt_at())
+            effects += DUPLICATED + self._send(
+                departure_ns + passage_ns + delay_ns, number + _COPY, item, self._copy_corrupt_at()
+            )
         return effects
 
     def _send(self, arrival_ns: int, number: float, item: T, strike: float | None) -> Effects:
@@ -184,11 +194,19 @@ class Link(Generic[T]):
         self._apply_bottleneck(before)
         self._apply_delay()
         self._apply_losses()
+        self._apply_network(before)
         in_order = not settings.reorder
         if in_order and not self._in_order:
             self._last_ns = max((arrival_ns for arrival_ns, _, _ in self._in_flight), default=0)
         self._in_order = in_order
-        special = settings.has_bursts or settings.duplicate or settings.corrupt or settings.outages_s
+        special = (
+            settings.network
+            or settings.delay_trace_s
+            or settings.has_bursts
+            or settings.duplicate
+            or settings.corrupt
+            or settings.outages_s
+        )
         if in_order or special or self._bottleneck is not None:
             self.put = self._put_any
         elif settings.loss == 0.0 and settings.jitter_s == 0.0 and settings.distribution != "histogram":
@@ -220,6 +238,19 @@ class Link(Generic[T]):
         self._is_copied = _chance(self._sequence("duplicate"), settings.duplicate)
         self._corrupt_at = _corruption(self._sequence("corrupt"), settings.corrupt)
         self._copy_corrupt_at = _corruption(self._sequence("copy"), settings.corrupt)
+
+    def _apply_network(self, before: LinkSettings | None) -> None:
+        """Begin another network or trace of delays; one that did not change goes on."""
+        settings = self.settings
+        if before is not None and all(getattr(settings, name) == getattr(before, name) for name in _OF_NETWORK):
+            return
+        if settings.delay_trace_s:
+            self._passage_ns = DelayTrace(settings.delay_trace_s).passage
+        elif settings.network:
+            draws = [self._sequence(f"{settings.network} {part}") for part in ("state", "reconfiguration", "message")]
+            self._passage_ns = NetworkPath(NETWORKS[settings.network], *draws).passage
+        else:
+            self._passage_ns = _no_delay
 
     def _apply_bottleneck(self, before: LinkSettings | None) -> None:
         settings, bottleneck = self.settings, self._bottleneck
@@ -257,6 +288,10 @@ def _corruption(draw: Callable[[], float], probability: float) -> Callable[[], f
 
 def _unchanged(item: T, _position: float) -> T:
     return item
+
+
+def _no_delay(_now_ns: int) -> int | None:
+    return 0
 
 
 def _zero() -> float:

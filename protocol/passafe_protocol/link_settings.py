@@ -3,10 +3,11 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import isfinite
+from math import inf, isfinite
 from typing import Final, TypeAlias
 
 from passafe_protocol.errors import LinkSettingsError
+from passafe_protocol.networks import NETWORKS
 
 Span: TypeAlias = tuple[float, float]
 
@@ -19,6 +20,7 @@ MAX_QUANTILES: Final = 64
 MAX_OUTAGES: Final = 64
 MAX_OPPORTUNITIES: Final = 1_000_000
 MAX_SCHEDULE_S: Final = 1e6
+MIN_DELAYS: Final = 2
 
 LEAST_RATE_HZ: Final = 1e-3
 
@@ -71,6 +73,10 @@ class LinkSettings:
             put in under these outages.
         trace_s: Instead of ``rate_hz``: ordered times at which the bottleneck passes one message, s from the first
             message put in under this trace; repeated with the last one as the period.
+        delay_trace_s: Instead of ``network``: recorded delays, as pairs of the time of sending and the delay, s, the
+            latter infinite for a lost message. See ``passafe_protocol.delay_trace``.
+        network: Name of a model of a real network, one of ``passafe_protocol.networks``, whose delays and losses come
+            on top of the other effects; empty: none.
         seed: Seed of the random generators, in [0, 2⁶⁴).
 
     Raises:
@@ -94,6 +100,8 @@ class LinkSettings:
     queue: int = 1000
     outages_s: tuple[Span, ...] = ()
     trace_s: tuple[float, ...] = ()
+    delay_trace_s: tuple[Span, ...] = ()
+    network: str = ""
     seed: int = 1
 
     def __post_init__(self) -> None:
@@ -114,6 +122,7 @@ class LinkSettings:
         self._check_quantiles()
         self._check_outages()
         self._check_trace()
+        self._check_network()
 
     @property
     def has_bursts(self) -> bool:
@@ -149,6 +158,24 @@ class LinkSettings:
             raise LinkSettingsError("trace_s", got, f"{allowed}, the last one above 0")
         if self.rate_hz:
             raise LinkSettingsError("rate_hz", self.rate_hz, "0 if there is a trace")
+
+    def _check_network(self) -> None:
+        if self.network and self.network not in NETWORKS:
+            raise LinkSettingsError("network", self.network, f"none, or one of {', '.join(NETWORKS)}")
+        got = self.delay_trace_s
+        if not got:
+            return
+        times = [pair[0] for pair in got]
+        enough = MIN_DELAYS <= len(got) <= MAX_OPPORTUNITIES
+        if not enough or times[0] or times[-1] <= 0 or not _is_rising(times, MAX_SCHEDULE_S):
+            allowed = (
+                f"{MIN_DELAYS} to {MAX_OPPORTUNITIES} non-decreasing times of sending from 0 to {MAX_SCHEDULE_S:g}"
+            )
+            raise LinkSettingsError("delay_trace_s", got, f"{allowed}, the first one 0, the last one above 0")
+        if not all(0.0 <= delay_s <= MAX_DELAY_S or delay_s == inf for _, delay_s in got):
+            raise LinkSettingsError("delay_trace_s", got, f"delays from 0 to {MAX_DELAY_S:g} s, or infinite ones")
+        if self.network:
+            raise LinkSettingsError("network", self.network, "none if there is a trace of delays")
 
 
 def _is_number(got: object) -> bool:

@@ -61,7 +61,7 @@ class MessageLink(Link[Carried]):
         self._last_config = (header.source, header.epoch, header.sequence)
         self._refusal = ""
         try:
-            self.reconfigure(settings_of(config.parameters, self.settings.trace_s))
+            self.reconfigure(settings_of(config.parameters, self.settings.trace_s, self.settings.delay_trace_s))
         except LinkSettingsError as error:
             self._refusal = str(error)
 
@@ -94,7 +94,7 @@ class MessageLink(Link[Carried]):
             self.name,
             self.topic.name,
             parameters_of(self.settings),
-            len(self.settings.trace_s),
+            len(self.settings.trace_s or self.settings.delay_trace_s),
             *self.counts,
             self.refused_corrupted,
             self.refused_duplicate,

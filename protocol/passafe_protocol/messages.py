@@ -311,6 +311,7 @@ class LinkParameters(Record, frozen=True):
     queue: int
     outages: tuple[LinkOutage, ...]
     seed: int
+    network: str = ""
 
 
 class LinkConfig(Record, frozen=True):

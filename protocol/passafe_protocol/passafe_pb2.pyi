@@ -328,7 +328,7 @@ class FilterTick(_message.Message):
     def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., tick: _Optional[int] = ..., status: _Optional[_Union[FilterStatus, str]] = ..., mode: _Optional[str] = ..., law: _Optional[str] = ..., effective_plant_ns: _Optional[int] = ..., x_hat: _Optional[_Iterable[float]] = ..., u_h: _Optional[_Iterable[float]] = ..., u_h_rate: _Optional[_Iterable[float]] = ..., u_nominal: _Optional[_Iterable[float]] = ..., phi: _Optional[_Iterable[float]] = ..., v: _Optional[_Iterable[float]] = ..., u: _Optional[_Iterable[float]] = ..., barriers: _Optional[_Iterable[_Union[BarrierReport, _Mapping]]] = ..., power_margin: _Optional[float] = ..., tank_j: _Optional[float] = ..., slack: _Optional[float] = ..., rows: _Optional[_Iterable[_Union[RowReport, _Mapping]]] = ..., certificate: _Optional[_Union[Certificate, _Mapping]] = ..., consumed: _Optional[_Iterable[_Union[Consumed, _Mapping]]] = ..., state_age_ns: _Optional[int] = ..., command_age_ns: _Optional[int] = ..., override: _Optional[_Union[OverrideReport, _Mapping]] = ..., horizon_ns: _Optional[int] = ..., command_state: _Optional[str] = ..., command_share: _Optional[float] = ..., checksum: _Optional[int] = ...) -> None: ...
 
 class LinkParameters(_message.Message):
-    __slots__ = ("delay_s", "jitter_s", "distribution", "quantiles_s", "correlation", "reorder", "loss", "burst_enter", "burst_leave", "burst_loss_good", "burst_loss_bad", "duplicate", "corrupt", "rate_hz", "queue", "outages", "seed")
+    __slots__ = ("delay_s", "jitter_s", "distribution", "quantiles_s", "correlation", "reorder", "loss", "burst_enter", "burst_leave", "burst_loss_good", "burst_loss_bad", "duplicate", "corrupt", "rate_hz", "queue", "outages", "seed", "network")
     DELAY_S_FIELD_NUMBER: _ClassVar[int]
     JITTER_S_FIELD_NUMBER: _ClassVar[int]
     DISTRIBUTION_FIELD_NUMBER: _ClassVar[int]
@@ -346,6 +346,7 @@ class LinkParameters(_message.Message):
     QUEUE_FIELD_NUMBER: _ClassVar[int]
     OUTAGES_FIELD_NUMBER: _ClassVar[int]
     SEED_FIELD_NUMBER: _ClassVar[int]
+    NETWORK_FIELD_NUMBER: _ClassVar[int]
     delay_s: float
     jitter_s: float
     distribution: str
@@ -363,7 +364,8 @@ class LinkParameters(_message.Message):
     queue: int
     outages: _containers.RepeatedCompositeFieldContainer[LinkOutage]
     seed: int
-    def __init__(self, delay_s: _Optional[float] = ..., jitter_s: _Optional[float] = ..., distribution: _Optional[str] = ..., quantiles_s: _Optional[_Iterable[float]] = ..., correlation: _Optional[float] = ..., reorder: _Optional[bool] = ..., loss: _Optional[float] = ..., burst_enter: _Optional[float] = ..., burst_leave: _Optional[float] = ..., burst_loss_good: _Optional[float] = ..., burst_loss_bad: _Optional[float] = ..., duplicate: _Optional[float] = ..., corrupt: _Optional[float] = ..., rate_hz: _Optional[float] = ..., queue: _Optional[int] = ..., outages: _Optional[_Iterable[_Union[LinkOutage, _Mapping]]] = ..., seed: _Optional[int] = ...) -> None: ...
+    network: str
+    def __init__(self, delay_s: _Optional[float] = ..., jitter_s: _Optional[float] = ..., distribution: _Optional[str] = ..., quantiles_s: _Optional[_Iterable[float]] = ..., correlation: _Optional[float] = ..., reorder: _Optional[bool] = ..., loss: _Optional[float] = ..., burst_enter: _Optional[float] = ..., burst_leave: _Optional[float] = ..., burst_loss_good: _Optional[float] = ..., burst_loss_bad: _Optional[float] = ..., duplicate: _Optional[float] = ..., corrupt: _Optional[float] = ..., rate_hz: _Optional[float] = ..., queue: _Optional[int] = ..., outages: _Optional[_Iterable[_Union[LinkOutage, _Mapping]]] = ..., seed: _Optional[int] = ..., network: _Optional[str] = ...) -> None: ...
 
 class LinkOutage(_message.Message):
     __slots__ = ("start_s", "end_s")

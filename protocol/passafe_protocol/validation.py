@@ -40,6 +40,7 @@ from passafe_protocol.messages import (
     StopClear,
     TopicHealth,
 )
+from passafe_protocol.networks import NETWORKS
 from passafe_protocol.shapes import RecordType, Shape
 from passafe_protocol.topics import LINKS
 
@@ -159,6 +160,7 @@ RULES: Final[dict[RecordType, tuple[Rule, ...]]] = {
     LinkParameters: (
         *(_between(field, least, largest) for field, (least, largest) in RANGES.items()),
         _one_of("distribution", *DISTRIBUTIONS),
+        Rule("network", f"{', '.join(NETWORKS)}, or empty", lambda m: m.network in {"", *NETWORKS}),
         Rule(
             "quantiles_s",
             f"numbers from 0 to {MAX_DELAY_S:g}",

@@ -36,6 +36,7 @@ from passafe_protocol.messages import (
     StopClear,
     TopicHealth,
 )
+from passafe_protocol.networks import NETWORKS
 from passafe_protocol.shapes import Shape, shape_of
 from passafe_protocol.topics import TOPICS
 from passafe_protocol.validation import MAX_VECTOR, RULES, check
@@ -48,6 +49,7 @@ BAD_PARAMETERS: list[tuple[dict[str, Any], str]] = [
     *(({field: least - 1e-9}, field) for field, (least, _) in RANGES.items()),
     *(({field: largest * 1.001}, field) for field, (_, largest) in RANGES.items()),
     ({"distribution": "gamma"}, "distribution"),
+    ({"network": "moon"}, "network"),
     ({"quantiles_s": (0.0, 10.001)}, "quantiles_s"),
     ({"queue": 0}, "queue"),
     ({"queue": 1_000_001}, "queue"),
@@ -159,6 +161,7 @@ ALLOWED: list[tuple[type, dict[str, Any]]] = [
     ),
     (LinkConfig, {"parameters": replace(PARAMETERS, quantiles_s=(), outages=(), queue=1)}),
     *((LinkConfig, {"parameters": replace(PARAMETERS, distribution=each)}) for each in DISTRIBUTIONS),
+    *((LinkConfig, {"parameters": replace(PARAMETERS, network=each)}) for each in NETWORKS),
     *((LinkEvent, {"effect": effect}) for effect in EFFECTS),
     *((LinkEvent, {"cause": cause}) for cause in ("", *CAUSES)),
     *((LinkState, {"trigger": each}) for each in ("start", "period", "scheduled", "requested", "end")),

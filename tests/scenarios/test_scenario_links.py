@@ -8,9 +8,10 @@ from typing import Any, get_args
 import pytest
 from passafe_protocol.link_change import LinkChange
 from passafe_protocol.link_settings import DISTRIBUTIONS, RANGES, LinkSettings
+from passafe_protocol.networks import NETWORKS
 from passafe_protocol.topics import LINKS
 from passafe_services.scenarios.errors import LinkTraceError, ScenarioError
-from passafe_services.scenarios.link_schema import LinkName, ScenarioLink
+from passafe_services.scenarios.link_schema import LinkName, NetworkName, ScenarioLink
 from passafe_services.scenarios.link_trace import read_trace
 from passafe_services.scenarios.links import link_changes, link_settings
 from passafe_services.scenarios.load import load_scenario
@@ -25,7 +26,10 @@ def load(**values: object) -> Scenario:
 
 def test_schema_has_every_link_and_every_setting() -> None:
     assert set(get_args(LinkName)) == set(LINKS)
-    assert set(ScenarioLink.model_fields) - {"trace"} == {f.name for f in fields(LinkSettings)} - {"trace_s"}
+    assert set(ScenarioLink.model_fields) - {"trace"} == {f.name for f in fields(LinkSettings)} - {
+        "trace_s",
+        "delay_trace_s",
+    }
     assert ScenarioLink().settings() == LinkSettings()
 
 
@@ -150,8 +154,8 @@ def test_a_trace_is_read_in_the_unit_it_names_or_in_ms(tmp_path: Path, text: str
     path = tmp_path / "trace.csv"
     path.write_text(text)
 
-    assert read_trace(path) == pytest.approx(trace_s)
-    assert link_settings(load(**{f"links.{LINK}": {"trace": str(path)}}))[LINK].trace_s == read_trace(path)
+    assert read_trace(path).trace_s == pytest.approx(trace_s)
+    assert link_settings(load(**{f"links.{LINK}": {"trace": str(path)}}))[LINK].trace_s == read_trace(path).trace_s
 
 
 @pytest.mark.parametrize(
@@ -160,10 +164,18 @@ def test_a_trace_is_read_in_the_unit_it_names_or_in_ms(tmp_path: Path, text: str
         (b"", "no times"),
         (b"time_s\n", "no times"),
         (b"time_us\n1\n", "time_us"),
-        (b"1,2\n", "one number a line"),
+        (b"1,2\n", "sent_s,delay_s"),
+        (b"sent_s,delay_us\n", "sent_s,delay_s"),
+        (b"sent_s,delay_s\n", "no times"),
+        (b"sent_s,delay_s\n0,0.1\n1,x\n", "line 3: 'x'"),
+        (b"sent_s,delay_s\n0,0.1\n1,nan\n", "line 3: 'nan'"),
+        (b"sent_s,delay_s\n0,0.1\n1\n", "line 3: 1 columns"),
+        (b"sent_s,delay_s\n1,0.1\n0,0.1\n", "line 3: 0 after 1 s"),
+        (b"sent_s,delay_s\n0,0.1\n1,11\n", "0 to 10 s"),
+        (b"1\n1,2\n", "line 2: 2 columns"),
         (b"5\n1\n", "non-decreasing"),
         (b"0\n", "above 0"),
-        (b"nan\n", "1 times"),
+        (b"nan\n", "line 1: 'nan'"),
         (b"\xff\xfe\x00", "readable CSV"),
     ],
 )
@@ -178,6 +190,30 @@ def test_a_file_that_is_no_trace_is_refused_in_one_line(tmp_path: Path, content:
     assert named in str(caught.value)
     assert str(path) in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_a_trace_of_delays_begins_at_its_first_probe(tmp_path: Path) -> None:
+    path = tmp_path / "trace.csv"
+    path.write_text("sent_ms,delay_ms\n1000,20\n1100,lost\n1200,30\n")
+
+    settings = link_settings(load(**{f"links.{LINK}": {"trace": str(path)}}))[LINK]
+
+    expected = [(0.0, 0.02), (0.1, float("inf")), (0.2, 0.03)]
+    assert [*map(list, settings.delay_trace_s)] == [pytest.approx(pair) for pair in expected]
+
+
+def test_a_network_beside_a_trace_of_delays_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "trace.csv"
+    path.write_text("sent_s,delay_s\n0,0.1\n1,0.2\n")
+
+    with pytest.raises(LinkTraceError, match="none if there is a trace"):
+        load(**{f"links.{LINK}": {"trace": str(path), "network": "lte-driving"}})
+
+
+def test_every_network_is_a_setting_of_links() -> None:
+    assert get_args(NetworkName) == ("", *NETWORKS)
+    for name in NETWORKS:
+        assert link_settings(load(**{f"links.{LINK}": {"network": name}}))[LINK].network == name
 
 
 def test_a_trace_that_is_not_there_is_refused(tmp_path: Path) -> None:

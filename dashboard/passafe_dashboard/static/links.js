@@ -22,6 +22,7 @@ function otherEffects(settings) {
   if (settings.corrupt) effects.push(`flipped bits ${short(100 * settings.corrupt)} %`);
   if (settings.rate_hz) effects.push(`${short(settings.rate_hz)}/s, queue ${settings.queue}`);
   if (settings.trace_opportunities) effects.push(`trace of ${settings.trace_opportunities} times`);
+  if (settings.network) effects.push(settings.network);
   if (settings.outages.length) effects.push(`${settings.outages.length} outages`);
   return effects.join(", ");
 }

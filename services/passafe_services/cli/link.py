@@ -1,5 +1,6 @@
 """``passafe link``: show and change the links of a running system."""
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -17,8 +18,10 @@ from passafe_services.cli.link_text import LINK_KEYS, changed_parameters, link_f
 from passafe_services.loop.errors import LinkSilentError
 from passafe_services.loop.inlet import require_links
 from passafe_services.loop.link_console import ANSWER_S, SOURCE, open_link_console
+from passafe_services.tools.link_import.irtt_json import Clocks, Direction
+from passafe_services.tools.link_import.trace_file import read_measurement, write_trace
 
-app = typer.Typer(help="Show and change the links of a running system.", no_args_is_help=True)
+app = typer.Typer(help="Show and change the links of a running system; import measured networks.", no_args_is_help=True)
 
 NAMES = ", ".join(LINKS)
 WaitOption = Annotated[
@@ -72,6 +75,7 @@ def set_link(
     Examples:
     - `passafe link set plant-to-filter delay=0.2 jitter=0.02 loss=0.1`
     - `passafe link set plant-to-filter delay=0 jitter=0 loss=0`
+    - `passafe link set plant-to-filter network=lte-driving`
     """
     require_links([name])
     fields = link_fields(settings, "KEY=VALUE")
@@ -87,6 +91,36 @@ def set_link(
         typer.echo(_json({name: state}))
     else:
         typer.echo(f"{name}: {settings_text(state)}")
+
+
+@app.command("import")
+def import_measurement(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="JSON of `irtt client -o`, or what `ping` printed.")],
+    out: Annotated[Path, typer.Option("--out", "-o", metavar="FILE", help="Trace to write, a CSV file.")],
+    direction: Annotated[
+        Direction, typer.Option(help="Of irtt: from client to server (send), or back (receive).")
+    ] = Direction.SEND,
+    clocks: Annotated[
+        Clocks, typer.Option(help="Of irtt: whether the clocks of client and server are synchronized.")
+    ] = Clocks.UNKNOWN,
+    interval: Annotated[
+        float | None,
+        typer.Option(metavar="SECONDS", min=1e-3, max=3600, help="Of ping without -D: time between probes."),
+    ] = None,
+) -> None:
+    """Turn a measurement of a network into a trace of delays and losses for a link.
+
+    Prints what was measured, and what had to be assumed: ping knows round trips alone, and two clocks are never the
+    same.
+
+    Examples:
+    - `passafe link import measured.json --direction receive --out back.csv`
+    - `passafe link import ping.txt --out there.csv`, then `passafe simulate --link plant-to-filter:trace=there.csv`
+    """
+    measured = read_measurement(file, direction=direction, clocks=clocks, interval_s=interval)
+    write_trace(out, measured)
+    typer.echo("\n".join(measured.summary()))
+    typer.echo(f"trace {out}")
 
 
 def _json(states: dict[str, LinkState]) -> str:

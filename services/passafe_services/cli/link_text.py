@@ -32,6 +32,7 @@ LINK_KEYS: Final = {
     "queue": "queue",
     "outage": "outages_s",
     "trace": "trace",
+    "network": "network",
     "seed": "seed",
 }
 """Field behind each key."""
@@ -89,7 +90,7 @@ def changed_parameters(before: LinkSettings, fields: Mapping[str, Any], where: s
         OptionError: A value that a setting cannot have, or settings that exclude one another.
     """
     values = asdict(before)
-    del values["trace_s"]
+    del values["trace_s"], values["delay_trace_s"]
     try:
         return parameters_of(ScenarioLink.model_validate(values | dict(fields)).settings())
     except ValidationError as error:

@@ -8,8 +8,24 @@ from passafe_protocol.link_settings import LinkSettings
 from pydantic import Field, ValidationError, field_serializer, model_validator
 
 from passafe_services.scenarios.fields import Config, NonNegative
+from passafe_services.scenarios.link_trace import NO_TRACE, LinkTrace
 
 LinkName = Literal["operator-to-filter", "filter-to-plant", "plant-to-filter", "plant-to-operator"]
+
+NetworkName = Literal[
+    "",
+    "leo-moving",
+    "leo-moving-obstructed",
+    "leo-reconfiguring",
+    "lte-driving",
+    "5g-driving",
+    "aircraft-calm",
+    "aircraft-rough",
+    "transcontinental-15ms",
+    "transcontinental-114ms",
+    "transcontinental-134ms",
+    "transcontinental-160ms",
+]
 
 Delay = Annotated[float, Field(ge=0, le=10)]
 Probability = Annotated[float, Field(ge=0, le=1)]
@@ -36,8 +52,10 @@ class LinkFields(Config):
         rate_hz: Messages per second through the bottleneck; 0: no limit.
         queue: Messages that may wait there.
         outages_s: Start and end of each outage, s from the first message.
-        trace: CSV file of times at which the link lets one message through, repeated: in ms without a header, as
-            Mahimahi has it, otherwise as the header says (``time_s`` or ``time_ms``).
+        trace: CSV file, repeated: of times at which the link lets one message through, in ms without a header, as
+            Mahimahi has it, otherwise as the header says (``time_s`` or ``time_ms``); or of recorded delays, with a
+            header ``sent_s,delay_s`` (or ``_ms``) and ``lost`` in the place of a delay.
+        network: Model of a real network, by name, on top of the other settings; ``docs/networks.md`` has them all.
         seed: Of its random sequences.
     """
 
@@ -58,6 +76,7 @@ class LinkFields(Config):
     queue: Annotated[int, Field(ge=1, le=1_000_000)] = 1000
     outages_s: tuple[tuple[Moment, Moment], ...] = ()
     trace: str | None = None
+    network: NetworkName = ""
     seed: Annotated[int, Field(ge=0, lt=2**63)] = 1
 
 
@@ -74,13 +93,16 @@ class ScenarioLink(LinkFields):
             raise ValueError(f"rate_hz: got {self.rate_hz:g}, allowed 0 if there is a trace")
         return self
 
-    def settings(self, trace_s: tuple[float, ...] = ()) -> LinkSettings:
+    def settings(self, trace: LinkTrace = NO_TRACE) -> LinkSettings:
         """Return the settings for ``Link``.
 
         Args:
-            trace_s: Times in the file ``trace``, s.
+            trace: Contents of the file ``trace``.
+
+        Raises:
+            LinkSettingsError: The trace does not go with the other settings.
         """
-        return LinkSettings(**self.model_dump(exclude={"trace"}), trace_s=trace_s)
+        return LinkSettings(**self.model_dump(exclude={"trace"}), **trace._asdict())
 
 
 class LinkChangeConfig(Config):

@@ -2,9 +2,11 @@
 
 from pathlib import Path
 
+from passafe_protocol.errors import LinkSettingsError
 from passafe_protocol.link_change import LinkChange
 from passafe_protocol.link_settings import LinkSettings
 
+from passafe_services.scenarios.errors import LinkTraceError
 from passafe_services.scenarios.link_schema import ScenarioLink, changed_links
 from passafe_services.scenarios.link_trace import read_trace
 from passafe_services.scenarios.schema import Scenario
@@ -32,4 +34,10 @@ def link_changes(scenario: Scenario) -> tuple[LinkChange, ...]:
 
 
 def _settings(config: ScenarioLink) -> LinkSettings:
-    return config.settings(() if config.trace is None else read_trace(Path(config.trace)))
+    if config.trace is None:
+        return config.settings()
+    path = Path(config.trace)
+    try:
+        return config.settings(read_trace(path))
+    except LinkSettingsError as error:
+        raise LinkTraceError(path, f"{error.field} {error.got}", error.allowed) from error

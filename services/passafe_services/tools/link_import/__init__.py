@@ -1,0 +1,1 @@
+"""Measurements of real networks as traces of delays for links."""
