@@ -66,6 +66,7 @@
     * ``NotAdmittedError``: a certificate that the router does not list
     * ``BusError``: the router cannot be reached, or cannot listen
     * ``OpenRouterError``: a router without access control
+    * ``BridgePortError``: an address that the bridge cannot listen on
     * ``PortInUseError``: the router's port is taken
     * ``LinkSilentError``: nothing was received of a link
     * ``LinkRefusedError``: the process that reads a link refused its settings

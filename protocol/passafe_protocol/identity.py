@@ -6,11 +6,14 @@ from typing import Final, Self
 
 from passafe_protocol.errors import IdentityError
 from passafe_protocol.keys import require_robot_name
-from passafe_protocol.topics import TOPICS
+from passafe_protocol.topics import READERS, TOPICS
 
 ROUTER: Final = "router"
-ROLES: Final = tuple(dict.fromkeys(role for topic in TOPICS for role in topic.publishers if role != ROUTER))
-"""What a process of a robot can be: every publisher of the topic table but the router."""
+ROLES: Final = (
+    *dict.fromkeys(role for topic in TOPICS for role in topic.publishers if role != ROUTER),
+    *READERS,
+)
+"""Role of a process of a robot: every publisher of the topic table but the router, and what only reads."""
 
 HOLDER_NAME_ALLOWED: Final = "1 to 32 lowercase letters, digits, - and _, the first a letter or digit"
 _HOLDER_NAME: Final = re.compile(r"[a-z0-9][a-z0-9_-]{0,31}")

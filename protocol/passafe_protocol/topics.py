@@ -88,6 +88,9 @@ PROCESSES: Final = ("router", "recorder", "dashboard", "operator", "filter", "pl
 """Processes of a running system in the order in which the supervisor starts them: the plant last, because the robot
 moves as soon as it runs; it is stopped first."""
 
+READERS: Final = ("bridge",)
+"""Processes that read a robot's topics and publish none."""
+
 STOP: Final = Topic(
     name="stop",
     body=EmergencyStop,

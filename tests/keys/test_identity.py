@@ -3,11 +3,11 @@
 import pytest
 from passafe_protocol.errors import IdentityError, RobotNameError
 from passafe_protocol.identity import ROLES, ROUTER, Identity
-from passafe_protocol.topics import TOPICS
+from passafe_protocol.topics import READERS, TOPICS
 
 
 def test_roles_are_the_publishers_of_the_topic_table() -> None:
-    assert {*ROLES, ROUTER} == {role for topic in TOPICS for role in topic.publishers}
+    assert {*ROLES, ROUTER} == {role for topic in TOPICS for role in topic.publishers} | {*READERS}
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import time
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Final
 
 import typer
 from passafe_protocol.keys import DEFAULT_ROBOT, require_robot_name
@@ -24,6 +24,10 @@ from passafe_services.loop.health_report import HealthReporter
 from passafe_services.loop.process_name import ProcessName
 from passafe_services.loop.process_options import Device, ProcessOptions
 from passafe_services.scenarios.load import load_scenario
+
+PAGE_PORT: Final = 8080
+PORTS: Final = {ProcessName.BRIDGE: 8765}
+"""Port of a process if none is given, where it is not that of the page; 8765 is the one that viewers propose."""
 
 LinkedRouterOption = Annotated[
     list[str] | None,
@@ -63,11 +67,17 @@ def run(
     rotate_mb: RotateMbOption = None,
     rotate_s: RotateSOption = DEFAULT_ROTATE_S,
     port: Annotated[
-        int,
-        typer.Option(metavar="PORT", min=1, max=65535, envvar="PASSAFE_PORT", help="Dashboard: port of its page."),
-    ] = 8080,
+        int | None,
+        typer.Option(
+            metavar="PORT",
+            min=1,
+            max=65535,
+            envvar="PASSAFE_PORT",
+            help="Dashboard, bridge: port of page or viewers; 8080 and 8765 if not given.",
+        ),
+    ] = None,
     host: Annotated[
-        str, typer.Option(metavar="ADDRESS", envvar="PASSAFE_HOST", help="Dashboard: address of its page.")
+        str, typer.Option(metavar="ADDRESS", envvar="PASSAFE_HOST", help="Dashboard, bridge: address of the same.")
     ] = "127.0.0.1",
     page_name: Annotated[
         list[str] | None,
@@ -117,6 +127,7 @@ def run(
 
     Examples:
     - `passafe run operator --device keyboard --take-over` drives the robot of a running demo
+    - `passafe run bridge` lets Foxglove or Lichtblick watch a running demo (`passafe[foxglove]`)
     - `passafe run recorder --router 192.0.2.7:7447 --keys keys/recorder.robot --out runs/remote.mcap`
     """
     effective, named = load_scenario(scenario), require_robot_name(robot)
@@ -137,7 +148,7 @@ def run(
         out=log_path(out, effective),
         rotate_mb=rotate_mb,
         rotate_s=rotate_s,
-        port=port,
+        port=port or PORTS.get(process, PAGE_PORT),
         host=host,
         epoch=time.time_ns() if epoch is None else epoch,
         take_over=take_over,

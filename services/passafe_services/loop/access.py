@@ -91,12 +91,15 @@ def _role_rules(role: str, robot: str) -> list[dict[str, Any]]:
     caches = [f"{key}/{CACHE}" for key in keys]
     all_keys = key_of(robot, "*", "*")
     rules = [
-        _rule("publish", ["put"], [*keys, *caches]),
-        _rule("answer", ["declare_queryable", "reply"], caches),
-        _rule("answer with", ["reply"], keys),
         _rule("read", ["declare_subscriber"], [all_keys, f"{all_keys}/{CACHE}"]),
         _rule("receive", _FORWARDED, [all_keys, f"{all_keys}/{CACHE}"], flow="egress"),
     ]
+    if keys:  # a rule without keys is refused
+        rules += [
+            _rule("publish", ["put"], [*keys, *caches]),
+            _rule("answer", ["declare_queryable", "reply"], caches),
+            _rule("answer with", ["reply"], keys),
+        ]
     if role == "recorder":
         rules.append(_rule("recover", ["query"], [f"{all_keys}/{CACHE}"]))
     return rules

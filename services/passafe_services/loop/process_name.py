@@ -12,3 +12,4 @@ class ProcessName(StrEnum):
     OPERATOR = "operator"
     FILTER = "filter"
     PLANT = "plant"
+    BRIDGE = "bridge"

@@ -29,8 +29,8 @@ class ProcessOptions:
         out: Recorder: log to write.
         rotate_mb: Recorder: size at which a file of the log ends and the next begins, MB; ``None``: at no size.
         rotate_s: Recorder: time after which a file ends, s; ``None``: never.
-        port: Dashboard: port of its page.
-        host: Dashboard: address of its page.
+        port: Dashboard, bridge: port of its page, or of its WebSocket.
+        host: Dashboard, bridge: address of the same.
         page_names: Dashboard: further names by which its page is reached.
         epoch: Epoch of its session, another than those of all earlier ones of this process.
         take_over: Operator: whether to take the lease over from the operator that holds it.

@@ -19,7 +19,7 @@ class Direction(StrEnum):
 
 
 class Clocks(StrEnum):
-    """Whether the clocks of both ends are known to agree."""
+    """Knowledge of whether the clocks of both ends agree."""
 
     UNKNOWN = "unknown"
     SYNCHRONIZED = "synchronized"
@@ -93,7 +93,7 @@ def read_irtt(path: Path, text: str, direction: Direction, clocks: Clocks) -> Me
 
     The delay of one direction is the difference of two clocks. Where these are not known to agree, the offset is taken
     for the one with which the shortest delays of both directions are equal; that of a path which is longer in one
-    direction cannot be told from an offset.
+    direction cannot be distinguished from an offset.
 
     Args:
         path: The file, for messages.

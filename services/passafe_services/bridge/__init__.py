@@ -1,0 +1,1 @@
+"""Bridge: shows a running system in Foxglove and Lichtblick, over a WebSocket."""
