@@ -36,7 +36,7 @@ def test_without_a_format_it_names_them(tmp_path: Path) -> None:
     result = CliRunner().invoke(app, ["export", str(small_log(tmp_path / "run.mcap"))])
 
     assert isinstance(result.exception, OptionError)
-    assert "--csv, --parquet" in str(result.exception)
+    assert "--csv, --parquet, --foxglove, --ros2" in str(result.exception)
 
 
 def test_names_the_extra_that_is_missing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

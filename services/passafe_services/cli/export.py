@@ -31,6 +31,7 @@ class Format(NamedTuple):
 CSV: Final = Format("--csv", "csv_tables", "write_csv", "run")
 PARQUET: Final = Format("--parquet", "parquet_tables", "write_parquet", "service")
 FOXGLOVE: Final = Format("--foxglove", "foxglove_log", "write_foxglove", "foxglove")
+ROS2: Final = Format("--ros2", "ros2_bag", "write_ros2", "ros2")
 
 
 def export(
@@ -49,6 +50,10 @@ def export(
             help="Write an MCAP file for viewers, with scene, poses, log lines and named numbers; a layout beside it.",
         ),
     ] = None,
+    ros2: Annotated[
+        Path | None,
+        typer.Option("--ros2", metavar="FOLDER", help="Write a ROS 2 bag of standard messages: this folder."),
+    ] = None,
 ) -> None:
     """Write a log as files that other tools read: tables with a column for each number that has a name.
 
@@ -57,8 +62,9 @@ def export(
     Examples:
     - `passafe export runs/bad.mcap --csv tables`
     - `passafe export runs/bad.mcap --foxglove views/bad.mcap`
+    - `passafe export runs/bad.mcap --ros2 bags/bad`
     """
-    wanted = [(CSV, csv), (PARQUET, parquet), (FOXGLOVE, foxglove)]
+    wanted = [(CSV, csv), (PARQUET, parquet), (FOXGLOVE, foxglove), (ROS2, ros2)]
     asked = [(kind, path) for kind, path in wanted if path is not None]
     if not asked:
         raise OptionError("format", "none", ", ".join(kind.option for kind, _ in wanted))
