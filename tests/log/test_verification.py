@@ -275,7 +275,8 @@ def test_another_roles_signature_is_no_proof(tmp_path: Path, authority: Authorit
 
 def test_a_certificate_that_had_expired_is_no_proof(tmp_path: Path, authority: Authority, pinned: Path) -> None:
     path = tmp_path / "run.mcap"
-    record(path, signer_of(authority.issue(Identity(role="recorder", robot="robot"), days=25 / 86_400), authority))
+    days = (NOW_NS / S + 25 - time.time()) / 86_400
+    record(path, signer_of(authority.issue(Identity(role="recorder", robot="robot"), days=days), authority))
     found = verify(path, pinned)
     assert 10 <= found.attested <= 40
     assert any("checkpoints without a valid signature" in doubt for doubt in found.doubts)

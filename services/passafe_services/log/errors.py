@@ -23,12 +23,13 @@ class LogWriteError(LogFileError):
     """A log that cannot be created or grown: no folder, no permission, a full disk.
 
     Attributes:
-        error: The system's error.
+        errno: Number of the system's error.
+        strerror: Its text.
     """
 
     def __init__(self, path: Path, error: OSError) -> None:
         self.errno = error.errno
-        self.error = error
+        self.strerror = error.strerror or str(error)
         super().__init__(path, f"cannot write the log: {error.strerror or error}")
 
 

@@ -36,7 +36,7 @@ def in_place_of(path: Path) -> Iterator[Path]:
     except OSError as error:
         raise LogWriteError(path, error) from error
     except LogWriteError as error:
-        raise LogWriteError(path, error.error) from error
+        raise LogWriteError(path, OSError(error.errno, error.strerror)) from error
 
 
 def _become(fresh: Path, path: Path) -> None:
