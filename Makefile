@@ -9,7 +9,7 @@ DEMO ?=
 PYTHONS ?= python3.12 python3.13
 CAMPAIGN ?= $(basename $(notdir $(wildcard services/passafe_services/scenarios/*.toml)))
 
-.PHONY: help demo test check fast proto lock docs site pictures bench campaign generated-campaign atlas delay-atlas worker-kills resumes faults recovery mutation wheel wheel-test container-test network-test fuzz soak clean
+.PHONY: help demo test check fast proto lock docs site pictures bench campaign generated-campaign atlas delay-atlas worker-kills resumes faults recovery mutation wheel wheel-test container-test network-test fuzz soak clean golden what-if-pairs
 
 help:  ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 13
@@ -75,6 +75,12 @@ atlas: $(STAMP)  ## the pictures of docs/feasibility.md
 		$(BIN)/passafe feasibility --fix x2=-1 --fix x3=-1 --gain $$gain --out runs/atlas/gain-$$gain && \
 		cp runs/atlas/gain-$$gain/notomista-cai-2020.svg docs/pictures/feasibility-gain-$$gain.svg || exit 1; \
 	done
+
+golden: $(STAMP)  ## tests/golden: logs of small runs, made anew when a decision is meant to change
+	$(BIN)/python tests/golden/golden_logs.py
+
+what-if-pairs: $(STAMP)  ## what-ifs under 150 ms more beside runs recorded so, 20 pairs; some minutes
+	$(BIN)/python -m pytest tests/what_if -m campaign
 
 worker-kills: $(STAMP)  ## kills 500 workers of sweeps at random moments; a quarter of an hour
 	$(BIN)/python tests/runs/worker_kills.py --kills 500

@@ -17,7 +17,7 @@ from passafe_protocol.messages import FilterTick, PlantInput, PlantPhase
 from passafe_services.log.log_writer import LogWriter, run_metadata
 from passafe_services.recorder.lockstep_log import LockstepLog
 from passafe_services.scenarios.load import load_scenario
-from passafe_services.tools.replay import replay_filter
+from passafe_services.tools.replay.replay_log import replay_filter
 from passafe_services.tools.review.run_log import RunLog
 
 ROUND_TRIPS = 4

@@ -17,7 +17,7 @@ from passafe_services.recorder.lockstep_log import LockstepLog
 from passafe_services.scenarios.load import load_scenario
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.simulation import lockstep_loop, steps_of
-from passafe_services.tools.replay import replay_filter
+from passafe_services.tools.replay.replay_log import replay_filter
 from passafe_services.tools.review.run_log import RunLog
 
 MS = 1_000_000

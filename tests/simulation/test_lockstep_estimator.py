@@ -10,7 +10,7 @@ from passafe_services.recorder.lockstep_log import LockstepLog
 from passafe_services.scenarios.errors import ScenarioError
 from passafe_services.scenarios.load import load_scenario
 from passafe_services.simulation import lockstep_loop, steps_of
-from passafe_services.tools.replay import replay_filter
+from passafe_services.tools.replay.replay_log import replay_filter
 from passafe_services.tools.review.run_log import RunLog
 
 ESTIMATOR = {"kind": "white-acceleration", "agility": 30.0, "resolution": 0.1}

@@ -18,7 +18,7 @@ from passafe_services.recorder.lockstep_log import LockstepLog
 from passafe_services.scenarios.links import link_settings
 from passafe_services.scenarios.load import load_scenario
 from passafe_services.simulation import CompiledScenario, lockstep_loop, period_ns, steps_of
-from passafe_services.tools.replay import replay_filter
+from passafe_services.tools.replay.replay_log import replay_filter
 from passafe_services.tools.review.run_log import RunLog
 from stop_console import StopConsole
 

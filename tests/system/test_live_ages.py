@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from passafe_protocol.messages import FilterStatus, FilterTick, OperatorCommand, PlantState
 from passafe_services.loop.monotonic_clock import monotonic_clock_id
-from passafe_services.tools.replay import replay_filter
+from passafe_services.tools.replay.replay_log import replay_filter
 from passafe_services.tools.review.run_log import RunLog
 from running_demo import running_demo
 

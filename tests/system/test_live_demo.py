@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from passafe_protocol.messages import FilterTick, OperatorCommand, PlantState, ScenarioInfo
-from passafe_services.tools.replay import replay_filter
+from passafe_services.tools.replay.replay_log import replay_filter
 from passafe_services.tools.review.core_evaluator import CoreEvaluator
 from passafe_services.tools.review.run_log import RunLog
 from passafe_services.tools.review.verdict import Verdict

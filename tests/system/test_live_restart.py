@@ -14,7 +14,7 @@ from passafe_protocol.messages import FilterStatus, FilterTick, Header, Message,
 from passafe_protocol.topics import STATE, TICK, Topic
 from passafe_services.loop.bus import Bus, open_bus
 from passafe_services.loop.router_endpoint import RouterEndpoint
-from passafe_services.tools.replay import replay_filter
+from passafe_services.tools.replay.replay_log import replay_filter
 from passafe_services.tools.review.core_evaluator import CoreEvaluator
 from passafe_services.tools.review.run_log import RunLog
 from passafe_services.tools.review.sequence_breaks import sequence_breaks

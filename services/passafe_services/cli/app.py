@@ -7,6 +7,7 @@ import typer
 from passafe_services.cli import (
     campaign,
     check,
+    compare,
     demo,
     experiment,
     export,
@@ -22,6 +23,7 @@ from passafe_services.cli import (
     scenarios,
     simulate,
     stop,
+    whatif,
 )
 from passafe_services.cli.failure import run_reporting_errors
 from passafe_services.cli.version import version_text
@@ -73,6 +75,8 @@ app.command("campaign", rich_help_panel=VIRTUAL)(campaign.campaign)
 app.command("feasibility", rich_help_panel=VIRTUAL)(feasibility.feasibility)
 app.command("review", rich_help_panel=LOGS)(review.review)
 app.command("replay", rich_help_panel=LOGS)(replay.replay)
+app.command("whatif", rich_help_panel=LOGS)(whatif.whatif)
+app.command("compare", rich_help_panel=LOGS)(compare.compare)
 app.command("recover", rich_help_panel=LOGS)(recover.recover_log)
 app.command("export", rich_help_panel=LOGS)(export.export)
 

@@ -93,7 +93,7 @@ def scenario_from_options(
     }
     overrides: dict[str, Any] = {field: value for field, value in given.items() if value is not None}
     for text in links:
-        overrides |= _link_overrides(text)
+        overrides |= link_overrides(text)
     return load_scenario(name_or_file, overrides)
 
 
@@ -117,7 +117,12 @@ def writable_folder(path: Path, option: str = "--out") -> Path:
     return path
 
 
-def _link_overrides(text: str) -> dict[str, Any]:
+def link_overrides(text: str) -> dict[str, Any]:
+    """Return the values of a scenario that one ``NAME:KEY=VALUE,…`` sets, by dotted name.
+
+    Raises:
+        OptionError: A text of another form.
+    """
     name, separator, settings = text.partition(":")
     if not separator:
         raise OptionError("--link", repr(text), f"NAME:KEY=VALUE,… with {', '.join(LINK_KEYS)}")

@@ -1,0 +1,1 @@
+"""Comparison of runs, each from its log."""

@@ -1,0 +1,1 @@
+"""Replay of the filter of a logged run, to the last bit."""

@@ -1,0 +1,1 @@
+"""Re-runs of logs in closed loop, with something changed."""
