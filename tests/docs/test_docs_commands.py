@@ -17,6 +17,8 @@ SMALL = {
     "review": [],
     "export": [],
     "replay": [],
+    "whatif": [],
+    "compare": [],
 }
 """Commands that tests run, and what makes them short; the last value of an option counts."""
 
@@ -72,6 +74,6 @@ def test_every_command_is_in_the_reference() -> None:
 
 def _simulate_what_is_read(words: list[str]) -> None:
     """Make the log that a command reads, where the page's own command for it is a long one."""
-    if words[0] in {"review", "replay", "export"} and not Path(words[1]).exists():
+    if words[0] in {"review", "replay", "export", "whatif", "compare"} and not Path(words[1]).exists():
         result = CliRunner().invoke(app, ["simulate", *SMALL["simulate"], "--out", words[1]])
         assert result.exit_code == 0, result.output

@@ -9,9 +9,11 @@ from rich.console import Console
 from passafe_services.cli.comparison_table import print_comparison
 from passafe_services.cli.errors import OptionError
 from passafe_services.cli.options import writable_folder
+from passafe_services.log.log_pass import LogPass
 from passafe_services.tools.compare.alignment import KINDS
 from passafe_services.tools.compare.comparison import Comparison
 from passafe_services.tools.compare.run_metrics import ReviewedRun
+from passafe_services.tools.review.core_evaluator import CoreEvaluator
 from passafe_services.tools.review.run_log import RunLog
 
 LEAST_RUNS = 2
@@ -74,15 +76,29 @@ def draw_overlay(
         html: Page to write, if any.
         notes: What picture and page have to say.
     """
-    if svg is None and html is None:
-        return
-    from passafe_dashboard.comparison_page import comparison_page, overlay  # noqa: PLC0415 - a second others need not wait
-
-    logs = [run.log for run in runs]
-    picture = overlay(logs, [run.origin_s for run in comparison.runs], names, notes)
+    origins = [run.origin_s for run in comparison.runs]
     if svg is not None:
+        from passafe_dashboard.comparison_picture import comparison_picture  # noqa: PLC0415 - a second others need not wait
+
         writable_folder(svg.parent, "--svg")
-        svg.write_text(picture, encoding="utf-8")
+        svg.write_text(comparison_picture([run.log for run in runs], origins, names, notes), encoding="utf-8")
     if html is not None:
-        writable_folder(html.parent, "--html")
-        html.write_text(comparison_page(comparison, names, picture, notes), encoding="utf-8")
+        _write_page(html, runs, origins, names, notes)
+
+
+def _write_page(
+    html: Path, runs: list[ReviewedRun], origins: list[float], names: list[str], notes: tuple[str, ...]
+) -> None:
+    # a second that others need not wait
+    from passafe_dashboard.run_report import RunCollector, overlay_report, report_run, write_report  # noqa: PLC0415
+
+    if html.is_dir():
+        raise OptionError("--html", f"{html}, a folder", "a file")
+    writable_folder(html.parent, "--html")
+    shown = []
+    for run, name, origin in zip(runs, names, origins, strict=True):
+        identity = run.log.identity
+        record = RunCollector(identity.scenario, CoreEvaluator(identity.scenario))
+        LogPass(run.log.path).feed(record)
+        shown.append(report_run(record, run.verdict, identity, label=name, offset_s=-origin))
+    write_report(html, overlay_report(shown, title=" and ".join(names), notes=notes))

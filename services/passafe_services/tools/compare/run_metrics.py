@@ -83,11 +83,13 @@ class ReviewedRun:
         log: The log.
         metrics: Its metrics.
         motion: Position of the robot over plant time.
+        verdict: Verdict of the review.
     """
 
     log: RunLog
     metrics: RunMetrics
     motion: Tracking
+    verdict: Verdict
 
     @classmethod
     def of(cls, log: RunLog) -> Self:
@@ -98,7 +100,12 @@ class ReviewedRun:
         """
         scenario = log.identity.scenario
         verdict = Verdict.of(log, CoreEvaluator(scenario))
-        return cls(log=log, metrics=_metrics(log, verdict), motion=Motion(robot_of(scenario)).of(trajectory_of(log)))
+        return cls(
+            log=log,
+            metrics=_metrics(log, verdict),
+            motion=Motion(robot_of(scenario)).of(trajectory_of(log)),
+            verdict=verdict,
+        )
 
 
 def _metrics(log: RunLog, verdict: Verdict) -> RunMetrics:

@@ -11,6 +11,7 @@ from passafe_protocol.messages import Header, Message
 from passafe_protocol.topics import Topic
 from pydantic import BaseModel, ConfigDict
 
+from passafe_services.log.log_files import files_of
 from passafe_services.log.log_writer import LogWriter, run_metadata
 from passafe_services.recorder.lockstep_log import LockstepLog
 from passafe_services.scenarios.info import versions
@@ -53,7 +54,7 @@ class WhatIf(BaseModel):
 
     Attributes:
         source: Log that was re-run.
-        source_digest: SHA-256 of that file.
+        source_digest: SHA-256 of its files.
         changes: What was changed, in words.
         operator: Who drives, in words.
         links: What links do, in words.
@@ -85,7 +86,7 @@ class Question:
     Attributes:
         log: The log.
         run: What a re-run needs of it.
-        digest: SHA-256 of its file.
+        digest: SHA-256 of its files.
     """
 
     log: RunLog
@@ -99,10 +100,11 @@ class Question:
         Raises:
             RerunError: The log does not show what a re-run starts from.
         """
-        with log.path.open("rb") as file:
-            digest = sha256()
-            while block := file.read(1 << 20):
-                digest.update(block)
+        digest = sha256()
+        for path in files_of(log.path):
+            with path.open("rb") as file:
+                while block := file.read(1 << 20):
+                    digest.update(block)
         return cls(log=log, run=RecordedRun.of(log), digest=digest.hexdigest())
 
     def answer(

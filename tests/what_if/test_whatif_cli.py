@@ -1,0 +1,122 @@
+"""``passafe whatif`` at the terminal."""
+
+import json
+import signal
+from pathlib import Path
+
+import pytest
+from click.testing import Result
+from passafe_services.cli import what_if_search
+from passafe_services.cli.app import app
+from passafe_services.cli.errors import OptionError
+from passafe_services.cli.what_if_options import field_of, interval_of, overrides_of
+from passafe_services.tools.review.run_log import RunLog
+from passafe_services.tools.what_if.search import Trial
+from typer.testing import CliRunner
+
+from passafe.errors import PassafeError
+
+GOLDEN = Path(__file__).parents[1] / "golden"
+LOG = str(GOLDEN / "reference.mcap")
+
+
+def asked(*arguments: str) -> Result:
+    return CliRunner().invoke(app, ["whatif", *arguments], env={"COLUMNS": "120"})
+
+
+def refused(*arguments: str) -> str:
+    result = asked(*arguments)
+    assert isinstance(result.exception, PassafeError), result.output
+    return str(result.exception)
+
+
+def test_nothing_changed_exits_with_0_and_says_so(tmp_path: Path) -> None:
+    result = asked(LOG, "--out", str(tmp_path / "out.mcap"))
+    assert result.exit_code == 0
+    assert "states are those of the log to the last bit" in result.output
+    assert "the person does not react to what happens here" in result.output
+
+
+def test_change_is_explained_as_json_picture_and_page(tmp_path: Path) -> None:
+    svg, html = tmp_path / "both.svg", tmp_path / "both.html"
+    result = asked(
+        LOG, "--mode", "off", "--out", str(tmp_path / "o.mcap"), "--svg", str(svg), "--html", str(html), "--json"
+    )
+    assert result.exit_code == 0
+    data = json.loads(result.stdout)
+    assert data["what_if"]["changes"] == ["filter.mode both -> off"]
+    assert data["what_if"]["first_difference"]["cause"] == "filter.mode both -> off"
+    assert len(data["comparison"]["runs"]) == 2
+    for text in (svg.read_text("utf-8"), html.read_text("utf-8")):
+        assert "the person does not react" in text
+        assert "what if" in text
+    assert "http://" not in html.read_text("utf-8").replace("http://www.w3.org", "")
+    assert RunLog.read(tmp_path / "o.mcap").identity.scenario.filter.mode == "off"
+
+
+def test_bad_options_are_one_clear_line(tmp_path: Path) -> None:
+    out = ("--out", str(tmp_path / "out.mcap"))
+    assert "--out: got nothing, allowed a file" in refused(LOG)
+    assert "allowed another file than the log itself" in refused(LOG, "--out", LOG)
+    assert "--set: got 'k_i', allowed KEY=VALUE" in refused(LOG, "--set", "k_i", *out)
+    assert "filter.k_j: got an unknown key" in refused(LOG, "--set", "filter.k_j=3", *out)
+    assert "did you mean human?" in refused(LOG, "--operator", "humn", *out)
+    assert "--links: got 'lost', allowed recorded, drawn" in refused(LOG, "--links", "lost", *out)
+    assert "--search: got 'filter.k_i=1', allowed KEY=LOW..HIGH" in refused(LOG, "--search", "filter.k_i=1")
+    assert "a lower end below the upper one" in refused(LOG, "--search", "filter.k_i=5..1")
+    assert "--tolerance: got 0, allowed" in refused(LOG, "--search", "filter.k_i=1..5", "--tolerance", "0")
+
+
+def test_values_are_toml_or_text() -> None:
+    found = overrides_of(
+        ("filter.prediction=false", "barriers.disk.radius=1.5", "name=abc"),
+        ("plant-to-filter:delay=0.1",),
+        mode="off",
+        law=None,
+        operator="{kind='constant', value=[1, 0]}",
+    )
+    assert found == {
+        "filter.prediction": False,
+        "filter.barriers.disk.radius": 1.5,
+        "name": "abc",
+        "links.plant-to-filter.delay_s": "0.1",
+        "filter.mode": "off",
+        "operator.source": {"kind": "constant", "value": [1, 0]},
+    }
+    csv = overrides_of((), (), mode=None, law=None, operator="drive.csv")["operator.source"]
+    assert csv == {"kind": "recorded", "path": str(Path("drive.csv").absolute())}
+
+
+def test_link_keys_of_a_search_are_those_of_links() -> None:
+    assert interval_of("link.plant-to-filter.delay=0..0.5")[1:] == ("links.plant-to-filter.delay_s", 0.0, 0.5)
+    with pytest.raises(OptionError, match="did you mean delay"):
+        field_of("link.plant-to-filter.dellay")
+
+
+def test_search_finds_where_the_verdict_changes() -> None:
+    result = asked(
+        str(GOLDEN / "unpredicted.mcap"), "--search", "link.plant-to-filter.delay=0..0.4", "--runs", "7", "--json"
+    )
+    data = json.loads(result.stdout)
+    assert [trial["value"] for trial in data["trials"][:2]] == [0.0, 0.1]
+    assert 5 <= len(data["trials"]) <= 7
+    assert result.exit_code == (0 if data["is_finished"] else 1)
+
+
+def test_value_that_the_scenario_refuses_is_an_outcome() -> None:
+    result = asked(LOG, "--search", "filter.k_i=100..200", "--runs", "2", "--json")
+    first, second = json.loads(result.stdout)["trials"]
+    assert (first["verdict"], second["verdict"]) == ("holds", "refused")
+    assert "allowed below rate_hz" in second["words"]
+
+
+def test_interrupted_search_exits_with_130(monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(_: object, value: float) -> Trial:
+        if value > 0:
+            signal.raise_signal(signal.SIGINT)
+        return Trial(value=value, verdict="holds", h_min=1.0, words="")
+
+    monkeypatch.setattr(what_if_search.SearchedRun, "__call__", interrupted)
+    result = asked(LOG, "--search", "filter.k_i=0..1")
+    assert result.exit_code == 130
+    assert "no change of the verdict found" in result.output
