@@ -3,7 +3,6 @@
 import { numberText } from "./number_text.js";
 
 const STEPS = [1, 2, 5, 10];
-const TIME_STEPS = [60, 120, 300, 600, 900, 1800, 3600, 7200, 14400, 21600, 43200, 86400];
 
 /** Returns the round step that gives about `count` of them in a span.
  * @param {number} span
@@ -12,14 +11,6 @@ export function roundStep(span, count) {
   const rough = span / Math.max(count, 1);
   const decade = 10 ** Math.floor(Math.log10(rough));
   return (STEPS.find((step) => step * decade >= rough) ?? 10) * decade;
-}
-
-/** The same for a span of time: minutes and hours are not decimal.
- * @param {number} span
- * @param {number} count */
-export function roundTimeStep(span, count) {
-  const rough = span / Math.max(count, 1);
-  return rough <= 30 ? roundStep(span, count) : (TIME_STEPS.find((step) => step >= rough) ?? 86400);
 }
 
 /** @param {number} low
@@ -67,13 +58,14 @@ export class LinearAxis {
   }
 }
 
-/** An axis that is linear around 0 and logarithmic far from it. */
+/** An axis that is linear around 0 and logarithmic far from it; of values that are small in view it shows two decades. */
 export class SignedLogAxis {
   /** @param {number} low
    * @param {number} high
    * @param {{linear: number}} plan */
   constructor(low, high, plan) {
-    this.linear = plan.linear;
+    const largest = Math.max(Math.abs(low), Math.abs(high));
+    this.linear = largest > 0 && largest < 100 * plan.linear ? 10 ** Math.floor(Math.log10(largest / 100)) : plan.linear;
     const [a, b] = Number.isFinite(low) ? [Math.min(low, 0), Math.max(high, 0)] : [0, 0];
     const [below, above] = [Math.asinh(a / this.linear), Math.asinh(b / this.linear)];
     const margin = 0.06 * Math.max(above - below, 1);

@@ -1,6 +1,6 @@
 // One chart over time: heading, legend with the values at the cursor, plot; dragging zooms, moving moves the cursor.
 
-import { LinearAxis, SignedLogAxis, multiples, roundTimeStep } from "./axis.js";
+import { LinearAxis, SignedLogAxis, multiples, roundStep } from "./axis.js";
 import { eachStretch, haloText } from "./band_plot.js";
 import { Legend } from "./legend.js";
 import { drawStroke, extent } from "./line_plot.js";
@@ -121,7 +121,7 @@ export class ChartPanel {
 
   drawTimes(pen) {
     const { box, view, theme } = this;
-    const step = roundTimeStep(view.to - view.from, box.width / 90);
+    const step = roundStep(view.to - view.from, box.width / 90);
     pen.textAlign = "center";
     pen.textBaseline = "top";
     for (const time of multiples(view.from, view.to, step)) {

@@ -37,10 +37,5 @@ export function rangeText(range) {
  * @param {number} step */
 export function timeText(seconds, step = 0.001) {
   const places = Math.min(Math.max(Math.ceil(-Math.log10(step) - 1e-9), 0), 6);
-  if (Math.abs(seconds) < 600) return seconds.toFixed(places).replace("-", MINUS);
-  const whole = Math.floor(seconds / 60);
-  const rest = (seconds - 60 * whole).toFixed(places).padStart(places ? places + 3 : 2, "0");
-  const hours = Math.floor(whole / 60);
-  const minutes = String(whole % 60).padStart(2, "0");
-  return hours ? `${hours}:${minutes}:${rest}` : `${minutes}:${rest}`;
+  return seconds.toFixed(places).replace("-", MINUS);
 }

@@ -6,17 +6,33 @@ import { numberText } from "./number_text.js";
 const MARGIN = 30;
 const ARROW_PX = 60;
 const JOINT = 30;
-const MOST_TRAIL = 6000;
+const LEAST_STEP = 1e-3;
 
-/** Returns the places of a point of the robot over the run, thinned for drawing.
+/** Returns the places of a point of the robot over the run, without those where it hardly moved.
  * @param {import("./signal_table.js").SignalTable} table
  * @param {number} point */
 function trail(table, point) {
   const [x, y] = [0, 1].map((axis) => table.envelope(`q_${2 * point + axis}`).low);
-  const stride = Math.max(1, Math.ceil(x.length / MOST_TRAIL));
+  const least = LEAST_STEP * Math.max(reach(x), reach(y));
   const found = [];
-  for (let i = 0; i < x.length; i += stride) if (!Number.isNaN(x[i])) found.push({ time: table.start[i], x: x[i], y: y[i] });
+  let last = null;
+  for (let i = 0; i < x.length; i += 1) {
+    if (Number.isNaN(x[i]) || (last && Math.hypot(x[i] - last.x, y[i] - last.y) < least)) continue;
+    last = { time: table.start[i], x: x[i], y: y[i] };
+    found.push(last);
+  }
   return found;
+}
+
+/** Returns the difference between the highest and the lowest value.
+ * @param {Float32Array} values */
+function reach(values) {
+  let [low, high] = [Infinity, -Infinity];
+  for (const value of values) {
+    if (value < low) low = value;
+    if (value > high) high = value;
+  }
+  return high > low ? high - low : 0;
 }
 
 export class PlaneScene {
