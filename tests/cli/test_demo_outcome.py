@@ -68,7 +68,7 @@ def test_whole_run_ended_by_its_plant_holds(
 ) -> None:
     log = write_log(tmp_path / "run.mcap", scenario)
 
-    assert report_outcome(ended(ExitCause.LEFT, "plant"), log, scenario, console) == 0
+    assert report_outcome(ended(ExitCause.LEFT, "plant"), log, console) == 0
     assert "verdict   holds" in printed.text()
 
 
@@ -78,7 +78,7 @@ def test_run_that_another_process_left_is_no_success(
 ) -> None:
     log = write_log(tmp_path / "run.mcap", scenario)
 
-    assert report_outcome(ended(ExitCause.LEFT, leaver), log, scenario, console) == DIED
+    assert report_outcome(ended(ExitCause.LEFT, leaver), log, console) == DIED
     assert f"{leaver} ended" in printed.text()
 
 
@@ -87,17 +87,17 @@ def test_a_plant_that_was_to_run_on_may_not_leave(
 ) -> None:
     log = write_log(tmp_path / "run.mcap", scenario, planned_s=None)
 
-    assert report_outcome(ended(ExitCause.LEFT, "plant"), log, scenario, console) == DIED
+    assert report_outcome(ended(ExitCause.LEFT, "plant"), log, console) == DIED
     assert "plant ended" in printed.text()
-    assert report_outcome(ended(ExitCause.SIGNAL, None), log, scenario, console) == 0
+    assert report_outcome(ended(ExitCause.SIGNAL, None), log, console) == 0
 
 
-def test_run_without_a_log_says_so(tmp_path: Path, scenario: Scenario, console: Console, printed: Printed) -> None:
+def test_run_without_a_log_says_so(tmp_path: Path, console: Console, printed: Printed) -> None:
     gone, empty = tmp_path / "gone" / "run.mcap", tmp_path / "empty.mcap"
     empty.touch()
 
-    assert report_outcome(ended(ExitCause.LEFT, "plant"), gone, scenario, console) == DIED
-    assert report_outcome(ended(ExitCause.LEFT, "plant"), empty, scenario, console) == DIED
+    assert report_outcome(ended(ExitCause.LEFT, "plant"), gone, console) == DIED
+    assert report_outcome(ended(ExitCause.LEFT, "plant"), empty, console) == DIED
     text = printed.text()
     assert f"this run has no log: {gone}: no such file" in text
     assert f"this run has no log: {empty}: " in text
@@ -108,7 +108,7 @@ def test_unfinished_log_is_recovered_and_no_proof(
 ) -> None:
     log = write_log(tmp_path / "run.mcap", scenario, finished=False)
 
-    assert report_outcome(ended(ExitCause.DIED, "recorder", returncode=-9), log, scenario, console) == DIED
+    assert report_outcome(ended(ExitCause.DIED, "recorder", returncode=-9), log, console) == DIED
     text = printed.text()
     assert "messages were recovered from" in text
     assert "verdict   unproven" in text
@@ -125,7 +125,7 @@ def test_full_disk_leaves_verdict_and_path(
     monkeypatch.setattr(passafe_services.cli.demo_outcome, "recover", full)
     log = write_log(tmp_path / "run.mcap", scenario, finished=False)
 
-    assert report_outcome(ended(ExitCause.DIED, "recorder", returncode=2), log, scenario, console) == DIED
+    assert report_outcome(ended(ExitCause.DIED, "recorder", returncode=2), log, console) == DIED
     text, torn = printed.text(), tmp_path / "run.torn.mcap"
     assert "No space left on device" in text
     assert f"what was recorded is in {torn}" in text
@@ -143,6 +143,6 @@ def test_folder_that_cannot_be_written_keeps_the_log(
     log = write_log(tmp_path / "run.mcap", scenario, finished=False)
     monkeypatch.setattr(Path, "rename", refuse)
 
-    assert report_outcome(ended(ExitCause.SIGNAL, None), log, scenario, console) == 1
+    assert report_outcome(ended(ExitCause.SIGNAL, None), log, console) == 1
     assert f"what was recorded is in {log}" in printed.text()
     assert list(tmp_path.iterdir()) == [log]

@@ -10,11 +10,11 @@ from passafe_protocol.codec import encode
 from passafe_protocol.messages import Event, Header, Health, PlantPhase, PlantState
 from passafe_protocol.topics import TOPIC_OF_BODY
 from passafe_services.log import log_pass
-from passafe_services.log.chunk_decoding import RECORD, WIRE
 from passafe_services.log.decoding_workers import DecodingWorkerLostError, DecodingWorkers
 from passafe_services.log.errors import ForeignLogError, LogReadError
 from passafe_services.log.log_pass import LogPass, LogSlice
 from passafe_services.log.log_writer import LogWriter
+from passafe_services.log.message_columns import RECORD, WIRE
 
 WALL_NS = 1_763_800_000_000_000_000
 

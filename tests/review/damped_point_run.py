@@ -78,6 +78,20 @@ class DampedPoint:
         gain: Array = np.sum((after[:2] - x[:2]) * u, axis=0) + np.sum(x * x, axis=0) - np.sum(after * after, axis=0)
         return gain
 
+    def output(self, x: Array) -> Array:
+        """x₂."""
+        return x[2:]
+
+    def stored(self, x: Array) -> Array:
+        """‖x‖²."""
+        stored: Array = np.sum(x * x, axis=0)
+        return stored
+
+    def supplied(self, x: Array, u: Array, duration_s: float) -> Array:
+        """∫x₂ᵀu dt: the way times the input."""
+        supplied: Array = np.sum((self.flow(x, u, duration_s)[:2] - x[:2]) * u, axis=0)
+        return supplied
+
     def power_margin(self, x: Array, u: Array) -> Array:
         """X₂ᵀu − V̇ with V̇ = 2x₁ᵀx₂ + 2x₂ᵀ(−σx₂ + u)."""
         p, q = x[:2], x[2:]

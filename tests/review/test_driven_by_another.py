@@ -24,7 +24,7 @@ def resting() -> Run:
 
 
 def verdict_on(run: Run, folder: Path) -> Verdict:
-    return Verdict.of(RunLog.read(run.write(folder / "run.mcap")), DampedPoint())
+    return Verdict.of(RunLog.read(run.write(folder / "run.mcap")), DampedPoint(), derives=False)
 
 
 def test_the_run_itself_holds(tmp_path: Path) -> None:

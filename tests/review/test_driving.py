@@ -36,7 +36,7 @@ def resting(tmp_path: Path, steps: int, **changes: Sequence[FilterStatus | Plant
     for field, body in (("status", FilterTick), ("phase", PlantState)):
         for index, value in zip(run.indices(body), changes.get(field, ()), strict=False):
             run.replace(index, **{field: value})
-    return Verdict.of(RunLog.read(run.write(tmp_path / "run.mcap")), DampedPoint())
+    return Verdict.of(RunLog.read(run.write(tmp_path / "run.mcap")), DampedPoint(), derives=False)
 
 
 def test_a_stretch_ends_with_its_last_tick() -> None:
@@ -124,7 +124,7 @@ def test_of_two_plants_the_one_that_ended_last_counts(tmp_path: Path) -> None:
         run.replace(index, phase=PlantPhase.FAIL_SAFE)
     for k, runs in product(range(100), [PlantPhase.RUNNING]):
         run.add(header("plant", k, epoch=2, step=500 + k), state(k, (2.0, 0.0, 0.0, 0.0), REST, phase=runs))
-    verdict = Verdict.of(RunLog.read(run.write(tmp_path / "two.mcap")), DampedPoint())
+    verdict = Verdict.of(RunLog.read(run.write(tmp_path / "two.mcap")), DampedPoint(), derives=False)
 
     assert verdict.sessions["plant"] == 2
     assert verdict.properties["driven"].note.endswith("for the last 2.5 s")
@@ -136,7 +136,7 @@ def test_of_two_plants_the_one_that_ended_last_counts(tmp_path: Path) -> None:
 def test_a_run_that_ended_before_its_time_is_not_whole(tmp_path: Path, planned_s: float | None, words: str) -> None:
     run = Run(planned_s=planned_s)
     rollout(run, x0=(2.0, 0.0, -0.5, 0.0), u=lambda _: REST, steps=100)
-    verdict = Verdict.of(RunLog.read(run.write(tmp_path / "run.mcap")), DampedPoint())
+    verdict = Verdict.of(RunLog.read(run.write(tmp_path / "run.mcap")), DampedPoint(), derives=False)
     said = (
         "" if planned_s is None or words == "holds" else f": not a whole run: it ended after 0.099 s of {planned_s} s"
     )

@@ -37,12 +37,12 @@ def test_stretches_are_found_with_their_ends(tmp_path: Path) -> None:
 
 
 def test_a_run_without_a_stop_says_nothing_of_one(tmp_path: Path) -> None:
-    assert "emergency" not in Verdict.of(log_of(stopped_run(), tmp_path), DampedPoint()).words
+    assert "emergency" not in Verdict.of(log_of(stopped_run(), tmp_path), DampedPoint(), derives=False).words
 
 
 def test_a_run_that_ended_stopped_does_not_hold(tmp_path: Path) -> None:
     """The robot stood for a tenth of a second only, which alone would be a run like any other."""
-    verdict = Verdict.of(log_of(stopped_run((1_700, 1_800, "dashboard")), tmp_path), DampedPoint())
+    verdict = Verdict.of(log_of(stopped_run((1_700, 1_800, "dashboard")), tmp_path), DampedPoint(), derives=False)
 
     assert verdict.verdict == "fails"
     assert "an emergency stop (dashboard) was latched from 1.700 s on and not cleared" in verdict.words
@@ -51,7 +51,7 @@ def test_a_run_that_ended_stopped_does_not_hold(tmp_path: Path) -> None:
 
 def test_a_cleared_stop_is_named_in_a_verdict_that_holds(tmp_path: Path) -> None:
     run = stopped_run((300, 400, "console"), (500, 510, "console"), (700, 900, "operator"))
-    verdict = Verdict.of(log_of(run, tmp_path), DampedPoint())
+    verdict = Verdict.of(log_of(run, tmp_path), DampedPoint(), derives=False)
 
     assert verdict.verdict == "holds"
     assert verdict.words.startswith(

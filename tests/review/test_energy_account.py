@@ -24,7 +24,7 @@ def coasting(steps: int = 300) -> Run:
 
 
 def judged(run: Run, tmp_path: Path) -> Verdict:
-    return Verdict.of(RunLog.read(run.write(tmp_path / "run.mcap")), DampedPoint())
+    return Verdict.of(RunLog.read(run.write(tmp_path / "run.mcap")), DampedPoint(), derives=False)
 
 
 def energy(run: Run, tmp_path: Path) -> Property:

@@ -41,7 +41,7 @@ def test_one_that_does_not_end_lasts_until_the_end_of_the_log(tmp_path: Path) ->
     log = read(run_of(RUNNING, RUNNING, FAIL_SAFE, FAIL_SAFE, FAIL_SAFE), tmp_path)
     [only] = sequence_breaks(log.of(PlantState))
     assert only == (0.002, wall_ns(2), wall_ns(2), None, None)
-    verdict = Verdict.of(log, DampedPoint())
+    verdict = Verdict.of(log, DampedPoint(), derives=False)
     assert verdict.sequence_breaks == 1
     assert verdict.without_input_s == pytest.approx(0.002)
 
@@ -55,7 +55,7 @@ def test_waiting_is_no_break_and_sessions_are_separate(tmp_path: Path) -> None:
     log = read(run, tmp_path)
     [only] = sequence_breaks(log.of(PlantState))
     assert only.resumed_s is None
-    verdict = Verdict.of(log, DampedPoint())
+    verdict = Verdict.of(log, DampedPoint(), derives=False)
     assert verdict.sessions == {"operator": 1, "filter": 1, "plant": 2}
     assert verdict.sequence_breaks == 1
 

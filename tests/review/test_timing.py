@@ -7,9 +7,8 @@ import pytest
 from damped_point_run import PERIOD_NS, Run, header, rollout, tick
 from msgspec.structs import replace
 from passafe_protocol.messages import FilterTick, OperatorCommand, PlantInput, PlantState
-from passafe_services.log.continuity import LoggedMessage
 from passafe_services.tools.review.run_log import RunLog
-from passafe_services.tools.review.timing import Percentiles, Timing, steps_skipped
+from passafe_services.tools.review.timing import Percentiles, Timing, TimingRecord
 
 US = 1_000
 STEPS = 101
@@ -119,16 +118,25 @@ def test_nothing_is_made_up_without_messages(tmp_path: Path) -> None:
     assert timing.late_us == {}
 
 
-def test_skipped_steps_are_gaps_in_the_schedule_not_in_the_log() -> None:
-    def logged(sequence: int, step: int) -> LoggedMessage[FilterTick]:
-        return LoggedMessage(header("filter", sequence, step=step), tick(sequence, (0.0, 0.0)))
-
-    on_time = [logged(k, k) for k in range(5)]
-    assert steps_skipped(on_time, PERIOD_NS) == 0
-    skipped_two = [logged(0, 0), logged(1, 3), logged(2, 4)]
-    assert steps_skipped(skipped_two, PERIOD_NS) == 2
-    two_not_logged = [logged(0, 0), logged(3, 3), logged(4, 4)]
-    assert steps_skipped(two_not_logged, PERIOD_NS) == 0
+@pytest.mark.parametrize(
+    ("logged", "skipped"),
+    [
+        ([(k, k) for k in range(5)], 0),
+        ([(0, 0), (1, 3), (2, 4)], 2),
+        ([(0, 0), (3, 3), (4, 4)], 0),  # two that are not logged
+    ],
+)
+def test_skipped_steps_are_gaps_in_the_schedule_not_in_the_log(
+    logged: list[tuple[int, int]], skipped: int, tmp_path: Path
+) -> None:
+    run = Run()
+    for sequence, step in logged:
+        run.add(header("filter", sequence, step=step), tick(sequence, (0.0, 0.0)))
+    log = read(run, tmp_path)
+    record = TimingRecord(is_live=True, period_ns=PERIOD_NS)
+    for part in log.slices(record.wants):
+        record.take(part)
+    assert record.steps_skipped == skipped
 
 
 def test_inputs_alone_are_enough_for_the_solve_time(tmp_path: Path) -> None:

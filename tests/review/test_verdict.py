@@ -19,7 +19,7 @@ REST = (0.0, 0.0)
 
 
 def judged(run: Run, tmp_path: Path) -> Verdict:
-    return Verdict.of(RunLog.read(run.write(tmp_path / "run.mcap")), DampedPoint())
+    return Verdict.of(RunLog.read(run.write(tmp_path / "run.mcap")), DampedPoint(), derives=False)
 
 
 def coasting(run: Run, *, steps: int = 200, away: float = 1.0) -> Run:
@@ -60,7 +60,9 @@ def test_h_and_power_margin_are_recomputed_not_read_from_ticks(tmp_path: Path) -
 
 def test_the_barrier_that_came_nearest_is_named(tmp_path: Path) -> None:
     assert judged(coasting(Run()), tmp_path).h_min_barrier == "disk"
-    assert Verdict.of(RunLog.read(Run().write(tmp_path / "none.mcap")), DampedPoint()).h_min_barrier is None
+    assert (
+        Verdict.of(RunLog.read(Run().write(tmp_path / "none.mcap")), DampedPoint(), derives=False).h_min_barrier is None
+    )
 
 
 def test_the_worst_between_two_samples_is_found(tmp_path: Path) -> None:
@@ -69,12 +71,12 @@ def test_the_worst_between_two_samples_is_found(tmp_path: Path) -> None:
     rollout(run, x0=(1.2, 0.0, -1.0, 0.0), u=lambda _: (3.0, 0.0), steps=2, period=1000)
     log = RunLog.read(run.write(tmp_path / "run.mcap"))
     lowest = 1.2 - 4 * (1 - 3 / 4) + 3 * math.log(4 / 3)
-    fine = Verdict.of(log, DampedPoint(), points_per_period=1000)
+    fine = Verdict.of(log, DampedPoint(), derives=False, points_per_period=1000)
     assert fine.h_min_at_samples == pytest.approx(1.2**2 - 1)
     assert fine.h_min == pytest.approx(lowest**2 - 1, abs=1e-5)
     assert fine.properties["safe"].at_s == pytest.approx(math.log(4 / 3), abs=2e-3)
     assert fine.properties["safe"].holds is True
-    coarse = Verdict.of(log, DampedPoint())
+    coarse = Verdict.of(log, DampedPoint(), derives=False)
     grid = 1.2 - 4 * (1 - np.exp(-np.arange(11) / 10)) + 3 * np.arange(11) / 10
     assert coarse.points_per_period == 10
     assert coarse.h_min == pytest.approx(np.min(grid) ** 2 - 1, abs=1e-12)
@@ -217,7 +219,9 @@ def test_h_may_be_below_zero_by_its_rounding_alone(tmp_path: Path, below: float,
     assert safe.holds is holds
     assert safe.allowed.startswith("≥ -")
     assert float(safe.allowed.removeprefix("≥ ")) == pytest.approx(-8e-15, rel=0.2)  # 16 units of x₁, and its square's
-    generous = Verdict.of(RunLog.read(tmp_path / "run.mcap"), DampedPoint(), tolerances=Tolerances(h=0.01))
+    generous = Verdict.of(
+        RunLog.read(tmp_path / "run.mcap"), DampedPoint(), derives=False, tolerances=Tolerances(h=0.01)
+    )
     assert generous.properties["safe"].holds is True
     assert generous.tolerances.h == 0.01
 
@@ -268,7 +272,7 @@ def test_log_with_a_gap_is_unproven_and_locates_it(tmp_path: Path, missing: type
         tmp_path / "gap.mcap",
         without=lambda head, body: isinstance(body, missing) and head.sequence in (20, 21),
     )
-    verdict = Verdict.of(RunLog.read(path), DampedPoint())
+    verdict = Verdict.of(RunLog.read(path), DampedPoint(), derives=False)
     complete = verdict.properties["complete"]
     assert verdict.verdict == "unproven"
     assert (complete.holds, complete.worst) == (False, 2.0)
@@ -280,14 +284,14 @@ def test_log_with_a_gap_is_unproven_and_locates_it(tmp_path: Path, missing: type
 def test_a_violation_outweighs_a_gap(tmp_path: Path) -> None:
     run = coasting(Run())
     path = run.write(tmp_path / "gap.mcap", without=lambda head, _: head.sequence == 20)
-    assert Verdict.of(RunLog.read(path), DampedPoint()).verdict == "fails"
+    assert Verdict.of(RunLog.read(path), DampedPoint(), derives=False).verdict == "fails"
 
 
 def test_a_log_that_begins_after_the_plant_did_is_unproven(tmp_path: Path) -> None:
     run = Run()
     rollout(run, x0=(2.0, 0.0, -0.5, 0.0), u=lambda _: REST, steps=50)
     path = run.write(tmp_path / "late.mcap", without=lambda head, _: head.sequence < 10)
-    verdict = Verdict.of(RunLog.read(path), DampedPoint())
+    verdict = Verdict.of(RunLog.read(path), DampedPoint(), derives=False)
     assert verdict.verdict == "unproven"
     assert verdict.missed_at_start["state"] == 10
     assert verdict.gaps["state"] == 0
@@ -302,7 +306,7 @@ def test_a_torn_log_is_unproven(tmp_path: Path) -> None:
     assert whole.finished
     content = path.read_bytes()
     path.write_bytes(content[: content.index(b"\x0f\x04\x00\x00\x00\x00\x00\x00\x00")])  # from DataEnd on
-    verdict = Verdict.of(RunLog.read(path), DampedPoint())
+    verdict = Verdict.of(RunLog.read(path), DampedPoint(), derives=False)
     assert (verdict.finished, verdict.verdict, verdict.ticks) == (False, "unproven", 50)
 
 

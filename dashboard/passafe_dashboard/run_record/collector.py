@@ -6,9 +6,10 @@ from typing import Final, NamedTuple
 import numpy as np
 from passafe_protocol.messages import FilterStatus, PlantPhase
 from passafe_protocol.topics import COMMAND, EVENT, INPUT, LINK_EVENT, LINK_STATE, STATE, TICK
-from passafe_services.log.chunk_decoding import RECORD, Wants
+from passafe_services.log.chunk_decoding import Wants
 from passafe_services.log.log_pass import LogSlice
 from passafe_services.log.message_block import MessageBlock
+from passafe_services.log.message_columns import RECORD
 from passafe_services.scenarios.design import robot_of
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.review.plant_evaluator import PlantEvaluator

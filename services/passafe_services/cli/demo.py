@@ -142,7 +142,7 @@ def demo(
         )
         specs = [*(awake_specs() if keep_awake else ()), *processes]
         outcome = supervise(specs, duration_s=most_s, on_ready=report_ready, emit=console.out)
-    raise typer.Exit(report_outcome(outcome, log, chosen, console))
+    raise typer.Exit(report_outcome(outcome, log, console))
 
 
 @contextmanager

@@ -6,41 +6,36 @@ from typing import Final
 from rich.console import Console
 from rich.markup import escape
 
+from passafe_services.cli.judging import judged
 from passafe_services.cli.verdict import exit_code, print_verdict
 from passafe_services.log.errors import LogFileError, LogWriteError
 from passafe_services.log.log_files import files_of
 from passafe_services.log.log_reader import LogReader
 from passafe_services.loop.process_exit import ExitCause, RunOutcome
 from passafe_services.loop.process_name import ProcessName
-from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.recover import recover
-from passafe_services.tools.review.core_evaluator import CoreEvaluator
-from passafe_services.tools.review.run_log import RunLog
-from passafe_services.tools.review.verdict import Verdict
 
 DIED: Final = 3
 """Exit code if a process died for good, could not be started or did not end in time."""
 
 
-def report_outcome(outcome: RunOutcome, log: Path, scenario: Scenario, console: Console) -> int:
+def report_outcome(outcome: RunOutcome, log: Path, console: Console) -> int:
     """Print how the run ended, the verdict and the path of the log; return the exit code.
 
     Args:
         outcome: What the supervisor returned.
         log: The recorder's log; one that it did not finish is replaced by what can be recovered of it.
-        scenario: The effective scenario.
         console: Where to print.
     """
     try:
-        read = RunLog.read(log)
+        found = judged(log)
     except LogFileError as error:
         _report_end(outcome, console, has_end=True)
         console.print(f"[bold red]this run has no log[/]: {escape(str(error))}")
         return DIED
-    in_order = _report_end(outcome, console, has_end=read.identity.planned_s is not None)
-    verdict = Verdict.of(read, CoreEvaluator(scenario))
-    print_verdict(verdict, log if read.finished else _recovered(log, console))
-    return exit_code(verdict) if in_order else DIED
+    in_order = _report_end(outcome, console, has_end=found.identity.planned_s is not None)
+    print_verdict(found.verdict, log if found.verdict.finished else _recovered(log, console))
+    return exit_code(found.verdict) if in_order else DIED
 
 
 def _report_end(outcome: RunOutcome, console: Console, *, has_end: bool) -> bool:

@@ -1,5 +1,6 @@
 """``passafe review``: judge a run from its log."""
 
+from collections.abc import Sequence
 from json import dumps
 from pathlib import Path
 from typing import Annotated
@@ -7,14 +8,15 @@ from typing import Annotated
 import typer
 
 from passafe_services.cli.errors import OptionError
+from passafe_services.cli.judging import judged
 from passafe_services.cli.options import writable_folder
 from passafe_services.cli.verdict import exit_code, print_verdict
 from passafe_services.cli.verification import print_verification
-from passafe_services.log.log_pass import LogPass
+from passafe_services.log.log_pass import LogConsumer
 from passafe_services.log.verification import Verification
 from passafe_services.log.verification import verify as verify_log
 from passafe_services.tools.review.core_evaluator import CoreEvaluator
-from passafe_services.tools.review.run_log import RunLog
+from passafe_services.tools.review.run_identity import RunIdentity
 from passafe_services.tools.review.verdict import Verdict
 
 
@@ -51,20 +53,7 @@ def review(
     - `passafe review runs/bad.mcap --json`
     - `passafe review runs/bad.mcap --verify --authority keys/authority/ca.pem` names each message that was changed
     """
-    if html is not None:
-        if html.is_dir():
-            raise OptionError("--html", f"{html}, a folder", "a file")
-        writable_folder(html.parent, "--html")
-    log = RunLog.read(run)
-    evaluator = CoreEvaluator(log.identity.scenario)
-    verdict = Verdict.of(log, evaluator)
-    if html is not None:
-        # a second that other reviews need not wait
-        from passafe_dashboard.run_report import RunCollector, render_report, write_report  # noqa: PLC0415
-
-        record = RunCollector(log.identity.scenario, evaluator)
-        LogPass(run).feed(record)
-        write_report(html, render_report(record, verdict, log.identity))
+    verdict = _reported(run, html) if html is not None else judged(run).verdict
     verification = verify_log(run, authority) if verify or authority is not None else None
     if json:
         typer.echo(_as_json(verdict, verification))
@@ -74,6 +63,25 @@ def review(
             print_verification(verification)
     is_verified = verification is None or verification.holds
     raise typer.Exit(exit_code(verdict) if is_verified else 1)
+
+
+def _reported(run: Path, html: Path) -> Verdict:
+    """Write the report of a log and return its verdict, both from one pass over it."""
+    # a second that other reviews need not wait
+    from passafe_dashboard.run_report import RunCollector, render_report, write_report  # noqa: PLC0415
+
+    if html.is_dir():
+        raise OptionError("--html", f"{html}, a folder", "a file")
+    writable_folder(html.parent, "--html")
+    records: list[RunCollector] = []
+
+    def join(identity: RunIdentity, evaluator: CoreEvaluator) -> Sequence[LogConsumer]:
+        records.append(RunCollector(identity.scenario, evaluator))
+        return records
+
+    found = judged(run, join)
+    write_report(html, render_report(records[0], found.verdict, found.identity))
+    return found.verdict
 
 
 def _as_json(verdict: Verdict, verification: Verification | None) -> str:

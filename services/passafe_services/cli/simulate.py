@@ -7,6 +7,7 @@ import typer
 from rich.progress import Progress, TimeRemainingColumn
 
 from passafe_services.cli.check import warn_at_load
+from passafe_services.cli.judging import judged
 from passafe_services.cli.options import (
     DEFAULT_SCENARIO,
     DurationOption,
@@ -23,9 +24,6 @@ from passafe_services.log.log_writer import LogWriter, run_metadata
 from passafe_services.recorder.lockstep_log import LockstepLog
 from passafe_services.scenarios.info import versions
 from passafe_services.simulation import lockstep_loop, steps_of
-from passafe_services.tools.review.core_evaluator import CoreEvaluator
-from passafe_services.tools.review.run_log import RunLog
-from passafe_services.tools.review.verdict import Verdict
 
 
 def simulate(
@@ -62,6 +60,6 @@ def simulate(
             loop.run(min(chunk, steps - start))
             bar.advance(task, min(chunk, steps - start))
         loop.finish()
-    verdict = Verdict.of(RunLog.read(out), CoreEvaluator(chosen))
+    verdict = judged(out).verdict
     print_verdict(verdict, out)
     raise typer.Exit(exit_code(verdict))

@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 from io import BytesIO
 from typing import Any, Final, NamedTuple, TypeAlias
 
-import numpy as np
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import EndOfFile
 from mcap.opcode import Opcode
@@ -17,14 +16,8 @@ from passafe_protocol.topics import TOPIC_OF_NAME, Topic
 from passafe_services.log.chunk import DAMAGE, chunk_contents
 from passafe_services.log.column import Column
 from passafe_services.log.log_writer import topic_of_key
-from passafe_services.log.message_columns import ColumnDecoder
+from passafe_services.log.message_columns import RECORD, WIRE, ColumnDecoder, objects
 from passafe_services.log.record_scan import Damage
-
-RECORD: Final = "record"
-"""Path of the column of decoded messages, each as (header, body)."""
-
-WIRE: Final = "wire"
-"""Path of the column of wire bytes."""
 
 ORDER_FIELDS: Final = ("header.source", "header.epoch", "header.sequence", "header.wall_ns")
 """Fields that every table has: by them messages are put in order."""
@@ -119,15 +112,9 @@ def _decode(topic: Topic, messages: Sequence[bytes], paths: Collection[str], fou
     found.tables[topic.name] = columns = table.columns
     wire = [messages[number] for number in table.valid.tolist()] if RECORD in paths or WIRE in paths else []
     if WIRE in paths:
-        columns[WIRE] = _objects(wire)
+        columns[WIRE] = objects(wire)
     if RECORD in paths:
-        columns[RECORD] = _objects([codec.decode(topic, data) for data in wire])
-
-
-def _objects(values: Sequence[object]) -> Column:
-    column = np.empty(len(values), dtype=object)
-    column[:] = np.fromiter(values, dtype=object, count=len(values))
-    return column
+        columns[RECORD] = objects([codec.decode(topic, data) for data in wire])
 
 
 def _in_chunk(chunk: Chunk) -> Iterator[Any]:

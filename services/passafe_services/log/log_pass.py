@@ -31,13 +31,14 @@ from passafe_protocol.keys import KEY_ROOT
 from passafe_protocol.messages import Message as Body
 from passafe_protocol.topics import TOPIC_OF_BODY, TOPICS
 
-from passafe_services.log.chunk_decoding import RECORD, DecodedStretch, Stretch, Wants, decode_stretch
+from passafe_services.log.chunk_decoding import DecodedStretch, Stretch, Wants, decode_stretch
 from passafe_services.log.continuity import LoggedMessage, TopicCount
 from passafe_services.log.decoding_workers import DecodingWorkers
 from passafe_services.log.errors import ForeignLogError, LogReadError
 from passafe_services.log.log_reader import LogReader, definitions
-from passafe_services.log.log_writer import SCENARIO_RECORD, topic_of_key
+from passafe_services.log.log_writer import RECOVERED_RECORD, SCENARIO_RECORD, topic_of_key
 from passafe_services.log.message_block import MessageBlock
+from passafe_services.log.message_columns import RECORD
 from passafe_services.log.reading_state import ReadingState
 from passafe_services.log.record_scan import Damage, scan_records
 from passafe_services.log.session_order import SessionOrder
@@ -87,11 +88,13 @@ class LogPass:
     Attributes:
         path: The file.
         metadata: Metadata records by name; those before the first message are there from the beginning.
-        finished: Whether the writer finished the file and all of it is intact.
+        finished: Whether its writer finished it, also before a recovery, and all of it is intact.
         tear: Description of the damage; empty if ``finished``.
         shortcomings: Reasons for which checkpoints do not prove that nothing is missing, in words.
         counts: Message counts of every topic, by its name.
         foreign_keys: Channels that do not belong to passafe.
+        progress: Is called after every stretch.
+        size_bytes: Size of the log.
 
     Raises:
         LogReadError: The file is missing, unreadable, empty or no MCAP file.
@@ -104,9 +107,9 @@ class LogPass:
         self.tear = ""
         self.foreign_keys: list[str] = []
         self.counts: dict[str, TopicCount] = {topic.name: TopicCount() for topic in TOPICS}
-        self._progress = progress
-        self._size_bytes = sum(size_bytes for _, size_bytes in self._files)
-        self._workers = _worth(self._size_bytes) if workers is None else workers
+        self.progress = progress
+        self.size_bytes = sum(size_bytes for _, size_bytes in self._files)
+        self._workers = _worth(self.size_bytes) if workers is None else workers
         self._channels: dict[int, str] = {}
         self._undecodable: dict[str, int] = {}
         self._state = ReadingState(self._files)
@@ -176,10 +179,11 @@ class LogPass:
             if not known or found.unknown & self._channels.keys():
                 # It was decoded before the channels of the stretches before were known.
                 repeated = decode_stretch(stretch, self._channels, wants)
-            if self._progress is not None:
-                self._progress(repeated.read_bytes, self._size_bytes)
+            if self.progress is not None:
+                self.progress(repeated.read_bytes, self.size_bytes)
             yield repeated
-        self.finished, self.tear = self._state.finished, self._state.tear
+        self.finished = self._state.finished and RECOVERED_RECORD not in self.metadata
+        self.tear = self._state.tear or self.metadata.get(RECOVERED_RECORD, {}).get("tear", "")
         self.shortcomings = self._state.audit.shortcomings
 
     def _first_decoded(self, wants: Wants) -> Iterator[tuple[Stretch, DecodedStretch]]:

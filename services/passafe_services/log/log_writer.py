@@ -28,6 +28,9 @@ DRIVER_RECORD: Final = "driver"
 
 MOST_ATTESTED: Final = 4096
 """Messages after which a checkpoint is due, also without a flush."""
+RECOVERED_RECORD: Final = "recovered"
+"""Metadata record that marks a recovered log."""
+
 SEQUENCE_MODULUS: Final = 2**32
 TIME_LIMIT_NS: Final = 2**64
 

@@ -26,6 +26,12 @@ from passafe_services.log.column import Column, Counts, Numbers, Places, Ragged,
 from passafe_services.log.message_field import LENGTH, MessageField, descriptor_of, fields_of
 from passafe_services.log.wire_layout import Bytes, Slot, UnusualLayoutError, WireLayout, grouped, read_numbers
 
+RECORD: Final = "record"
+"""Path of the column of decoded messages, each as (header, body)."""
+
+WIRE: Final = "wire"
+"""Path of the column of wire bytes."""
+
 MOST_LAYOUTS: Final = 256
 """Layouts that are kept for each length of a message."""
 
@@ -149,6 +155,33 @@ class ColumnDecoder:
             if varies:
                 fine &= ((numbers >= bound.least) & (numbers <= bound.largest)).all(axis=1)
         return fine
+
+
+def columns_of(topic: Topic, messages: Sequence[tuple[Header, Message]], paths: Collection[str]) -> dict[str, Column]:
+    """Return columns of decoded messages.
+
+    Args:
+        topic: Their topic.
+        messages: Header and body of each.
+        paths: Paths of the wanted columns, ``record`` included.
+    """
+    rows = np.arange(len(messages))
+    group = _Group(rows, messages, None)
+    fields = fields_of(topic)
+    columns: dict[str, Column] = {
+        path: _column(fields[path], [group], [rows], len(messages)) for path in paths if path in fields
+    }
+    if RECORD in paths:
+        columns[RECORD] = objects(messages)
+    return columns
+
+
+def objects(values: Sequence[object]) -> Column:
+    """Return a column of objects."""
+    column = np.empty(len(values), dtype=object)
+    for row, value in enumerate(values):
+        column[row] = value
+    return column
 
 
 def _bounds(shape: Shape, prefix: str) -> list[_Bound]:

@@ -3,15 +3,12 @@
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
 
 from passafe_services.log.log_file import LogFile, in_place_of
 from passafe_services.log.log_reader import LogReader
+from passafe_services.log.log_writer import RECOVERED_RECORD
 from passafe_services.log.record_scan import Damage
 from passafe_services.tools.recovered_copy import Loss, RecoveredCopy
-
-RECOVERED_RECORD: Final = "recovered"
-"""Metadata record that marks a recovered log."""
 
 
 @dataclass(frozen=True, kw_only=True)

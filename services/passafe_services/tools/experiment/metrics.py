@@ -15,10 +15,11 @@ from passafe_services.tools.review.filter_claims import IntArray
 from passafe_services.tools.review.plant_evaluator import PlantEvaluator
 from passafe_services.tools.review.properties import Tolerances, judge_driving, judge_properties
 from passafe_services.tools.review.property import Property
+from passafe_services.tools.review.run_review import POINTS_PER_PERIOD
 from passafe_services.tools.review.steering import Steering
 from passafe_services.tools.review.steering_of_log import steering_from
 from passafe_services.tools.review.trajectory import Trajectory
-from passafe_services.tools.review.verdict import POINTS_PER_PERIOD, barrier_named
+from passafe_services.tools.review.verdict import barrier_named
 from passafe_services.tools.review.verdict_words import Outcome, decide
 from passafe_services.tools.runs.record import SweepRecord
 

@@ -2,12 +2,12 @@
 
 from dataclasses import dataclass
 from sys import float_info
-from typing import Final, NamedTuple, Self
+from typing import Any, Final, NamedTuple, Self
 
 import numpy as np
 
 from passafe_services.scenarios.schema import PassivityConfig
-from passafe_services.tools.review.energy_account import account_of
+from passafe_services.tools.review.energy_account import EnergyInProgress
 from passafe_services.tools.review.extremum import Extremum
 from passafe_services.tools.review.filter_claims import Decisions
 from passafe_services.tools.review.plant_evaluator import FloatArray, PlantEvaluator
@@ -67,42 +67,103 @@ class RecomputedMargins:
             points: Instants to evaluate per period, its end included.
             decisions: Decisions of the filter, for the slack that they granted; nothing else is taken from them.
         """
-        if trajectory.samples == 0:
-            return cls()
-        t_s, x, u = trajectory.t_s, trajectory.x, trajectory.u
+        margins = MarginsInProgress(evaluator, passivity, points)
+        for session in trajectory.sessions():
+            margins.take(session, is_start=True, has_next=False)
+        if decisions is not None:
+            margins.energy.decide(decisions.at_ns, decisions.slack_w)
+        return cls(**margins.extrema())
+
+
+class MarginsInProgress:
+    """Extrema of a run that comes piece by piece.
+
+    Args:
+        evaluator: Functions of the scenario.
+        passivity: The tank.
+        points: Instants to evaluate per period, its end included.
+
+    Attributes:
+        energy: Account of the tank, which takes the slacks of the decisions.
+    """
+
+    def __init__(self, evaluator: PlantEvaluator, passivity: PassivityConfig, points: int) -> None:
+        self.energy = EnergyInProgress(evaluator, passivity, points)
+        self._evaluator = evaluator
+        self._points = points
+        self._longest_s = 0.0
+        self._lowest: _Lowest | None = None
+        self._at_samples: _Lowest | None = None
+        self._found: dict[str, Extremum] = {}
+        self._level: str | None = None
+
+    def take(self, trajectory: Trajectory, *, is_start: bool, has_next: bool) -> None:
+        """Take the next samples of a session, at least one.
+
+        Args:
+            trajectory: Samples of one session; the first of a piece is the last of the piece before.
+            is_start: Whether the session begins with them.
+            has_next: Whether the last sample comes again as the first of another piece.
+        """
+        evaluator, kept = self._evaluator, slice(0, trajectory.samples - 1 if has_next else None)
+        t_s, x, u = trajectory.t_s[kept], trajectory.x[:, kept], trajectory.u[:, kept]
         # A state of 1e200 overflows in x²; the extremum shows it, so a warning is redundant.
         with np.errstate(over="ignore", invalid="ignore"):
-            error = _state_error(evaluator, x, u, float(trajectory.period_s.max()))
-            at_samples = _Lowest.of(evaluator.h(x, t_s), evaluator.h_error(x, t_s, error), t_s)
-            power = Extremum.lowest(evaluator.power_margin(x, u), t_s)
-            lowest, power_between = _between(trajectory, evaluator, points, at_samples)
-            start, level = _start(trajectory, evaluator)
-            energy = account_of(trajectory, evaluator, passivity, points, decisions)
+            if is_start:
+                self._take_start(trajectory)
+            if t_s.size:
+                self._longest_s = max(self._longest_s, float(trajectory.period_s.max()))
+                error = _state_error(evaluator, x, u, self._longest_s)
+                found = _Lowest.of(evaluator.h(x, t_s), evaluator.h_error(x, t_s, error), t_s)
+                self._at_samples = _lower(self._at_samples, found)
+                power = Extremum.lowest(evaluator.power_margin(x, u), t_s)
+                self._lower("power_margin_min_at_samples", power)
+                self._lower("power_margin_min", power)
+                self._higher("u_norm_max", Extremum.highest(np.linalg.norm(u, axis=0), t_s))
+            between, power_between = _between(trajectory, evaluator, self._points)
+            self._lowest = _lower(_lower(self._lowest, self._at_samples), between)
+            if power_between is not None:
+                self._lower("power_margin_min", power_between)
+            self.energy.take(trajectory, has_next=has_next)
             mismatch, mismatch_t_s = trajectory.mismatch(evaluator)
-            norms = np.linalg.norm(u, axis=0)
-        return cls(
-            h_min=None if lowest is None else lowest.h,
-            h_kept=None if lowest is None else lowest.kept,
-            h_min_barrier=None if lowest is None else lowest.barrier,
-            h_min_at_samples=None if at_samples is None else at_samples.h,
-            start_psi=start,
-            start_level=level,
-            power_margin_min=_smaller(power_between, power),
-            power_margin_min_at_samples=power,
-            tank_min_j=energy.tank_min_j,
-            energy_kept_j=energy.kept_min_j,
-            u_norm_max=Extremum.highest(norms, t_s),
-            mismatch_max=Extremum.highest(mismatch, mismatch_t_s) if mismatch.size else None,
-        )
+            if mismatch.size:
+                self._higher("mismatch_max", Extremum.highest(mismatch, mismatch_t_s))
+
+    def extrema(self) -> dict[str, Any]:
+        """Return the extrema by the names of ``RecomputedMargins``."""
+        energy, lowest = self.energy.result(), self._lowest
+        return {
+            "h_min": None if lowest is None else lowest.h,
+            "h_kept": None if lowest is None else lowest.kept,
+            "h_min_barrier": None if lowest is None else lowest.barrier,
+            "h_min_at_samples": None if self._at_samples is None else self._at_samples.h,
+            "start_level": self._level,
+            "tank_min_j": energy.tank_min_j,
+            "energy_kept_j": energy.kept_min_j,
+            **self._found,
+        }
+
+    def _take_start(self, trajectory: Trajectory) -> None:
+        start, level = _start(trajectory, self._evaluator)
+        before = self._found.get("start_psi")
+        if start is not None and (before is None or start < before):
+            self._found["start_psi"], self._level = start, level
+
+    def _lower(self, name: str, extremum: Extremum) -> None:
+        self._found[name] = _smaller(self._found.get(name), extremum)
+
+    def _higher(self, name: str, extremum: Extremum) -> None:
+        before = self._found.get(name)
+        if before is None or (-extremum.value, extremum.at_s) < (-before.value, before.at_s):
+            self._found[name] = extremum
 
 
 def _start(trajectory: Trajectory, evaluator: PlantEvaluator) -> tuple[Extremum | None, str | None]:
     """Return the smallest value that has to be positive where a session of the plant starts, and its name."""
     if not evaluator.protected:
         return None, None
-    starts = np.diff(trajectory.session, prepend=-1) != 0
-    t_s = trajectory.t_s[starts]
-    lowest = [Extremum.lowest(values, t_s) for values in evaluator.psi(trajectory.x[:, starts], t_s)]
+    t_s = trajectory.t_s[:1]
+    lowest = [Extremum.lowest(values, t_s) for values in evaluator.psi(trajectory.x[:, :1], t_s)]
     where = min(range(len(lowest)), key=lowest.__getitem__)
     return lowest[where], evaluator.protected[where]
 
@@ -135,20 +196,24 @@ def _state_error(evaluator: PlantEvaluator, x: FloatArray, u: FloatArray, durati
     return error
 
 
-def _between(
-    trajectory: Trajectory, evaluator: PlantEvaluator, points: int, lowest: _Lowest | None
-) -> tuple[_Lowest | None, Extremum | None]:
-    """Return the lowest barrier value, that at samples included, and the lowest power margin between samples."""
+def _between(trajectory: Trajectory, evaluator: PlantEvaluator, points: int) -> tuple[_Lowest | None, Extremum | None]:
+    """Return the lowest barrier value and the lowest power margin between samples."""
+    lowest: _Lowest | None = None
     power_min: Extremum | None = None
     for instants in trajectory.between(evaluator, points):
         error = _state_error(evaluator, instants.x, instants.u, instants.after_s)
         h = evaluator.h(instants.x, instants.t_s)
         found = _Lowest.of(h, evaluator.h_error(instants.x, instants.t_s, error), instants.t_s)
-        if lowest is not None and found is not None:
-            lowest = lowest.and_lower(found)
+        lowest = _lower(lowest, found)
         margin = evaluator.power_margin(instants.x, instants.u)
         power_min = _smaller(power_min, Extremum.lowest(margin, instants.t_s))
     return lowest, power_min
+
+
+def _lower(a: _Lowest | None, b: _Lowest | None) -> _Lowest | None:
+    if a is None or b is None:
+        return a or b
+    return a.and_lower(b)
 
 
 def _smaller(a: Extremum | None, b: Extremum) -> Extremum:

@@ -37,7 +37,11 @@ class CommandUse(BaseModel):
     @classmethod
     def of(cls, ticks: Iterable[FilterTick]) -> Self:
         """Return the use of the commands in these ticks."""
-        counts = Counter(tick.command_state for tick in ticks if tick.command_state)
+        return cls.counted(Counter(tick.command_state for tick in ticks if tick.command_state))
+
+    @classmethod
+    def counted(cls, counts: Counter[str]) -> Self:
+        """Return the use of the commands in ticks that were counted by their ``command_state``."""
         shares = {state.value: counts[state] / counts.total() for state in WORDS if counts[state]}
         parts = [f"{WORDS[CommandState(state)]} {_percent(share)}" for state, share in shares.items()]
         return cls(shares=shares, text=", ".join(parts) or "not in this log")

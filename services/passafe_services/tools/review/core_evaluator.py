@@ -44,6 +44,9 @@ class CoreEvaluator:
         self._margin = _evaluator("power_margin", [system.x, system.u], margin)
         self._flow, self._flow_error = cache(self._derive_flow), cache(self._derive_flow_error)
         self._energy_gain = cache(self._derive_energy_gain)
+        self._output = cache(lambda: _evaluator("output", [system.x], system.y))
+        self._stored = cache(lambda: _evaluator("stored", [system.x], self._V))
+        self._supplied = cache(self._derive_supplied)
 
     def h(self, x: FloatArray, t_s: FloatArray) -> FloatArray:
         """Return barrier values, shape (barriers, N), for x of shape (n, N) and plant time t_s, s, of shape (N,)."""
@@ -78,6 +81,18 @@ class CoreEvaluator:
         """Return ∫yᵀu dt − ΔV, J, shape (N,), over ``duration_s`` after x (n, N) with u (m, N) held."""
         return self._energy_gain(duration_s)(x, u)[0].reshape(-1)
 
+    def output(self, x: FloatArray) -> FloatArray:
+        """Return outputs y, shape (m, N), for x of shape (n, N)."""
+        return self._output()(x)[0]
+
+    def stored(self, x: FloatArray) -> FloatArray:
+        """Return the stored energy V(x), J, shape (N,), for x of shape (n, N)."""
+        return self._stored()(x)[0].reshape(-1)
+
+    def supplied(self, x: FloatArray, u: FloatArray, duration_s: float) -> FloatArray:
+        """Return ∫yᵀu dt, J, shape (N,), over ``duration_s`` after x (n, N) with u (m, N) held."""
+        return self._supplied(duration_s)(x, u)[0].reshape(-1)
+
     def flow(self, x: FloatArray, u: FloatArray, duration_s: float) -> FloatArray:
         """Return the state ``duration_s`` after x with u held, shape (n, N), for x (n, N) and u (m, N)."""
         return self._flow(duration_s)(x, u)[0]
@@ -91,6 +106,10 @@ class CoreEvaluator:
         x_next, energy, _ = held_flow(self._system, duration_s)
         gain = energy - (ca.substitute(self._V, self._system.x, x_next) - self._V)
         return _evaluator("energy_gain", [self._system.x, self._system.u], gain)
+
+    def _derive_supplied(self, duration_s: float) -> BatchFunction:
+        _, energy, _ = held_flow(self._system, duration_s)
+        return _evaluator("supplied", [self._system.x, self._system.u], energy)
 
     def _derive_flow_error(self, duration_s: float) -> BatchFunction:
         _, _, error = held_flow(self._system, duration_s)

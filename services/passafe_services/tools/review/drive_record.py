@@ -3,8 +3,11 @@
 from collections.abc import Iterable
 from typing import Final, Self
 
+import numpy as np
+from numpy.typing import NDArray
 from passafe_protocol.messages import FilterStatus
 
+from passafe_services.tools.review.filter_claims import IntArray
 from passafe_services.tools.review.property import Property
 from passafe_services.tools.review.trajectory import NS_PER_S
 
@@ -15,25 +18,50 @@ NOTABLE_SHARE: Final = 0.25
 """Share of a run without an input or a command above which a verdict mentions it."""
 
 
+_FALLBACKS: Final = tuple(status.value for status in FilterStatus if status.is_fallback)
+
+
 class _LastSeen:
     """Record of when something was last so, and the newest time at which it was looked at, plant time, ns."""
 
     def __init__(self) -> None:
-        self.at_all = False
-        self._seen_ns = self._newest_ns = 0
+        self.seen_ns = self.newest_ns = 0
+        self.first_ns: int | None = None
+        self.is_set = False
+        self.ended_wall_ns = 0
 
     def add(self, at_ns: int, *, so: bool) -> None:
         """Add a sample; one before the newest begins anew, as a restarted plant does."""
-        if at_ns < self._newest_ns:
-            self._seen_ns = at_ns
-        self._newest_ns = at_ns
-        if so:
-            self._seen_ns, self.at_all = at_ns, True
+        if self.first_ns is None:
+            self.first_ns = at_ns
+        if so or at_ns < self.newest_ns:
+            self.seen_ns, self.is_set = at_ns, True
+        self.newest_ns = at_ns
+
+    def add_all(self, at_ns: IntArray, so: NDArray[np.bool_]) -> None:
+        """Add samples in order, at least one."""
+        before = np.concatenate(([self.newest_ns], at_ns[:-1]))
+        (begins,) = np.nonzero(so | (at_ns < before))
+        if self.first_ns is None:
+            self.first_ns = int(at_ns[0])
+        if begins.size:
+            self.seen_ns, self.is_set = int(at_ns[begins[-1]]), True
+        self.newest_ns = int(at_ns[-1])
+
+    def follow(self, other: "_LastSeen") -> None:
+        """Add the samples of another record after those of this one."""
+        if other.first_ns is None:
+            return
+        if other.is_set:
+            self.seen_ns, self.is_set = other.seen_ns, True
+        elif other.first_ns < self.newest_ns:
+            self.seen_ns, self.is_set = other.first_ns, True
+        self.newest_ns = other.newest_ns
 
     @property
     def since_s(self) -> float:
         """Plant time from when it was last so to the newest sample, s."""
-        return (self._newest_ns - self._seen_ns) / NS_PER_S
+        return (self.newest_ns - self.seen_ns) / NS_PER_S
 
 
 class DriveRecord:
@@ -43,7 +71,8 @@ class DriveRecord:
         self._ticks = self._states = 0
         self._is_answered = False
         self._without = self._uncommanded = 0
-        self._commanded, self._driven = _LastSeen(), _LastSeen()
+        self._commanded = _LastSeen()
+        self._driven_of: dict[int, _LastSeen] = {}
 
     @classmethod
     def of(cls, ticks: Iterable[tuple[FilterStatus, int]], states: Iterable[tuple[bool, int]]) -> Self:
@@ -68,11 +97,45 @@ class DriveRecord:
         self._uncommanded += not is_commanded
         self._commanded.add(at_ns, so=is_commanded)
 
+    def add_ticks(self, status: IntArray, at_ns: IntArray) -> None:
+        """Add ticks in order, by numbers of their status and the plant times, ns, at which they take effect."""
+        if not at_ns.size:
+            return
+        self._ticks += at_ns.size
+        self._is_answered = self._is_answered or not bool(np.isin(status, _FALLBACKS).all())
+        is_commanded = status != FilterStatus.STALE.value
+        self._uncommanded += int((~is_commanded).sum())
+        self._commanded.add_all(at_ns, is_commanded)
+
     def add_state(self, at_ns: int, *, runs: bool) -> None:
         """Add a state of the plant with its first input behind it, and whether an input of the filter is in force."""
         self._states += 1
         self._without += not runs
-        self._driven.add(at_ns, so=runs)
+        self._driven_of.setdefault(0, _LastSeen()).add(at_ns, so=runs)
+
+    def add_states(self, at_ns: IntArray, runs: NDArray[np.bool_], *, session: int, wall_ns: int) -> None:
+        """Add states of a session of the plant in order.
+
+        Args:
+            at_ns: Plant times, ns, shape (N,).
+            runs: Whether an input of the filter is in force, shape (N,).
+            session: Number of the session.
+            wall_ns: Wall time of the session's newest state, ns: the session that ends last shows how the run ended.
+        """
+        driven = self._driven_of.setdefault(session, _LastSeen())
+        driven.ended_wall_ns = wall_ns
+        if at_ns.size:
+            self._states += at_ns.size
+            self._without += int((~runs).sum())
+            driven.add_all(at_ns, runs)
+
+    @property
+    def _driven(self) -> _LastSeen:
+        """Record over all sessions, in the order in which they ended."""
+        whole = _LastSeen()
+        for of_session in sorted(self._driven_of.values(), key=lambda driven: driven.ended_wall_ns):
+            whole.follow(of_session)
+        return whole
 
     def property(self) -> Property:
         """Return the property that the robot could be driven, to the end of the run."""

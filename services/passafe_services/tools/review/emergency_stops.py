@@ -4,9 +4,13 @@ from collections.abc import Sequence
 from itertools import groupby
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
 from passafe_protocol.messages import PlantState
 
+from passafe_services.log.column import Texts
 from passafe_services.log.continuity import LoggedMessage
+from passafe_services.tools.review.filter_claims import IntArray
 from passafe_services.tools.review.property import Property
 from passafe_services.tools.review.trajectory import NS_PER_S
 
@@ -35,14 +39,45 @@ def emergency_stops(states: Sequence[LoggedMessage[PlantState]]) -> list[StopStr
     """
     found: list[StopStretch] = []
     for _, session in groupby(states, key=lambda state: state.header.epoch):
-        stretches = [(latched, list(of)) for latched, of in groupby(session, key=lambda state: state.body.stop != 0)]
-        for index, (latched, of) in enumerate(stretches):
-            if latched:
-                after = stretches[index + 1][1][0] if index + 1 < len(stretches) else None
-                begun, end = of[0].body, (of[-1] if after is None else after).body
-                length_s = (end.plant_ns - begun.plant_ns) / NS_PER_S
-                found.append(StopStretch(begun.plant_ns / NS_PER_S, length_s, begun.stop_source, after is not None))
+        record = StopRecord()
+        for state in session:
+            record.add(state.body.plant_ns, state.body.stop_source if state.body.stop else None)
+        found += record.stretches()
     return found
+
+
+class StopRecord:
+    """Emergency stops of one session of the plant, from its states as they come."""
+
+    def __init__(self) -> None:
+        self._ended: list[StopStretch] = []
+        self._begun: tuple[int, str] | None = None
+        self._newest_ns = 0
+
+    def add(self, plant_ns: int, source: str | None) -> None:
+        """Add a state: its plant time, ns, and who pressed the stop that is latched; ``None`` without one."""
+        self._newest_ns = plant_ns
+        if source is not None and self._begun is None:
+            self._begun = plant_ns, source
+        elif source is None and self._begun is not None:
+            self._ended.append(self._stretch(*self._begun, is_cleared=True))
+            self._begun = None
+
+    def add_all(self, plant_ns: IntArray, latched: NDArray[np.bool_], sources: Texts) -> None:
+        """Add states in order: plant times, ns, whether a stop is latched, and who pressed it; at least one."""
+        if not isinstance(sources.codes, np.ndarray):
+            raise TypeError("sources: got lists, allowed texts")
+        changes = np.flatnonzero(latched != np.concatenate(([self._begun is not None], latched[:-1])))
+        for row in changes.tolist():
+            self.add(int(plant_ns[row]), sources.words[sources.codes[row]] if latched[row] else None)
+        self._newest_ns = int(plant_ns[-1])
+
+    def stretches(self) -> list[StopStretch]:
+        """Return the stops so far, in order."""
+        return [*self._ended, *([] if self._begun is None else [self._stretch(*self._begun, is_cleared=False)])]
+
+    def _stretch(self, begun_ns: int, source: str, *, is_cleared: bool) -> StopStretch:
+        return StopStretch(begun_ns / NS_PER_S, (self._newest_ns - begun_ns) / NS_PER_S, source, is_cleared)
 
 
 def driven_but_for_stops(driven: Property, stops: Sequence[StopStretch]) -> Property:

@@ -4,13 +4,19 @@ from collections import Counter
 from collections.abc import Iterable
 from typing import Final, Self
 
+import numpy as np
 from passafe_protocol.messages import FilterStatus
 
+from passafe_services.tools.review.filter_claims import IntArray
 from passafe_services.tools.review.property import Property
 from passafe_services.tools.review.trajectory import NS_PER_S
 
 FALLBACKS: Final = tuple(status for status in FilterStatus if status.is_fallback and status is not FilterStatus.STALE)
 """Statuses of a tick in a fallback. A stale command fades under the same rows; see ``DriveRecord`` for it."""
+
+
+_NUMBERS: Final = tuple(status.value for status in FALLBACKS)
+_OF_NUMBER: Final = {status.value: status for status in FilterStatus}
 
 
 class FallbackRecord:
@@ -48,6 +54,16 @@ class FallbackRecord:
         if self._begun_ns is None or at_ns < self._begun_ns:  # a restarted plant begins at 0 again
             self._begun_ns = at_ns
         self._longest_ns = max(self._longest_ns, at_ns + self._period_ns - self._begun_ns)
+
+    def add_all(self, status: IntArray, at_ns: IntArray) -> None:
+        """Add ticks in order, by numbers of their status and the plant times, ns, at which they take effect."""
+        (fallbacks,) = np.nonzero(np.isin(status, _NUMBERS))
+        if not fallbacks.size:
+            self._ticks += at_ns.size
+            self._begun_ns = None if at_ns.size else self._begun_ns
+            return
+        for number, tick_ns in zip(status.tolist(), at_ns.tolist(), strict=True):
+            self.add(_OF_NUMBER[number], tick_ns)
 
     def property(self) -> Property:
         """Return the property that no tick was in a fallback."""

@@ -1,7 +1,7 @@
 """Inputs and decisions of the filter as arrays, from a log or from a loop without one."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 from typing import Final, Self
 
@@ -9,7 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 from passafe_protocol.messages import UNSEQUENCED, FilterStatus, FilterTick, PlantInput
 
+from passafe_services.log.message_block import MessageBlock
 from passafe_services.tools.review.plant_evaluator import FloatArray
+
+_SEQUENCE_START: Final = "input_sequence_start_ns"
 
 IntArray = NDArray[np.int64]
 
@@ -42,6 +45,27 @@ class SentInputs:
             u=np.array(vectors, dtype=np.float64).reshape(len(inputs), m).T,
             at_ns=np.array([one.effective_plant_ns for one in inputs], dtype=np.int64),
             sequence_start_ns=np.array([one.input_sequence_start_ns for one in inputs], dtype=np.int64),
+        )
+
+    @classmethod
+    def in_block(cls, block: MessageBlock, m: int) -> Self:
+        """Extract them from a block of messages to a plant with m axes."""
+        vectors = block.ragged("u")
+        u = vectors.matrix(m).T.copy()
+        u[:, vectors.counts != m] = inf
+        return cls(u=u, at_ns=block.numbers("effective_plant_ns"), sequence_start_ns=block.numbers(_SEQUENCE_START))
+
+    def last(self) -> Self:
+        """Return the last one by itself."""
+        return replace(self, u=self.u[:, -1:], at_ns=self.at_ns[-1:], sequence_start_ns=self.sequence_start_ns[-1:])
+
+    def followed_by(self, other: Self) -> Self:
+        """Return these inputs and others behind them."""
+        return replace(
+            self,
+            u=np.concatenate((self.u, other.u), axis=1),
+            at_ns=np.concatenate((self.at_ns, other.at_ns)),
+            sequence_start_ns=np.concatenate((self.sequence_start_ns, other.sequence_start_ns)),
         )
 
     def follows(self, period_s: float) -> NDArray[np.bool_]:
@@ -77,6 +101,19 @@ class Decisions:
     slack_w: FloatArray
     command_age_ns: IntArray
     state_age_ns: IntArray
+
+    @classmethod
+    def in_block(cls, block: MessageBlock) -> Self:
+        """Extract them from a block of messages."""
+        parts = [block.numbers(f"certificate.{part}") for part in ("primal_residual", "dual_residual", "gap")]
+        return cls(
+            status=block.numbers("status"),
+            residual=np.where(block.numbers("certificate.accepted"), np.max(parts, axis=0), inf),
+            at_ns=block.numbers("effective_plant_ns"),
+            slack_w=block.numbers("slack"),
+            command_age_ns=block.numbers("command_age_ns"),
+            state_age_ns=block.numbers("state_age_ns"),
+        )
 
     @classmethod
     def of(cls, ticks: Sequence[FilterTick]) -> Self:

@@ -9,23 +9,25 @@ must hold with sent counted in the log, dropped and duplicated counted among the
 counts available from two sources must agree.
 """
 
-from collections import Counter
-from collections.abc import Iterable, Sequence
-from typing import Self, TypeAlias
+from collections import Counter, deque
+from dataclasses import dataclass, field
+from typing import ClassVar, Self, TypeAlias
 
+import numpy as np
 from passafe_protocol.link_effect import CAUSES
-from passafe_protocol.messages import LinkEvent, LinkSource, LinkState, Message
-from passafe_protocol.topics import LINKS, Topic
+from passafe_protocol.messages import LinkSource, LinkState
+from passafe_protocol.topics import LINK_EVENT, LINK_STATE, LINKS
 from pydantic import BaseModel, ConfigDict
 
-from passafe_services.log.continuity import LoggedMessage
+from passafe_services.log.chunk_decoding import Wants
+from passafe_services.log.column import Texts
+from passafe_services.log.log_pass import LogSlice
+from passafe_services.log.message_block import MessageBlock
+from passafe_services.log.message_columns import RECORD
 from passafe_services.tools.review.run_log import RunLog
 
 LinkSession: TypeAlias = tuple[str, str, int | None]
 """Link, process that reads it, and its session; ``None`` in lockstep, where a link outlives its reader's sessions."""
-
-SentNumbers: TypeAlias = dict[tuple[str, int], set[int]]
-"""Sequence numbers of the messages in the log, by sender and session."""
 
 
 class LinkAccount(BaseModel):
@@ -80,30 +82,27 @@ class LinkAccount(BaseModel):
         )
 
     @classmethod
-    def of(
-        cls, key: LinkSession, state: LinkState, events: Sequence[LoggedMessage[LinkEvent]], sent: SentNumbers
-    ) -> Self:
+    def of(cls, key: LinkSession, state: LinkState, events: "EventCounts", sent: "SentNumbers") -> Self:
         """Return the account of one link.
 
         Args:
             key: Link, reader and session.
             state: Its last state.
-            events: All LinkEvents of that process and session, of all its links, in order.
+            events: Its events up to that state.
             sent: Messages of the link's topic in the log.
         """
-        logged = sum(len(_in_window(source, sent)) for source in state.sources)
+        logged = sum(sent.count(source) for source in state.sources)
         offered = sum(_span(source) for source in state.sources)
         lost_on_bus = offered - sum(source.received for source in state.sources)
         dropped = dict(zip(CAUSES, (state.dropped_loss, state.dropped_queue, state.dropped_outage), strict=True))
-        logged_events, missing_events = _events_until(state, events)
         accounted = state.delivered + sum(dropped.values()) + state.in_flight
         compared = {
             "messages missing in the log": offered - logged,
-            "events missing in the log": missing_events,
-            "events of messages that were not sent": sum(not _is_offered(event, state) for event in logged_events),
+            "events missing in the log": events.missing,
+            "events of messages that were not sent": events.not_offered(state),
             "entered and sent": abs(offered - lost_on_bus - state.entered),
             "balance": abs(offered - lost_on_bus + state.duplicated - accounted),
-            **_compared(state, dropped, logged_events),
+            **_compared(state, dropped, events.counts),
         }
         return cls(
             link=key[0],
@@ -126,67 +125,150 @@ class LinkAccount(BaseModel):
 
 def link_accounts(log: RunLog) -> list[LinkAccount]:
     """Return the account of every link with a state in the log, in the order of the topic table, then by session."""
-    last: dict[LinkSession, LinkState] = {}
-    for state in log.of(LinkState):
-        last[_key(log, state.body.link, state)] = state.body
-    events: dict[tuple[str, int | None], list[LoggedMessage[LinkEvent]]] = {}
-    for event in log.of(LinkEvent):
-        _, source, session = _key(log, event.body.link, event)
-        events.setdefault((source, session), []).append(event)
-    sent = {place.topic.name: _sent(log, place.topic) for place in LINKS.values()}
-    return [
-        LinkAccount.of(key, last[key], events.get(key[1:], ()), sent[LINKS[name].topic.name])
-        for name in LINKS
-        for key in last
-        if key[0] == name
-    ]
+    record = LinkRecord(is_live=log.identity.driver == "live")
+    for part in log.slices(LinkRecord.wants):
+        record.take(part)
+    return record.accounts()
 
 
-def _key(log: RunLog, link: str, message: LoggedMessage[LinkState] | LoggedMessage[LinkEvent]) -> LinkSession:
-    return link, message.header.source, message.header.epoch if log.identity.driver == "live" else None
+class SentNumbers:
+    """Sequence numbers of the messages of one topic in a log, by sender and session, as ranges."""
+
+    def __init__(self) -> None:
+        self._ranges: dict[tuple[str, int], list[tuple[int, int]]] = {}
+
+    def add(self, block: MessageBlock) -> None:
+        """Add messages, in order of sequence."""
+        sequence = block.sequence
+        ranges = self._ranges.setdefault((block.source, block.epoch), [])
+        ends = np.flatnonzero(np.diff(sequence) != 1).tolist()
+        for begin, end in zip([0, *(row + 1 for row in ends)], [*ends, len(sequence) - 1], strict=True):
+            first, last = int(sequence[begin]), int(sequence[end])
+            if ranges and ranges[-1][1] + 1 == first:
+                first = ranges.pop()[0]
+            ranges.append((first, last))
+
+    def count(self, source: LinkSource) -> int:
+        """Return how many messages of a session of a sender, from its first to its newest, are in the log."""
+        ranges = self._ranges.get((source.source, source.epoch), ())
+        return sum(max(min(last, source.newest) - max(first, source.first) + 1, 0) for first, last in ranges)
 
 
-def _sent(log: RunLog, topic: Topic) -> SentNumbers:
-    numbers: SentNumbers = {}
-    messages: Iterable[LoggedMessage[Message]] = log.messages.get(topic.name, ())
-    for header, _ in messages:
-        numbers.setdefault((header.source, header.epoch), set()).add(header.sequence)
-    return numbers
+@dataclass(kw_only=True)
+class EventCounts:
+    """Events of one link, up to the last state of the link.
+
+    Attributes:
+        counts: Number of events by effect and cause.
+        missing: Events of the link's reader that are missing in the log up to the last of them.
+        wanted: Events that the last state accounts for.
+        strange: Numbers of messages that no sender had sent by the state after the event.
+        waiting: Later events: effect, cause, number of the message, and how many of the reader's were missing.
+    """
+
+    counts: Counter[tuple[str, str]] = field(default_factory=Counter)
+    missing: int = 0
+    wanted: int = 0
+    strange: list[int] = field(default_factory=list)
+    waiting: deque[tuple[str, str, int, int]] = field(default_factory=deque)
+
+    def settle(self, state: LinkState | None) -> None:
+        """Count the waiting events that the last state accounts for."""
+        if state is None:
+            return
+        self.wanted = (
+            state.dropped_loss + state.dropped_queue + state.dropped_outage + state.duplicated + state.corrupted
+        )
+        while self.waiting and self.counts.total() < self.wanted:
+            effect, cause, sequence, self.missing = self.waiting.popleft()
+            self.counts[effect, cause] += 1
+            if not _is_offered(sequence, state):
+                self.strange.append(sequence)
+
+    def not_offered(self, state: LinkState) -> int:
+        """Return the number of events of messages that nobody sent."""
+        return sum(not _is_offered(sequence, state) for sequence in self.strange)
 
 
-def _in_window(source: LinkSource, sent: SentNumbers) -> set[int]:
-    """Return the logged messages of one session of a sender that the reader can have received."""
-    numbers = sent.get((source.source, source.epoch), set())
-    return {number for number in numbers if source.first <= number <= source.newest}
+class LinkRecord:
+    """Accounts of the links of a run, as its messages come.
+
+    Args:
+        is_live: Whether each reader has a session of its own; in lockstep, a link outlives it.
+    """
+
+    wants: ClassVar[Wants] = {
+        LINK_STATE.name: (RECORD,),
+        LINK_EVENT.name: ("link", "effect", "cause", "sequence"),
+        **{place.topic.name: () for place in LINKS.values()},
+    }
+
+    def __init__(self, *, is_live: bool) -> None:
+        self._is_live = is_live
+        self._last: dict[LinkSession, LinkState] = {}
+        self._events: dict[LinkSession, EventCounts] = {}
+        self._missing: dict[tuple[str, int | None], int] = {}
+        self._expected: dict[tuple[str, int], int] = {}
+        self._sent: dict[str, SentNumbers] = {place.topic.name: SentNumbers() for place in LINKS.values()}
+
+    def take(self, part: LogSlice) -> None:
+        """Take the next messages."""
+        for name, sent in self._sent.items():
+            for block in part.blocks(name):
+                sent.add(block)
+        for block in part.blocks(LINK_EVENT.name):
+            self._take_events(block)
+        for block in part.blocks(LINK_STATE.name):
+            for _, state in block.objects(RECORD):
+                self._last[self._key(state.link, block)] = state
+        for key, events in self._events.items():
+            events.settle(self._last.get(key))
+
+    def accounts(self) -> list[LinkAccount]:
+        """Return the account of every link with a state, in the order of the topic table, then by session."""
+        found = []
+        for name, place in LINKS.items():
+            for key, state in self._last.items():
+                if key[0] == name:
+                    events = self._events.get(key, EventCounts())
+                    events.settle(state)
+                    if events.counts.total() < events.wanted:  # all of the reader's were looked through
+                        events.missing = self._missing.get(key[1:], 0)
+                    found.append(LinkAccount.of(key, state, events, self._sent[place.topic.name]))
+        return found
+
+    def _take_events(self, block: MessageBlock) -> None:
+        links, effects, causes = (_words(block.texts(path)) for path in ("link", "effect", "cause"))
+        session = (block.source, block.epoch)
+        reader = (block.source, block.epoch if self._is_live else None)
+        numbers, messages = block.sequence.tolist(), block.numbers("sequence").tolist()
+        for number, link, effect, cause, message in zip(numbers, links, effects, causes, messages, strict=True):
+            missing = self._missing.get(reader, 0) + number - self._expected.get(session, 0)
+            self._missing[reader], self._expected[session] = missing, number + 1
+            events = self._events.setdefault(self._key(link, block), EventCounts())
+            events.waiting.append((effect, cause, message, missing))
+
+    def _key(self, link: str, block: MessageBlock) -> LinkSession:
+        return link, block.source, block.epoch if self._is_live else None
+
+
+def _words(texts: Texts) -> list[str]:
+    if not isinstance(texts.codes, np.ndarray):
+        raise TypeError("texts: got lists, allowed one a message")
+    return [texts.words[code] for code in texts.codes.tolist()]
 
 
 def _span(source: LinkSource) -> int:
     return source.newest - source.first + 1
 
 
-def _is_offered(event: LinkEvent, state: LinkState) -> bool:
-    return any(source.first <= event.sequence <= source.newest for source in state.sources)
+def _is_offered(sequence: int, state: LinkState) -> bool:
+    return any(source.first <= sequence <= source.newest for source in state.sources)
 
 
-def _events_until(state: LinkState, events: Sequence[LoggedMessage[LinkEvent]]) -> tuple[list[LinkEvent], int]:
-    """Return the link's events up to its state, and the number of events missing in the log up to the last of them."""
-    wanted = state.dropped_loss + state.dropped_queue + state.dropped_outage + state.duplicated + state.corrupted
-    found: list[LinkEvent] = []
-    missing = 0
-    expected: dict[int, int] = {}  # next number, by session
-    for header, event in events:
-        if len(found) == wanted:
-            break
-        missing += header.sequence - expected.get(header.epoch, 0)
-        expected[header.epoch] = header.sequence + 1
-        if event.link == state.link:
-            found.append(event)
-    return found, missing
-
-
-def _compared(state: LinkState, dropped: dict[str, int], events: Sequence[LinkEvent]) -> dict[str, int]:
+def _compared(state: LinkState, dropped: dict[str, int], events: Counter[tuple[str, str]]) -> dict[str, int]:
     """Return the differences between the counts of the state and of the events."""
-    counts = Counter((event.effect, event.cause) for event in events)
+    counts = Counter(events)
     differences = {
         f"dropped by {cause}": abs(number - counts.pop(("dropped", cause), 0)) for cause, number in dropped.items()
     }

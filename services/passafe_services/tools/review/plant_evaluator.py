@@ -37,6 +37,18 @@ class PlantEvaluator(Protocol):
         """Return ∫h_u dt over ``duration_s`` after x with u held, J, shape (N,), for x (n, N) and u (m, N)."""
         ...
 
+    def output(self, x: FloatArray) -> FloatArray:
+        """Return outputs y, shape (m, N), for x of shape (n, N)."""
+        ...
+
+    def stored(self, x: FloatArray) -> FloatArray:
+        """Return the stored energy V(x), J, shape (N,), for x of shape (n, N)."""
+        ...
+
+    def supplied(self, x: FloatArray, u: FloatArray, duration_s: float) -> FloatArray:
+        """Return ∫yᵀu dt over ``duration_s`` after x with u held, J, shape (N,), for x (n, N) and u (m, N)."""
+        ...
+
     def flow(self, x: FloatArray, u: FloatArray, duration_s: float) -> FloatArray:
         """Return the state ``duration_s`` after x with u held, shape (n, N), for x (n, N) and u (m, N)."""
         ...

@@ -2,9 +2,9 @@
 
 from collections.abc import Iterable, Sequence
 from math import isfinite
-from typing import Final
+from typing import Final, NamedTuple
 
-from passafe_protocol.messages import FilterStatus, PlantPhase, PlantState
+from passafe_protocol.messages import FilterStatus
 from passafe_protocol.topics import COMMAND, INPUT, STATE, TICK
 from pydantic import BaseModel, ConfigDict
 
@@ -13,11 +13,9 @@ from passafe_services.tools.review.between_samples import RecomputedMargins
 from passafe_services.tools.review.drive_record import DriveRecord
 from passafe_services.tools.review.fallback_record import FallbackRecord
 from passafe_services.tools.review.filter_claims import Decisions, SentInputs
-from passafe_services.tools.review.input_limits import judge_inputs
+from passafe_services.tools.review.input_limits import InputLimitRecord
 from passafe_services.tools.review.link_accounts import LinkAccount
 from passafe_services.tools.review.property import Property, at_least, at_most
-from passafe_services.tools.review.run_log import RunLog
-from passafe_services.tools.review.sole_plant import two_plants
 from passafe_services.tools.review.trajectory import NS_PER_S, Trajectory
 
 CONTROL_TOPICS: Final = (COMMAND, INPUT, STATE, TICK)
@@ -94,10 +92,34 @@ def judge_properties(
         margins: Extrema of the run.
         tolerances: Tolerances of the recomputed values.
     """
+    limits = InputLimitRecord(scenario, tolerances.input_relative)
+    limits.take_applied(trajectory.u, trajectory.t_s)
+    limits.take_sent(inputs, session=0)
+    uncertified = decisions.uncertified(tolerances.certificate)
+    count = int(uncertified.sum())
+    first_s = float(decisions.at_ns[uncertified.argmax()] / NS_PER_S) if count else None
+    certified = judge_certificates(
+        uncertified.size, count, first_s, tolerances.certificate, required=scenario.filter.mode != "off"
+    )
+    return judge_run(scenario, margins, tolerances, bounded=limits.property(), certified=certified)
+
+
+def judge_run(
+    scenario: Scenario, margins: RecomputedMargins, tolerances: Tolerances, *, bounded: Property, certified: Property
+) -> dict[str, Property]:
+    """Return every property of the run itself, not of its log, by name.
+
+    Args:
+        scenario: The scenario.
+        margins: Extrema of the run.
+        tolerances: Tolerances of the recomputed values.
+        bounded: The property that inputs were within their limits.
+        certified: The property that solutions had certificates.
+    """
     return judge_margins(margins, scenario, tolerances) | {
         "energy": _energy(margins, scenario, tolerances),
-        "bounded": judge_inputs(inputs, trajectory, scenario, tolerances.input_relative),
-        "certified": _certified(decisions, tolerances.certificate, required=scenario.filter.mode != "off"),
+        "bounded": bounded,
+        "certified": certified,
         "consistent": at_most(
             margins.mismatch_max,
             tolerances.mismatch_relative,
@@ -116,18 +138,41 @@ def judge_margins(margins: RecomputedMargins, scenario: Scenario, tolerances: To
     }
 
 
-def judge_completeness(log: RunLog, trajectory: Trajectory) -> Property:
+class Completeness(NamedTuple):
+    """Evidence of whether a log contains the whole run.
+
+    Attributes:
+        gaps: Messages of the loop that are missing between others.
+        out_of_order: Messages that came too late in the log to be looked at.
+        first_gap_s: Plant time of the last state before the first gap, s.
+        is_finished: Whether its writer finished the log.
+        shows_start: Whether it starts before the plant's first input, or at most one period after it.
+        cut_short: Reason for which it is not of a whole run, in words; empty without one.
+        shortcomings: Reasons for which checkpoints do not prove that nothing is missing, in words.
+    """
+
+    gaps: int
+    out_of_order: int
+    first_gap_s: float | None
+    is_finished: bool
+    shows_start: bool
+    cut_short: str
+    shortcomings: Sequence[str]
+
+
+def judge_completeness(found: Completeness) -> Property:
     """Return the property that the log contains the whole run."""
-    missing = sum(log.counts[topic.name].gaps for topic in CONTROL_TOPICS)
-    doubt = _cut_short(log, trajectory) or two_plants(log.of(PlantState)) or "; ".join(log.shortcomings)
+    missing = found.gaps + found.out_of_order
+    doubt = found.cut_short or "; ".join(found.shortcomings)
+    late = f"{found.out_of_order} messages came too late in the log to be looked at" if found.out_of_order else ""
     return Property(
-        holds=missing == 0 and log.finished and _shows_the_start(log, trajectory) and not doubt,
+        holds=missing == 0 and found.is_finished and found.shows_start and not doubt,
         required=True,
         worst=float(missing),
-        at_s=_first_gap_s(log),
+        at_s=found.first_gap_s,
         requirement="messages of command, input, state and tick missing = 0, from the first state to the end",
         allowed="= 0",
-        note=doubt,
+        note=", ".join(note for note in (doubt, late) if note),
     )
 
 
@@ -186,14 +231,23 @@ def _energy(margins: RecomputedMargins, scenario: Scenario, tolerances: Toleranc
     )
 
 
-def _certified(decisions: Decisions, limit: float, *, required: bool) -> Property:
-    uncertified = decisions.uncertified(limit)
-    judged, count = uncertified.size > 0, int(uncertified.sum())
+def judge_certificates(
+    ticks: int, uncertified: int, first_s: float | None, limit: float, *, required: bool
+) -> Property:
+    """Return the property that every tick that claims a solution has a certificate within a limit.
+
+    Args:
+        ticks: Ticks of the run.
+        uncertified: Those that claim a solution without such a certificate.
+        first_s: Plant time of the first of them, s.
+        limit: Largest residual and gap.
+        required: Whether the mode asks for it.
+    """
     return Property(
-        holds=count == 0 if judged else None,
+        holds=uncertified == 0 if ticks else None,
         required=required,
-        worst=float(count) if judged else None,
-        at_s=float(decisions.at_ns[uncertified.argmax()] / NS_PER_S) if count else None,
+        worst=float(uncertified) if ticks else None,
+        at_s=first_s,
         requirement=f"ticks that claim a solution without a certificate accepted within {limit:g} = 0",
         allowed="= 0",
     )
@@ -216,27 +270,8 @@ def judge_links(accounts: Sequence[LinkAccount]) -> Property:
     )
 
 
-def _cut_short(log: RunLog, trajectory: Trajectory) -> str:
+def cut_short(planned_s: float | None, lasted_s: float, period_s: float) -> str:
     """Return in words that the run ended before its time; empty if it did not, or was to last until it was stopped."""
-    planned_s, period_s = log.identity.planned_s, log.identity.scenario.dt_s
-    lasted_s = float(trajectory.t_s[-1]) if trajectory.samples else 0.0
     if planned_s is None or lasted_s >= planned_s - END_PERIODS * period_s:
         return ""
     return f"not a whole run: it ended after {lasted_s:.3f} s of {planned_s:g} s"
-
-
-def _shows_the_start(log: RunLog, trajectory: Trajectory) -> bool:
-    """Check that the log starts before the plant's first input, or at most one period after it."""
-    states = log.of(PlantState)
-    waited = bool(states) and states[0].body.phase is PlantPhase.WAITING
-    return trajectory.samples > 0 and (waited or bool(trajectory.t_s[0] <= log.identity.scenario.dt_s))
-
-
-def _first_gap_s(log: RunLog) -> float | None:
-    """Return the plant time of the last state before the first gap, s."""
-    walls = [log.counts[topic.name].first_gap_wall_ns for topic in CONTROL_TOPICS]
-    first_ns = min((wall_ns for wall_ns in walls if wall_ns is not None), default=None)
-    if first_ns is None:
-        return None
-    before = [state for state in log.of(PlantState) if state.header.wall_ns <= first_ns]
-    return before[-1].body.plant_ns / NS_PER_S if before else None

@@ -5,6 +5,20 @@ from pydantic import BaseModel, ConfigDict
 from passafe_services.tools.review.extremum import Extremum
 
 
+class Violation(BaseModel):
+    """One violation of a property.
+
+    Attributes:
+        at_s: Plant time, s; ``None`` if it has none.
+        text: The message concerned and what is wrong with it.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    at_s: float | None
+    text: str
+
+
 class Property(BaseModel):
     """Property of a run and whether it holds.
 
@@ -16,6 +30,8 @@ class Property(BaseModel):
         requirement: The requirement in words.
         allowed: Values of that quantity with which it holds, tolerance included.
         note: What a reader of the verdict has to know; empty if there is nothing to add.
+        count: Number of violations; ``None`` for a property of a worst value alone.
+        violations: The first of them.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -27,6 +43,8 @@ class Property(BaseModel):
     requirement: str
     allowed: str = ""
     note: str = ""
+    count: int | None = None
+    violations: tuple[Violation, ...] = ()
 
 
 def at_least(worst: Extremum | None, limit: float, *, required: bool, what: str) -> Property:

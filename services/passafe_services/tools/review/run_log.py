@@ -1,7 +1,8 @@
 """Log of a run in memory: decoded messages, counts of missing ones, and the identity of the run."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from itertools import groupby
 from pathlib import Path
 from typing import Self, TypeVar, cast
 
@@ -11,13 +12,16 @@ from passafe_protocol import codec
 from passafe_protocol.errors import ProtocolError
 from passafe_protocol.keys import KEY_ROOT
 from passafe_protocol.messages import Message, ScenarioInfo
-from passafe_protocol.topics import SCENARIO, TOPIC_OF_BODY, TOPICS, Topic
+from passafe_protocol.topics import SCENARIO, TOPIC_OF_BODY, TOPIC_OF_NAME, TOPICS, Topic
 
+from passafe_services.log.chunk_decoding import ORDER_FIELDS, Wants
 from passafe_services.log.continuity import LoggedMessage, TopicCount, in_order
 from passafe_services.log.errors import ForeignLogError
+from passafe_services.log.log_pass import LogSlice
 from passafe_services.log.log_reader import LogReader
-from passafe_services.log.log_writer import SCENARIO_RECORD, topic_of_key
-from passafe_services.tools.recover import RECOVERED_RECORD
+from passafe_services.log.log_writer import RECOVERED_RECORD, SCENARIO_RECORD, topic_of_key
+from passafe_services.log.message_block import MessageBlock
+from passafe_services.log.message_columns import columns_of
 from passafe_services.tools.review.run_identity import RunIdentity, identify
 
 B = TypeVar("B", bound=Message)
@@ -66,6 +70,17 @@ class RunLog:
         topic = TOPIC_OF_BODY[cast("type[Message]", body)]
         # The codec decodes every message of a topic into the body type of that topic.
         return cast("list[LoggedMessage[B]]", self.messages.get(topic.name, []))
+
+    def slices(self, wants: Wants) -> Iterator[LogSlice]:
+        """Yield the log as a pass over its file does, in one slice; see ``LogPass.slices``."""
+        blocks: dict[str, list[MessageBlock]] = {}
+        for name, messages in self.messages.items():
+            paths = {*ORDER_FIELDS, *wants.get(name, ())}
+            sessions = groupby(messages, key=lambda message: (message.header.source, message.header.epoch))
+            for number, ((source, epoch), session) in enumerate(sessions):
+                columns = columns_of(TOPIC_OF_NAME[name], list(session), paths)
+                blocks.setdefault(name, []).append(MessageBlock(TOPIC_OF_NAME[name], source, epoch, number, columns))
+        yield LogSlice(blocks)
 
     @classmethod
     def read(cls, path: Path) -> Self:

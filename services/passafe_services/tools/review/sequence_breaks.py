@@ -1,12 +1,14 @@
 """Sequence breaks of a run: intervals in which the plant had no input of the filter."""
 
-from collections.abc import Iterable, Iterator, Sequence
-from itertools import groupby
+from collections.abc import Iterator, Sequence
+from itertools import groupby, pairwise
 from typing import NamedTuple
 
+import numpy as np
 from passafe_protocol.messages import PlantPhase, PlantState
 
 from passafe_services.log.continuity import LoggedMessage
+from passafe_services.tools.review.filter_claims import IntArray
 
 RUNNING, FAIL_SAFE, WAITING = PlantPhase.RUNNING, PlantPhase.FAIL_SAFE, PlantPhase.WAITING
 
@@ -58,27 +60,54 @@ def sequence_breaks(states: Sequence[LoggedMessage[PlantState]]) -> list[Sequenc
     """
     found: list[SequenceBreak] = []
     for _, session in groupby(states, key=lambda state: state.header.epoch):
-        found += _of_session(session)
-    return found
-
-
-def _of_session(states: Iterable[LoggedMessage[PlantState]]) -> list[SequenceBreak]:
-    moving = (state for state in states if state.body.phase is not WAITING)
-    stretches = [(runs, list(of)) for runs, of in groupby(moving, key=lambda state: state.body.phase is RUNNING)]
-    found = []
-    for index, (runs, without) in enumerate(stretches):
-        if runs:
-            continue
-        begun = without[0]
-        law = next((state.header.wall_ns for state in without if state.body.phase is FAIL_SAFE), None)
-        again = stretches[index + 1][1][0] if index + 1 < len(stretches) else None
-        found.append(
-            SequenceBreak(
-                at_s=begun.body.plant_ns / 1e9,
-                wall_ns=begun.header.wall_ns,
-                fail_safe_wall_ns=law,
-                resumed_wall_ns=None if again is None else again.header.wall_ns,
-                resumed_s=None if again is None else again.body.plant_ns / 1e9,
-            )
+        of_session = list(session)
+        record = BreakRecord()
+        record.add(
+            np.array([state.body.plant_ns for state in of_session], dtype=np.int64),
+            np.array([state.header.wall_ns for state in of_session], dtype=np.int64),
+            np.array([state.body.phase for state in of_session], dtype=np.int64),
         )
+        found += record.breaks()
     return found
+
+
+class BreakRecord:
+    """Sequence breaks of one session of the plant, from its states as they come."""
+
+    def __init__(self) -> None:
+        self._ended: list[SequenceBreak] = []
+        self._open: SequenceBreak | None = None
+        self.end_s = 0.0
+
+    def add(self, plant_ns: IntArray, wall_ns: IntArray, phase: IntArray) -> None:
+        """Add states in order: plant times, ns, wall times, ns, and numbers of their phases, shape (N,) each."""
+        moving = phase != WAITING
+        plant_ns, wall_ns, phase = plant_ns[moving], wall_ns[moving], phase[moving]
+        if not phase.size:
+            return
+        self.end_s = float(plant_ns[-1] / 1e9)
+        runs = phase == RUNNING
+        begins = [0, *(np.flatnonzero(runs[1:] != runs[:-1]) + 1).tolist()]
+        for begin, end in pairwise([*begins, phase.size]):
+            if runs[begin]:
+                self._close(int(plant_ns[begin]), int(wall_ns[begin]))
+                continue
+            if self._open is None:
+                self._open = SequenceBreak(int(plant_ns[begin]) / 1e9, int(wall_ns[begin]), None, None, None)
+            (law,) = np.nonzero(phase[begin:end] == FAIL_SAFE)
+            if law.size and self._open.fail_safe_wall_ns is None:
+                self._open = self._open._replace(fail_safe_wall_ns=int(wall_ns[begin + law[0]]))
+
+    def breaks(self) -> list[SequenceBreak]:
+        """Return the breaks so far, in order."""
+        return [*self._ended, *([] if self._open is None else [self._open])]
+
+    @property
+    def without_input_s(self) -> float:
+        """Plant time without an input, s."""
+        return sum(one.length_s(self.end_s) for one in self.breaks())
+
+    def _close(self, plant_ns: int, wall_ns: int) -> None:
+        if self._open is not None:
+            self._ended.append(self._open._replace(resumed_wall_ns=wall_ns, resumed_s=plant_ns / 1e9))
+            self._open = None

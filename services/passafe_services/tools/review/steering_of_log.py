@@ -6,30 +6,13 @@ from operator import itemgetter
 from typing import Self
 
 import numpy as np
-from passafe_protocol.messages import FilterTick, Vector
+from passafe_protocol.messages import Vector
 
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.scenarios.source_schema import HumanSource
 from passafe_services.tools.review.plant_evaluator import FloatArray, PlantEvaluator
-from passafe_services.tools.review.run_log import RunLog
 from passafe_services.tools.review.steering import Steering
 from passafe_services.tools.review.trajectory import NS_PER_S, Trajectory
-
-
-def steering_of(log: RunLog, trajectory: Trajectory, evaluator: PlantEvaluator) -> Steering | None:
-    """Return the metrics; ``None`` without a simulated person, or before its first target.
-
-    Of a restarted plant, the last session is evaluated.
-
-    Args:
-        log: The log.
-        trajectory: Its motion.
-        evaluator: Functions of its scenario.
-    """
-    requests = Requests.of(
-        (tick.body.effective_plant_ns, tick.body.u_h, tick.body.u_nominal, tick.body.u) for tick in log.of(FilterTick)
-    )
-    return steering_from(log.identity.scenario, trajectory, evaluator, requests)
 
 
 @dataclass(frozen=True, kw_only=True)

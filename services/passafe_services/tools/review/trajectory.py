@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Final, NamedTuple, Self
 
 import numpy as np
@@ -103,6 +104,56 @@ class Trajectory:
             energy_stored_j=energy_stored_j,
             session=np.zeros(len(plant_ns), dtype=np.int64),
             period_s=np.diff(plant_ns, append=plant_ns[-1:]) / NS_PER_S,
+        )
+
+    def sessions(self) -> Iterator[Self]:
+        """Yield the trajectory of each session of the plant."""
+        begins = np.flatnonzero(np.diff(self.session, prepend=self.session[:1] - 1)).tolist()
+        for begin, end in pairwise([*begins, self.samples]):
+            of = slice(begin, end)
+            yield replace(
+                self,
+                t_s=self.t_s[of],
+                x=self.x[:, of],
+                u=self.u[:, of],
+                runs=self.runs[of],
+                energy_in_j=self.energy_in_j[of],
+                energy_stored_j=self.energy_stored_j[of],
+                session=self.session[of],
+                period_s=self.period_s[of],
+            )
+
+    def last(self) -> Self:
+        """Return the last sample by itself."""
+        return replace(
+            self,
+            t_s=self.t_s[-1:],
+            x=self.x[:, -1:],
+            u=self.u[:, -1:],
+            runs=self.runs[-1:],
+            energy_in_j=self.energy_in_j[-1:],
+            energy_stored_j=self.energy_stored_j[-1:],
+            session=self.session[-1:],
+            period_s=np.zeros(1),
+        )
+
+    def followed_by(self, other: Self, period_s: float) -> Self:
+        """Return this trajectory and another behind it.
+
+        Args:
+            other: Later samples of the same session.
+            period_s: Time from the last sample to the first of the other, s; 0 if samples are missing between them.
+        """
+        return replace(
+            self,
+            t_s=np.concatenate((self.t_s, other.t_s)),
+            x=np.concatenate((self.x, other.x), axis=1),
+            u=np.concatenate((self.u, other.u), axis=1),
+            runs=np.concatenate((self.runs, other.runs)),
+            energy_in_j=np.concatenate((self.energy_in_j, other.energy_in_j)),
+            energy_stored_j=np.concatenate((self.energy_stored_j, other.energy_stored_j)),
+            session=np.concatenate((self.session, other.session)),
+            period_s=np.concatenate((self.period_s[:-1], [period_s], other.period_s)),
         )
 
     @property

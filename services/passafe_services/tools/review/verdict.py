@@ -1,44 +1,62 @@
 """Verdict on one run, as printed by ``passafe review --json``."""
 
-from typing import Final, Self
+from collections.abc import Mapping, Sequence
+from math import inf
+from typing import Final, Protocol, Self
 
-from passafe_protocol.messages import FilterTick, PlantInput, PlantState
+from passafe_protocol.messages import PlantState
 from passafe_protocol.topics import COMMAND, STATE, TICK
 from pydantic import BaseModel, ConfigDict
 
-from passafe_services.scenarios.design import robot_of
+from passafe_services.log.continuity import TopicCount
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.review.between_samples import RecomputedMargins
 from passafe_services.tools.review.command_use import CommandUse
-from passafe_services.tools.review.emergency_stops import driven_but_for_stops, emergency_stops
+from passafe_services.tools.review.emergency_stops import driven_but_for_stops
 from passafe_services.tools.review.errors import MismatchedLogError
 from passafe_services.tools.review.extremum import Extremum
-from passafe_services.tools.review.filter_claims import Decisions, SentInputs
-from passafe_services.tools.review.input_origin import driven_by_the_filter, foreign_inputs
-from passafe_services.tools.review.link_accounts import LinkAccount, link_accounts
+from passafe_services.tools.review.input_origin import driven_by_the_filter
+from passafe_services.tools.review.link_accounts import LinkAccount
 from passafe_services.tools.review.plant_evaluator import PlantEvaluator
 from passafe_services.tools.review.properties import (
+    CONTROL_TOPICS,
+    Completeness,
     Tolerances,
+    cut_short,
     judge_completeness,
-    judge_driving,
     judge_links,
-    judge_properties,
+    judge_run,
 )
 from passafe_services.tools.review.property import Property
 from passafe_services.tools.review.run_identity import DriverName
 from passafe_services.tools.review.run_log import RunLog
-from passafe_services.tools.review.sequence_breaks import running_states, sequence_breaks
+from passafe_services.tools.review.run_review import POINTS_PER_PERIOD, RunReview
 from passafe_services.tools.review.steering import Steering
-from passafe_services.tools.review.steering_of_log import steering_of
-from passafe_services.tools.review.timing import Percentiles, Timing, steps_skipped
+from passafe_services.tools.review.timing import Percentiles, Timing
 from passafe_services.tools.review.trajectory import NS_PER_S, Trajectory
 from passafe_services.tools.review.verdict_words import Outcome, decide, in_words
 
-POINTS_PER_PERIOD: Final = 10
-"""Instants evaluated in every period, besides the samples."""
-
 CONTROL_LOOP: Final = {"operator": COMMAND, "filter": TICK, "plant": STATE}
 """Topic that each process of the loop publishes in every step."""
+
+
+class ReadLog(Protocol):
+    """Log that was read to its end, in one pass or in memory."""
+
+    @property
+    def finished(self) -> bool:
+        """True if its writer finished it, also before a recovery."""
+        ...
+
+    @property
+    def shortcomings(self) -> Sequence[str]:
+        """Reasons for which its checkpoints do not prove that nothing is missing, in words."""
+        ...
+
+    @property
+    def counts(self) -> Mapping[str, TopicCount]:
+        """Message counts of every topic, by its name."""
+        ...
 
 
 class Verdict(BaseModel):
@@ -139,6 +157,7 @@ class Verdict(BaseModel):
         *,
         tolerances: Tolerances | None = None,
         points_per_period: int = POINTS_PER_PERIOD,
+        derives: bool = True,
     ) -> Self:
         """Judge a run.
 
@@ -147,44 +166,53 @@ class Verdict(BaseModel):
             evaluator: Functions of the log's scenario.
             tolerances: Tolerances of the recomputed values; the defaults if not given.
             points_per_period: Instants to evaluate per period, its end included.
+            derives: Whether to derive anew what processes of passafe report, and compare.
 
         Raises:
             MismatchedLogError: The states in the log do not have the dimension of the scenario.
         """
-        scenario = log.identity.scenario
-        tolerances = Tolerances() if tolerances is None else tolerances
-        trajectory = trajectory_of(log)
-        ticks = log.of(FilterTick)
-        inputs = SentInputs.of((sent.body for sent in log.of(PlantInput)), robot_of(scenario).system.m)
-        decisions = Decisions.of([tick.body for tick in ticks])
-        passivity = scenario.filter.passivity
-        margins = RecomputedMargins.of(trajectory, evaluator, passivity, points_per_period, decisions)
-        properties = judge_driving(decisions, running_states(log.of(PlantState)), scenario.dt_s)
-        properties["driven"] = driven_by_the_filter(
-            properties["driven"], foreign_inputs(log.of(PlantState), log.of(FilterTick))
+        review = RunReview(
+            log.path,
+            log.identity,
+            evaluator,
+            tolerances=tolerances,
+            points_per_period=points_per_period,
+            derives=derives,
         )
-        properties["driven"] = driven_but_for_stops(properties["driven"], emergency_stops(log.of(PlantState)))
-        properties |= judge_properties(scenario, inputs, decisions, trajectory, margins, tolerances)
-        properties["complete"] = judge_completeness(log, trajectory)
-        accounts = link_accounts(log)
-        properties["links-reconciled"] = judge_links(accounts)
-        timing = Timing.of(log)
-        without_input = sequence_breaks(log.of(PlantState))
+        for part in log.slices(review.wants):
+            review.take(part)
+        return cls.concluding(review, log)
+
+    @classmethod
+    def concluding(cls, review: RunReview, log: ReadLog) -> Self:
+        """Return the verdict at the end of a review; nothing more may be taken by it.
+
+        Args:
+            review: The review, which has taken the whole log.
+            log: The log, read to its end.
+        """
+        plant, decisions, scenario = review.plant, review.decisions, review.identity.scenario
+        plant.finish()
+        margins = RecomputedMargins(**review.margins.extrema())
+        accounts = review.links.accounts()
+        properties = _properties(review, log, margins, accounts)
+        timing = review.timing.timing()
         solve_us_p50, solve_us_p99 = _percentiles(timing.solve_us)
         late_us_p50, late_us_p99 = _percentiles((timing.late_us or {}).get("filter"))
         command_age_ms_p50, command_age_ms_p99 = _percentiles(timing.command_age_ms)
+        sessions = [*plant.sessions.values()]
         return cls(
             scenario=scenario.name,
             mode=scenario.filter.mode,
             law=scenario.filter.law,
-            driver=log.identity.driver,
+            driver=review.identity.driver,
             finished=log.finished,
-            duration_s=float(trajectory.t_s[-1] - trajectory.t_s[0]) if trajectory.samples else 0.0,
-            ticks=len(ticks),
-            steps_skipped=steps_skipped(ticks, scenario.dt_s * NS_PER_S),
+            duration_s=plant.duration_s,
+            ticks=decisions.ticks,
+            steps_skipped=review.timing.steps_skipped,
             sessions={process: log.counts[topic.name].sessions for process, topic in CONTROL_LOOP.items()},
-            sequence_breaks=len(without_input),
-            without_input_s=sum(one.length_s(float(trajectory.t_s[-1])) for one in without_input),
+            sequence_breaks=sum(len(session.breaks.breaks()) for session in sessions),
+            without_input_s=sum(session.breaks.without_input_s for session in sessions),
             gaps={name: count.gaps for name, count in log.counts.items()},
             missed_at_start={name: count.missed_at_start for name, count in log.counts.items()},
             undecodable={name: count.undecodable for name, count in log.counts.items()},
@@ -195,24 +223,63 @@ class Verdict(BaseModel):
             power_margin_min_at_samples=_value(margins.power_margin_min_at_samples),
             tank_min_j=_value(margins.tank_min_j),
             u_norm_max=_value(margins.u_norm_max),
-            status_counts=decisions.counts,
+            status_counts=decisions.status_counts,
             solve_us_p50=solve_us_p50,
             solve_us_p99=solve_us_p99,
             late_us_p50=late_us_p50,
             late_us_p99=late_us_p99,
             command_age_ms_p50=command_age_ms_p50,
             command_age_ms_p99=command_age_ms_p99,
-            commands=CommandUse.of(tick.body for tick in ticks),
+            commands=decisions.commands,
             timing=timing,
-            final_x=tuple(trajectory.x[:, -1].tolist()) if trajectory.samples else None,
-            steering=steering_of(log, trajectory, evaluator),
+            final_x=plant.final_x,
+            steering=None if review.steering is None else review.steering.result(),
             links=accounts,
-            points_per_period=points_per_period,
-            tolerances=tolerances,
+            points_per_period=review.points_per_period,
+            tolerances=review.tolerances,
             properties=properties,
             verdict=decide(properties),
             words=in_words(properties),
         )
+
+
+def _properties(
+    review: RunReview, log: ReadLog, margins: RecomputedMargins, accounts: list[LinkAccount]
+) -> dict[str, Property]:
+    scenario, tolerances = review.identity.scenario, review.tolerances
+    driven = driven_by_the_filter(review.drive.property(), review.origin.foreign())
+    return {
+        "no-fallback": review.decisions.fallbacks.property(),
+        "driven": driven_but_for_stops(driven, review.plant.stops),
+        **judge_run(
+            scenario,
+            margins,
+            tolerances,
+            bounded=review.limits.property(),
+            certified=review.decisions.certified(required=scenario.filter.mode != "off"),
+        ),
+        **review.agreement(),
+        "complete": judge_completeness(_completeness(review, log)),
+        "links-reconciled": judge_links(accounts),
+    }
+
+
+def _completeness(review: RunReview, log: ReadLog) -> Completeness:
+    plant, period_s = review.plant, review.identity.scenario.dt_s
+    counts = [log.counts[topic.name] for topic in CONTROL_TOPICS]
+    walls = [count.first_gap_wall_ns for count in counts if count.first_gap_wall_ns is not None]
+    moving = plant.moving
+    first_s, lasted_s = ((moving[0].first_ns or 0) / NS_PER_S, moving[-1].last_ns / NS_PER_S) if moving else (inf, 0.0)
+    waited = bool(moving) and next(iter(plant.sessions.values())).waited
+    return Completeness(
+        gaps=sum(count.gaps for count in counts),
+        out_of_order=sum(count.out_of_order for count in counts),
+        first_gap_s=plant.plant_s(min(walls)) if walls else None,
+        is_finished=log.finished,
+        shows_start=waited or first_s <= period_s,
+        shortcomings=log.shortcomings,
+        cut_short=cut_short(review.identity.planned_s, lasted_s, period_s) or plant.plants.in_words(),
+    )
 
 
 def trajectory_of(log: RunLog) -> Trajectory:

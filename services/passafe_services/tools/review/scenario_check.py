@@ -1,0 +1,63 @@
+"""Check that a log has one configuration: its metadata, every ScenarioInfo in it, and the ticks say the same."""
+
+import json
+from collections.abc import Mapping
+from typing import ClassVar
+
+from passafe_protocol.messages import ScenarioInfo
+from passafe_protocol.topics import SCENARIO
+from pydantic import ValidationError
+
+from passafe_services.log.chunk_decoding import Wants
+from passafe_services.log.log_pass import LogSlice
+from passafe_services.log.message_columns import RECORD
+from passafe_services.scenarios.schema import Scenario
+from passafe_services.tools.review.agreement import LogAgreement
+from passafe_services.tools.review.run_identity import RunIdentity
+
+
+class ScenarioCheck:
+    """Check of the configurations of a log.
+
+    Args:
+        identity: Identity of the run that the log states.
+
+    Attributes:
+        agreement: Differences.
+    """
+
+    wants: ClassVar[Wants] = {SCENARIO.name: (RECORD,)}
+
+    def __init__(self, identity: RunIdentity) -> None:
+        self.agreement = LogAgreement("published configurations that differ from the log's = 0")
+        self._identity = identity
+
+    def take(self, part: LogSlice) -> None:
+        """Take the next messages."""
+        for block in part.blocks(SCENARIO.name):
+            for header, info in block.objects(RECORD):
+                self._compare(f"scenario {header.sequence} of {header.source}", info)
+
+    def _compare(self, name: str, info: ScenarioInfo) -> None:
+        self.agreement.compared += 1
+        try:
+            published = Scenario.model_validate(json.loads(info.scenario_json)).model_dump(mode="json")
+        except (ValidationError, ValueError) as error:
+            self.agreement.note("scenario", f"{name}: cannot be read: {str(error).splitlines()[0]}")
+            return
+        for path, ours, theirs in _differences(self._identity.scenario.model_dump(mode="json"), published):
+            self.agreement.note(path, f"{name}: {path}: the log has {ours}, the filter published {theirs}")
+        if info.driver != self._identity.driver:
+            text = f"{name}: driver: the log has {self._identity.driver}, the filter published {info.driver}"
+            self.agreement.note("driver", text)
+
+
+def _differences(ours: object, theirs: object, path: str = "") -> list[tuple[str, object, object]]:
+    """Return the keys whose values differ, with both values, the deepest keys only."""
+    if isinstance(ours, Mapping) and isinstance(theirs, Mapping):
+        found = []
+        for key in dict.fromkeys([*ours, *theirs]):
+            inner = f"{path}.{key}" if path else str(key)
+            found += _differences(ours.get(key), theirs.get(key), inner)
+        return found
+    return [] if ours == theirs else [(path, ours, theirs)]
