@@ -1,4 +1,3 @@
-import numpy as np
 import pytest
 from barrier_examples import disk, ellipse, half_plane, not_places
 from bokeh.models import DataRange1d, Line, Patch
@@ -6,10 +5,9 @@ from bokeh.models.annotations import Legend
 from bokeh.plotting import figure
 from passafe_dashboard.charts.live_charts import unfilled_table
 from passafe_dashboard.charts.plane import plane_chart
-from passafe_dashboard.charts.regions import EARLIER, LIVE, Drawing
 from passafe_dashboard.columns import P1, P2, PLACES
 from passafe_services.scenarios.barrier_kinds.barrier_kind import SingleBarrier
-from passafe_services.scenarios.barrier_kinds.motion import Circle, Swing, Travel
+from passafe_services.scenarios.barrier_kinds.motion import Circle, Motion, Swing, Travel
 
 SWING = Swing(kind="swing", amplitude_m=(2.0, 0.0), frequency_hz=0.25)
 TRAVEL = Travel(kind="travel", velocity_m_per_s=(1.0, 0.0))
@@ -22,9 +20,9 @@ STILL = (
 )
 
 
-def plane(*barriers: SingleBarrier, drawing: Drawing = LIVE) -> figure:
+def plane(*barriers: SingleBarrier) -> figure:
     table = unfilled_table("robot", PLACES[0])
-    return plane_chart(barriers, trail=table, robot=table, starts=[(0.0, 0.0)], drawing=drawing)
+    return plane_chart(barriers, trail=table, robot=table, starts=[(0.0, 0.0)])
 
 
 def words(chart: figure) -> list[str]:
@@ -84,24 +82,9 @@ def test_moving_regions_have_named_tables_on_the_live_page() -> None:
     assert middle(dict(drawn.data_source.data)) == pytest.approx((1.0, 2.0))
 
 
-def test_moving_region_is_drawn_along_its_path_over_a_run() -> None:
-    visitor = disk("visitor", (1.0, 2.0), 0.5, motion=SWING)
-    chart = plane(visitor, drawing=Drawing(begin_s=0.0, end_s=5.0))
-    middles = [middle(patch) for patch in places(chart, Patch)]
-    assert len(middles) == EARLIER + 1
-    assert middles[-1] == pytest.approx((3.0, 2.0))  # a quarter of a period into the swing
-    assert [p1 for p1, _ in middles[:-1]] == pytest.approx(
-        [1 + 2 * np.sin(np.pi / 2 * t) for t in np.arange(EARLIER) * 5 / EARLIER]
-    )
-    [way] = places(chart, Line)
-    assert (min(way[P1]), max(way[P1])) == pytest.approx((-1, 3), abs=1e-3)
-    assert words(chart)[:2] == ["keep out", "keep out, earlier"]
-    assert named(chart) == set()
-
-
-@pytest.mark.parametrize(("drawing", "held"), [(LIVE, False), (Drawing(begin_s=0.0, end_s=5.0), True)])
-def test_departing_outline_does_not_stretch_the_live_view(drawing: Drawing, held: bool) -> None:
-    chart = plane(disk("bus", radius=0.5, motion=TRAVEL), drawing=drawing)
+@pytest.mark.parametrize(("motion", "held"), [(TRAVEL, False), (SWING, True)])
+def test_departing_outline_does_not_stretch_the_view(motion: Motion, held: bool) -> None:
+    chart = plane(disk("bus", radius=0.5, motion=motion))
     assert isinstance(chart.x_range, DataRange1d)
     in_view = [one for one in chart.x_range.renderers if isinstance(one.glyph, Patch)]
     assert bool(in_view) is held
@@ -109,7 +92,6 @@ def test_departing_outline_does_not_stretch_the_live_view(drawing: Drawing, held
 
 def test_half_plane_does_not_extend_the_view() -> None:
     piston = half_plane("piston", (1.0, 0.0), -3.0, motion=SWING)
-    for drawing in (LIVE, Drawing(begin_s=0.0, end_s=1.0)):
-        chart = plane(STILL[3], piston, drawing=drawing)
-        assert isinstance(chart.x_range, DataRange1d)
-        assert not [one for one in chart.x_range.renderers if isinstance(one.glyph, Patch)]
+    chart = plane(STILL[3], piston)
+    assert isinstance(chart.x_range, DataRange1d)
+    assert not [one for one in chart.x_range.renderers if isinstance(one.glyph, Patch)]

@@ -1,6 +1,5 @@
 """Make the charts of the barriers: h, whose sign decides safety, and ψ₁ … ψ_r, which lead to the input."""
 
-from collections.abc import Sequence
 from typing import Final
 
 from bokeh.models import ColumnDataSource, Range
@@ -18,28 +17,24 @@ MOST_WITH_FILTER: Final = 8
 def h_chart(
     layout: ColumnLayout,
     *,
-    ticks: ColumnDataSource | None,
+    ticks: ColumnDataSource,
     states: ColumnDataSource,
     x_range: Range,
-    shown: Sequence[int] | None = None,
 ) -> figure:
-    """Return the chart of h at the plant's state and, with ticks and few barriers, as predicted by the filter.
+    """Return the chart of h at the plant's state and, with few barriers, as predicted by the filter.
 
     Args:
         layout: Columns of the scenario.
-        ticks: Table of the filter, if there is one.
+        ticks: Table of the filter.
         states: Table of the plant.
         x_range: Time range.
-        shown: Numbers of the barriers to show; all by default.
     """
     traces = []
-    step = 2 if ticks is not None and len(layout.names) <= MOST_WITH_FILTER else 1
+    step = 2 if len(layout.names) <= MOST_WITH_FILTER else 1
     for index, name in enumerate(layout.names):
-        if shown is not None and index not in shown:
-            continue
-        style = step * index if ticks is not None else 2 * index
+        style = step * index
         traces.append(Trace(source=states, column=measured_h(index), label=f"h of {name}, measured", style=style))
-        if ticks is not None and step > 1:
+        if step > 1:
             traces.append(Trace(source=ticks, column=psi(index, 0), label=f"h of {name}, filter", style=style + 1))
     return time_chart(
         traces,

@@ -7,13 +7,13 @@ from passafe_dashboard.charts.over_time import Trace, time_chart
 from passafe_dashboard.columns import POWER_MARGIN, SLACK, TANK
 
 
-def power_margin_chart(*, source: ColumnDataSource, x_range: Range, with_slack: bool) -> figure:
-    """Return the chart of h_u = yᵀu − V̇ over time; on the live page with the slack δ of the passivity row."""
-    traces = [Trace(source=source, column=POWER_MARGIN, label="power margin h_u", style=0)]
-    if with_slack:
-        traces.append(Trace(source=source, column=SLACK, label="slack δ", style=1))
+def power_margin_chart(*, source: ColumnDataSource, x_range: Range) -> figure:
+    """Return the chart of h_u = yᵀu − V̇ and of the slack δ of the passivity row over time."""
     return time_chart(
-        traces,
+        [
+            Trace(source=source, column=POWER_MARGIN, label="power margin h_u", style=0),
+            Trace(source=source, column=SLACK, label="slack δ", style=1),
+        ],
         name="power_margin",
         y_label="power margin (W)",
         x_range=x_range,

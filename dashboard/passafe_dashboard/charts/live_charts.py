@@ -49,7 +49,7 @@ def live_charts(layout: ColumnLayout, *, starts: tuple[tuple[float, float], ...]
     robot = unfilled_table(ROBOT, layout.place_columns)
     x_range = live_range(window_s)
     charts: list[figure] = [
-        power_margin_chart(source=ticks, x_range=x_range, with_slack=True),
+        power_margin_chart(source=ticks, x_range=x_range),
         tank_chart(ticks=ticks, x_range=x_range),
         status_chart(source=ticks, x_range=x_range),
         age_chart(ticks=ticks, x_range=x_range),

@@ -39,11 +39,6 @@ def live_range(window_s: float) -> DataRange1d:
     return DataRange1d(follow="end", follow_interval=window_s, range_padding=0.0, default_span=window_s)
 
 
-def full_range() -> DataRange1d:
-    """Return the time range of a whole run."""
-    return DataRange1d(range_padding=0.0)
-
-
 def time_chart(
     traces: Sequence[Trace],
     *,

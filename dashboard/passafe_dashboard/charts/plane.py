@@ -8,7 +8,7 @@ from bokeh.models.annotations import LegendItem
 from bokeh.plotting import figure
 from passafe_services.scenarios.barrier_kinds.barrier_kind import SingleBarrier
 
-from passafe_dashboard.charts.regions import LIVE, Drawing, draw_regions
+from passafe_dashboard.charts.regions import draw_regions
 from passafe_dashboard.charts.style import add_legend, key, plain_chart
 from passafe_dashboard.columns import PLACES
 from passafe_dashboard.palette import INK, LINE_COLOURS, PAPER, TRAIL_COLOUR
@@ -23,7 +23,6 @@ def plane_chart(
     trail: ColumnDataSource,
     robot: ColumnDataSource,
     starts: Sequence[tuple[float, float]],
-    drawing: Drawing = LIVE,
     height: int = 560,
 ) -> figure:
     """Return the chart of outlines, trail and robot, with equal scales; barriers without outline are not drawn.
@@ -33,7 +32,6 @@ def plane_chart(
         trail: Columns ``PLACES`` of every point, in order of time, m.
         robot: The same columns with one row, the newest positions.
         starts: Place of every point at the begin of the run, m.
-        drawing: Plant times at which moving outlines are drawn.
         height: Height in pixels.
     """
     chart = plain_chart(
@@ -43,7 +41,7 @@ def plane_chart(
         height=height,
         match_aspect=True,
     )
-    regions = draw_regions(chart, barriers, drawing)
+    regions = draw_regions(chart, barriers)
     items, drawn = list(regions.legend), list(regions.in_view)
     for number, start in enumerate(starts):
         which = f" {number + 1}" if len(starts) > 1 else ""

@@ -1,5 +1,7 @@
 """Draw the regions that the robot must not enter, and where they were over a run if they move."""
 
+from typing import Final
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
@@ -7,9 +9,15 @@ from matplotlib.patches import Patch, Polygon
 from passafe_services.scenarios.barrier_kinds.motion import FloatArray
 from passafe_services.scenarios.barrier_kinds.outline import Outline
 
-from passafe_dashboard.charts.regions import EARLIER, EARLIER_ALPHA, PATH_POINTS, UNSAFE_ALPHA, distinct_outlines
+from passafe_dashboard.charts.regions import UNSAFE_ALPHA, distinct_outlines
 from passafe_dashboard.palette import UNSAFE_COLOUR
 from passafe_dashboard.run_series import RunSeries
+
+EARLIER_ALPHA: Final = 0.05
+EARLIER: Final = 7
+"""Earlier places of a moving outline that are drawn over a whole run."""
+
+PATH_POINTS: Final = 200
 
 
 def draw_keep_out(axes: Axes, series: RunSeries) -> list[Patch]:
