@@ -30,6 +30,7 @@ def test_what_if_nothing_changed_is_exact(name: str, tmp_path: Path) -> None:
     assert result.changes == ()
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize("name", SIMULATED)
 def test_simulation_writes_the_golden_log_again(name: str, tmp_path: Path) -> None:
     simulate(name, tmp_path / "again.mcap")

@@ -25,7 +25,7 @@ def agrees(seed: int, folder: Path, *, duration_s: float = 4.0) -> None:
 
 
 def test_pair_under_more_delay_agrees(tmp_path: Path) -> None:
-    agrees(0, tmp_path, duration_s=1.5)
+    agrees(0, tmp_path, duration_s=0.8)
 
 
 @pytest.mark.campaign

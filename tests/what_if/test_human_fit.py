@@ -43,6 +43,7 @@ def test_person_without_remnant_is_found_again(tmp_path: Path) -> None:
     assert fit.text.startswith("simulated person fitted to ")
 
 
+@pytest.mark.campaign
 def test_remnant_is_what_the_fit_does_not_explain(tmp_path: Path) -> None:
     log = recorded(tmp_path / "run.mcap", name="human-steers")
     fit = fit_human(log, log.identity.scenario)

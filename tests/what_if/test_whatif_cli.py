@@ -31,7 +31,7 @@ def refused(*arguments: str) -> str:
 
 
 def test_nothing_changed_exits_with_0_and_says_so(tmp_path: Path) -> None:
-    result = asked(LOG, "--out", str(tmp_path / "out.mcap"))
+    result = asked(str(GOLDEN / "reference-off.mcap"), "--out", str(tmp_path / "out.mcap"))
     assert result.exit_code == 0
     assert "states are those of the log to the last bit" in result.output
     assert "the person does not react to what happens here" in result.output
@@ -93,6 +93,7 @@ def test_link_keys_of_a_search_are_those_of_links() -> None:
         field_of("link.plant-to-filter.dellay")
 
 
+@pytest.mark.campaign
 def test_search_finds_where_the_verdict_changes() -> None:
     result = asked(
         str(GOLDEN / "unpredicted.mcap"), "--search", "link.plant-to-filter.delay=0..0.4", "--runs", "7", "--json"

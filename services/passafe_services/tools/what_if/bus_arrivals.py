@@ -116,7 +116,8 @@ def delivered(
 
 def _delays_ns(count: int, settings: LinkSettings) -> dict[int, int]:
     """Return the delay of every message that a link does not lose, by number; none where delays depend on the time."""
-    if settings.rate_hz or settings.trace_s or settings.outages_s or not settings.reorder or settings.duplicate:
+    by_time = settings.rate_hz or settings.trace_s or settings.outages_s or settings.network or settings.delay_trace_s
+    if by_time or not settings.reorder or settings.duplicate:
         return {}
     link: Link[int] = Link("filter-to-plant", settings)
     for number in range(count):
