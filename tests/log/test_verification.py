@@ -200,6 +200,26 @@ def test_moved_messages_are_as_few_as_can_be(log: Path, pinned: Path) -> None:
     assert named(verify(log, pinned)) == [("moved", STATE.key("plant"), 31, 31)]
 
 
+@pytest.mark.parametrize("first", [Metadata, Message])
+def test_a_log_that_a_tool_wrote_anew_is_compared_by_message(log: Path, pinned: Path, first: type) -> None:
+    def change(records: list[McapRecord]) -> list[McapRecord]:
+        del records[states(records)[44]]
+        message: Any = records[states(records)[33]]
+        header, body = decode(STATE, message.data)
+        message.data = encode(header, replace_x(body))
+        messages = [each for each in records if isinstance(each, Message)]
+        messages.sort(key=lambda each: (each.log_time, -each.channel_id))
+        metadata = [each for each in records if isinstance(each, Metadata)]
+        others = [each for each in records if isinstance(each, Schema | Channel)]
+        return [*others, *metadata, *messages] if first is Metadata else [*others, *messages, *metadata]
+
+    rewritten(log, change)
+    found = verify(log, pinned)
+    assert named(found) == [("changed", STATE.key("plant"), 33, 33), ("left out", STATE.key("plant"), 44, 44)]
+    assert found.attested == 78
+    assert any("it was written anew" in doubt for doubt in found.doubts)
+
+
 def test_changed_metadata_is_named(log: Path, pinned: Path) -> None:
     def change(records: list[McapRecord]) -> list[McapRecord]:
         for each in records:

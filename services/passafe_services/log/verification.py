@@ -19,10 +19,13 @@ from passafe_services.log.interval_diff import ChangedMessage, changed_messages
 from passafe_services.log.log_reader import LogReader
 from passafe_services.log.manifest import Manifest, entries_of, key_prefix, message_digest
 from passafe_services.log.record_scan import Damage
+from passafe_services.log.rewritten_log import changes_of_rewritten
 from passafe_services.log.trust import LogSigner
 
 MOST_NAMED: Final = 1000
 """Changed messages that are named; the others are counted."""
+_MOST_IN_ORDER: Final = 100
+"""Changed messages beyond which the log is compared without regard to order."""
 _MOST_HELD: Final = 1 << 20
 """Messages without a checkpoint that are held to be compared."""
 
@@ -105,6 +108,8 @@ def verify(path: Path, pinned: Path | None = None) -> Verification:
                 check.metadata(item.name, item.metadata)
             case _:
                 pass
+    if check.is_rewritten:
+        check.compare_unordered(reader)
     return check.result()
 
 
@@ -123,6 +128,7 @@ class _Check:
         self._changes: list[ChangedMessage] = []
         self._messages = self._attested = self._checkpoints = self._found = 0
         self._unsigned: list[int] = []
+        self._valid: list[int] = []
 
     def begin_file(self) -> None:
         """Begin another file, with metadata of its own."""
@@ -152,7 +158,23 @@ class _Check:
             self._unsigned.append(checkpoint.number)
             return
         self._checkpoints += 1
+        self._valid.append(checkpoint.number)
         self._compare(checkpoint, manifest)
+
+    @property
+    def is_rewritten(self) -> bool:
+        """True if messages and checkpoints are hardly in the order of the recorder."""
+        ended = self._audit.last is not None and self._audit.last.final
+        return self._found > _MOST_IN_ORDER or (ended and len(self._manifest) > 0)
+
+    def compare_unordered(self, reader: LogReader) -> None:
+        """Compare messages and checkpoints without regard to their order."""
+        changes = changes_of_rewritten(reader, self._valid)
+        if changes is None or len(changes) >= self._found + len(self._manifest):
+            return
+        self.doubts.append("messages or checkpoints are in another order than the recorder's: it was written anew")
+        self._attested = self._messages - sum(1 for each in changes if each.change != "left out")
+        self._found, self._changes, self._manifest = len(changes), changes[:MOST_NAMED], Manifest()
 
     def _is_signed(self, checkpoint: Checkpoint, record: Mapping[str, str]) -> bool:
         signer = self._signer

@@ -163,7 +163,8 @@ class BackgroundLog:
         try:
             action()
         except LogWriteError as error:
-            where = f"{error}; what was recorded before is in {path}"
+            before = f"what was recorded before is in {path}" if path.exists() else f"{path} is gone"
+            where = f"{error}; {before}"
             self._report("disk", "error", f"{where}, recording goes on in another file when it can be written")
             self._resume()
         else:
