@@ -12,9 +12,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
-from passafe_dashboard.charts.regions import EARLIER
 from passafe_dashboard.palette import LINE_DASHES, PAPER, UNSAFE_COLOUR, line_style
 from passafe_dashboard.pictures.__main__ import main
+from passafe_dashboard.pictures.keep_out import EARLIER
 from passafe_dashboard.pictures.line_chart import Curve, LineChart, draw_chart
 from passafe_dashboard.pictures.run_picture import draw_run, run_picture
 from passafe_dashboard.pictures.svg_file import DASHES, svg_text
