@@ -10,7 +10,7 @@ to be kept is kept between samples too, up to the integration error that the ste
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import reduce
 from math import inf, isnan
 from typing import Final
@@ -23,6 +23,7 @@ from passafe.design import FilterDesign
 from passafe.enclosure import enclose
 from passafe.reachable_tube import reachable_tube
 from passafe.sampled_plant import held_flow
+from passafe.settling import Settling
 from passafe.workspace import Array, BlockLayout, Workspace
 
 CHUNK: Final = 32
@@ -34,14 +35,21 @@ LONGEST: Final = 2048
 AT_REST: Final = 1e-9
 """Change of the state over a chunk, relative to 1 + |x|, below which the robot counts as at rest."""
 
+
 EQUAL: Final = 1e-3
 """Difference of two violations, relative to them, that counts as none."""
 
 ROUNDING: Final = 1e-9
 """Value below zero that counts as zero where two courses are compared."""
 
-LARGEST_ERROR: Final = 1e-6
+SMALL_ERROR: Final = 1e-6
+"""Sum of the estimated integration errors that is neglected; by what is beyond, h counts as smaller."""
+
+LARGEST_ERROR: Final = 1e-3
 """Sum of the estimated integration errors from which on a rollout proves nothing."""
+
+GUESSES: Final = 2
+"""How often a tube is guessed: a course is followed where no row may be kept any more, and states change fast."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -53,7 +61,7 @@ class Course:
         lowest: Smallest lower bound of all h.
         lowest_at: Period in which it is.
         is_proven: Whether the bounds between samples and the integration are known all along.
-        comes_to_rest: Whether the state settled before the rollout ended.
+        comes_to_rest: Whether the robot came to rest, or where no barrier falls any more, before the rollout ended.
     """
 
     kept_periods: float
@@ -99,12 +107,14 @@ class BackupRollout:
             chains: Chains of the barriers that are to be kept.
         """
         self._n = design.system.n
-        roll = _step(design, chains).mapaccum("roll", CHUNK)
+        step, law = _step(design, chains)
+        self._settling = Settling(design, chains, step, law)
+        roll = step.mapaccum("roll", CHUNK)
         stages: dict[str, int | tuple[int, ...]] = {
             "state": roll.size1_in(0),
             "held": CHUNK,
             "states": (roll.size1_in(0), CHUNK),
-            "seen": (3, CHUNK),
+            "seen": (4, CHUNK),
         }
         space = Workspace(BlockLayout.of(stages))
         self._state, self._states = space.part("state"), space.view("states")
@@ -135,6 +145,7 @@ class BackupRollout:
         """
         state, record, rests = self._state, _CourseRecord(), False
         state[:] = (*x, t_s, *u)
+        look = held_periods
         for begins in range(0, held_periods + until, CHUNK):
             self._held[:] = np.arange(begins, begins + CHUNK) < held_periods
             self._roll()
@@ -146,8 +157,12 @@ class BackupRollout:
                 break
             if not np.isfinite(state).all():
                 break
-            if begins >= held_periods and (change <= AT_REST * (1 + np.abs(state[: self._n]))).all():
-                rests = True
+            is_still = begins >= held_periods and (change <= AT_REST * (1 + np.abs(state[: self._n]))).all()
+            rests = bool(is_still) and self._settling.is_static
+            if self._settling.may_tell and (is_still or begins >= look) and record.is_kept:
+                look = begins + max(CHUNK, (begins - held_periods) // 2)
+                rests = record.settles(self._settling.lowest(state)) or rests
+            if rests or is_still:
                 break
         return record.course(rests=rests)
 
@@ -164,18 +179,38 @@ class _CourseRecord:
         """Take the next periods into account.
 
         Args:
-            seen: Lower bound of h, estimated integration error and whether the bound is known, shape (3, CHUNK).
+            seen: Lower bound of h, largest slope of an h, estimated integration error and whether the bound is known,
+                shape (4, CHUNK).
         """
-        bounds, errors, known = seen
+        bounds, slopes, errors, known = seen
+        sums = self._errors + errors.cumsum()
+        if sums[-1] > SMALL_ERROR:
+            bounds = bounds - slopes * np.maximum(sums - SMALL_ERROR, 0.0)
         place = int(bounds.argmin())  # that of the first NaN, if there is one
         lowest = float(bounds[place])
         if not lowest >= 0.0 and self._kept_periods == inf:
             self._kept_periods = float(self._periods + np.argmin(bounds >= 0.0))
         if not lowest >= self._lowest:
             self._lowest, self._lowest_at = (-inf if isnan(lowest) else lowest), self._periods + place
-        self._errors += float(errors.sum())
+        self._errors = float(sums[-1])
         self._is_known = self._is_known and bool((known > 0).all())
         self._periods += CHUNK
+
+    @property
+    def is_kept(self) -> bool:
+        """True if every barrier is proven to be kept so far."""
+        return self.course(rests=True).is_safe
+
+    def settles(self, lowest: float) -> bool:
+        """Take the rest of the course into account, and return whether every barrier is kept on it.
+
+        Args:
+            lowest: Lower bound of every h on it.
+        """
+        if lowest < 0:
+            return False
+        self._lowest = min(self._lowest, lowest)
+        return True
 
     def course(self, *, rests: bool) -> Course:
         """Return the course so far.
@@ -192,25 +227,27 @@ class _CourseRecord:
         )
 
 
-def _step(design: FilterDesign, chains: Sequence[BarrierChain]) -> ca.Function:
-    """Return one period: from (x, t, u before), and whether that u is held, to (x, t, u) and what is seen of it."""
+def _step(design: FilterDesign, chains: Sequence[BarrierChain]) -> tuple[ca.Function, ca.SX]:
+    """Return one period, from (x, t, u before) and whether u is held to the next and what is seen; and the law."""
     system = design.system
     low, high = design.limits.interval(system.u, design.dt_s)
     law = design.limits.clip(design.fail_safe, system.u, low, high)
-    x_next, _, error = held_flow(system, design.dt_s)
+    # Without the energy, whose error is in other units and no matter here.
+    x_next, _, error = held_flow(replace(system, y=ca.SX.zeros(system.m), port_y=ca.SX(0, 0)), design.dt_s)
     bound, known = _lower_bounds(design, chains, x_next)
-    seen = ca.densify(ca.vertcat(bound, error, known))
+    slopes = (ca.norm_2(ca.gradient(b.psi[0], system.x)) for chain in chains for b in chain.branches)
+    seen = ca.densify(ca.vertcat(bound, reduce(ca.fmax, slopes, ca.SX(0)), error, known))
     end = ca.densify(ca.vertcat(x_next, system.t + design.dt_s, system.u))
     period = ca.Function("period", [ca.vertcat(system.x, system.t), system.u], [end, seen])
     state, held = ca.vertcat(system.x, system.t, system.u), ca.SX.sym("held")
     after, observed = period(state[: -system.m], ca.if_else(held, system.u, law))
-    return ca.Function("step", [state, held], [after, observed])
+    return ca.Function("step", [state, held], [after, observed]), law
 
 
 def _lower_bounds(design: FilterDesign, chains: Sequence[BarrierChain], x_next: ca.SX) -> tuple[ca.SX, ca.SX]:
     """Return the lower bound of the smallest h over a period, scalar, and 1 where all bounds are known, else 0."""
     system, dt_s = design.system, design.dt_s
-    tube = reachable_tube(system, dt_s, ca.SX.zeros(system.m))
+    tube = reachable_tube(system, dt_s, ca.SX.zeros(system.m), guesses=GUESSES)
     moving, reach = ca.vertcat(system.x, system.t), ca.vertcat(tube.radius, dt_s)
     lowest, known = ca.SX(inf), tube.known
     for chain in chains:

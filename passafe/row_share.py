@@ -2,13 +2,13 @@
 
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import casadi as ca
 import numpy as np
 
-from passafe.backup_start import backup_findings
+from passafe.backup_start import backup_findings, is_kept_from
 from passafe.decision import Status
 from passafe.driven_states import EASIER, driven_finding
 from passafe.filter import SafetyPassivityFilter
@@ -57,12 +57,15 @@ def row_findings(core: SafetyPassivityFilter, box: StateBox, samples: int, seed:
     )
     low, high = np.array(box.low), np.array(box.high)
     effects = (vanishing_effect(core.design, chain, low, high, seed) for chain in core.chains)
-    return (
-        *(finding for finding in effects if finding is not None),
-        _share(drawn),
-        driven_finding(core, box.x0, samples, seed),
-        *backup_findings(core, box.x0),
-    )
+    of_rows = (*(finding for finding in effects if finding is not None), _share(drawn))
+    if core.design.gatekeeper and is_kept_from(core, box.x0):
+        of_rows = tuple(map(_harmless, of_rows))
+    return (*of_rows, driven_finding(core, box.x0, samples, seed), *backup_findings(core, box.x0))
+
+
+def _harmless(finding: Finding) -> Finding:
+    """Return a finding as a note: from a start that the gatekeeper keeps, no row need be kept (theorem 3)."""
+    return replace(finding, severity=Severity.NOTE) if finding.severity is Severity.WARNING else finding
 
 
 def _share(statuses: Counter[Status]) -> Finding:

@@ -170,6 +170,15 @@ def test_rows_that_can_never_be_kept_are_refused() -> None:
     assert random.severity is Severity.REFUSED
 
 
+def test_rows_need_not_be_kept_where_a_gatekeeper_is_backed() -> None:
+    box = replace(BOX, low=(-2.0, 0.0, 4.0, 0.0), high=(0.0, 0.0, 8.0, 0.0))
+    alone, *_ = row_findings(SafetyPassivityFilter(walled(bound=0.5)), box, 200, 3)
+    guarded, *_ = row_findings(SafetyPassivityFilter(replace(walled(bound=0.5), gatekeeper=True)), box, 200, 3)
+
+    assert alone.severity is Severity.WARNING
+    assert guarded.severity is Severity.NOTE
+
+
 def test_no_state_of_the_box_in_the_protected_set_is_said() -> None:
     box = replace(BOX, low=(2.0, 0.0, 0.0, 0.0), high=(3.0, 0.0, 0.0, 0.0))
     random, *_ = row_findings(SafetyPassivityFilter(walled()), box, 8, 3)

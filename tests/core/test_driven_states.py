@@ -83,10 +83,17 @@ def test_too_fast_a_start_leaves_a_gatekeeper_helpless() -> None:
     assert alone.advice == ""
 
 
-def test_a_law_that_coasts_away_never_comes_to_rest() -> None:
+def test_a_law_that_coasts_away_keeps_all_for_ever() -> None:
     core = SafetyPassivityFilter(walled(1.0, fail_safe=ca.SX(0)))
 
-    (found,) = backup_findings(core, (0.0, -1.0))
+    assert is_kept_from(core, (0.0, -1.0))
+
+
+def test_a_law_that_swings_never_comes_to_rest() -> None:
+    design = walled(1.0)
+    core = SafetyPassivityFilter(replace(design, fail_safe=-design.system.x[0] - 0.005 * design.system.x[1]))
+
+    (found,) = backup_findings(core, (0.0, -0.5))
     assert found.found == "keeps every barrier for 20.5 s, in which the robot does not come to rest"
 
 
