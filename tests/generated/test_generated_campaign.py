@@ -108,19 +108,21 @@ def test_the_summary_counts_each_failure_of_its_kind() -> None:
             outcome(6, overreach=1e-6),
             outcome(7, refusal="no"),
             outcome(8, warnings=("slow",), h_min=-1.0),
+            outcome(9, gatekeeper=True, gatekeeper_advised=True),
         ]
     )
     family = summary.families[0]
 
-    assert (family.loops, family.counted, family.safe, family.refused, family.warned) == (9, 6, 4, 1, 1)
+    assert (family.loops, family.counted, family.safe, family.refused, family.warned) == (10, 7, 5, 1, 1)
     assert family.unsafe_seeds == (2, 1)  # without a fallback first
     assert family.unsafe_without_fallback == 1
     assert family.insolvent_seeds == (5,)
     assert family.beyond_limits_seeds == (6,)
     assert family.braking_better_seeds == (1,)
-    assert family.fallback_share == pytest.approx(10 / 60)
+    assert family.fallback_share == pytest.approx(10 / 70)
     assert family.h_worst == -1e-3
-    assert summary.accepted_share == pytest.approx(7 / 9)
+    assert summary.accepted_share == pytest.approx(8 / 10)
+    assert summary.as_drawn_share == pytest.approx(7 / 10)
     assert not family.holds
     assert GeneratedSummary.of([outcome(0)]).holds
     assert not GeneratedSummary.of([outcome(0), outcome(1, refusal="no")]).holds

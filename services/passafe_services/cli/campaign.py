@@ -58,7 +58,7 @@ def campaign(
     interruption. Exits with 0 only if h and tank stayed at or above zero, every input within its limits and every
     answer certified or in a defined fallback.
 
-    With `--generated`, plants, barriers, limits and operators are drawn from the seed, four rollouts of each design;
+    With `--generated`, plants, barriers, limits and operators are drawn from the seed, eight rollouts of each design;
     how long they last follows from the design's rate, and inputs are lost at times. The summary has a line for each
     family of plants. Wherever a fallback is entered, braking alone is rolled out for comparison.
 

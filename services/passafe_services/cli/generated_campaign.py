@@ -71,4 +71,7 @@ def show(summary: GeneratedSummary, console: Console) -> None:
         for kind, seeds in kinds.items():
             if seeds:
                 console.print(f"{family.family}, {kind}: seeds {', '.join(map(str, seeds))}")
-    console.print(f"accepted of the designs with a feasible oracle: {summary.accepted_share:.1%}")
+    console.print(
+        f"accepted of the designs with a feasible oracle: {summary.accepted_share:.1%}; "
+        f"{summary.as_drawn_share:.1%} as drawn, the others with the gatekeeper that the check advises"
+    )

@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from passafe.backup_start import is_kept_from
+from passafe.backup_start import backup_findings, is_kept_from
 from passafe.design_check import check_design
 from passafe.driven_states import driven_finding
 from passafe.errors import IntegrationError
@@ -47,9 +47,25 @@ def built(design: GeneratedDesign, x0: Sequence[float] | None) -> SafetyPassivit
         DesignError: The core refuses a part of it.
     """
     core = SafetyPassivityFilter(design.filter_design())
-    if design.gatekeeper and x0 is not None and is_kept_from(core, x0):
-        return SafetyPassivityFilter(design.filter_design(gatekeeper=True))
-    return core
+    return (guarded(design, core, x0) or core) if design.gatekeeper else core
+
+
+def guarded(
+    design: GeneratedDesign, core: SafetyPassivityFilter, x0: Sequence[float] | None
+) -> SafetyPassivityFilter | None:
+    """Return a design's filter with a gatekeeper, as the check advises where operators get into a fallback.
+
+    Args:
+        design: The design.
+        core: Its filter without one.
+        x0: Start of its check.
+
+    Returns:
+        The filter; ``None`` if the fail-safe law is not proven to keep every barrier from the start.
+    """
+    if x0 is None or not is_kept_from(core, x0):
+        return None
+    return SafetyPassivityFilter(design.filter_design(gatekeeper=True))
 
 
 def check_warnings(
@@ -81,7 +97,10 @@ def start_warning(core: SafetyPassivityFilter, x0: Sequence[float], seed: int) -
         seed: Seed of the loop.
     """
     try:
-        found: Finding = driven_finding(core, x0, SAMPLES, seed, LOOP_OPERATORS)
+        findings: tuple[Finding, ...] = (
+            driven_finding(core, x0, SAMPLES, seed, LOOP_OPERATORS),
+            *backup_findings(core, x0),
+        )
     except IntegrationError as error:
         return str(error)
-    return "" if found.severity is Severity.NOTE else str(found)
+    return "; ".join(str(found) for found in findings if found.severity is not Severity.NOTE)

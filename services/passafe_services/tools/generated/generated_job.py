@@ -12,7 +12,13 @@ import numpy as np
 from passafe.errors import DesignError
 from passafe.finding import Severity
 from passafe.workspace import Array
-from passafe_services.tools.generated.accepted_design import built, check_warnings, start_of_check, start_warning
+from passafe_services.tools.generated.accepted_design import (
+    built,
+    check_warnings,
+    guarded,
+    start_of_check,
+    start_warning,
+)
 from passafe_services.tools.generated.closed_loop import ClosedLoop
 from passafe_services.tools.generated.generated_design import GeneratedDesign
 from passafe_services.tools.generated.loop_plan import LoopPlan
@@ -88,7 +94,15 @@ def loops_of(design: GeneratedDesign, seeds: Sequence[int]) -> list[LoopResult]:
     except DesignError as error:
         return [known.model_copy(update={"seed": seed, "refusal": str(error)}) for seed in seeds]
     found = check_warnings(design, core, x0)
-    said = {"warnings": tuple(text for _, text in found), "gatekeeper": core.design.gatekeeper}
+    advised = guarded(design, core, x0) if found and not core.design.gatekeeper else None
+    is_advised = advised is not None and not check_warnings(design, advised, x0)
+    if advised is not None and is_advised:
+        core, found = advised, ()
+    said = {
+        "warnings": tuple(text for _, text in found),
+        "gatekeeper": core.design.gatekeeper,
+        "gatekeeper_advised": is_advised,
+    }
     known = known.model_copy(update=said)
     if any(severity is Severity.REFUSED for severity, _ in found):
         return [known.model_copy(update={"seed": seed, "refusal": known.warnings[0]}) for seed in seeds]

@@ -28,6 +28,8 @@ class LoopResult(SweepRecord):
         refusal: Why the filter was not built; empty if it was.
         warnings: What the check of the design found; empty if it was clean.
         gatekeeper: Whether the filter had one.
+        gatekeeper_advised: Whether it was drawn without and has one because its check warned: with it, the check is
+            clean.
         started_inside: Whether the start was in the protected set.
         start_warning: What a check of this very start found; empty if it was clean, or not asked for.
         operator: Name of the operator.
@@ -54,6 +56,7 @@ class LoopResult(SweepRecord):
     refusal: str = ""
     warnings: tuple[str, ...] = ()
     gatekeeper: bool = False
+    gatekeeper_advised: bool = False
     started_inside: bool = False
     start_warning: str = ""
     operator: str = ""

@@ -35,6 +35,8 @@ class FamilySummary(SweepRecord):
         braking_better_seeds: Loops in which braking alone would have done better.
         feasible: Loops of designs with a feasible oracle.
         feasible_accepted: Of these, those of accepted designs.
+        feasible_as_drawn: Of these, those that were accepted as they were drawn, without the gatekeeper that the check
+            advises.
         refused: Loops of refused designs.
         warned: Loops of designs with warnings.
         statuses: How many ticks of each.
@@ -57,6 +59,7 @@ class FamilySummary(SweepRecord):
     braking_better_seeds: tuple[int, ...]
     feasible: int
     feasible_accepted: int
+    feasible_as_drawn: int
     refused: int
     warned: int
     statuses: dict[str, int]
@@ -90,6 +93,7 @@ class FamilySummary(SweepRecord):
             braking_better_seeds=_seeds([r for r in run if r.braking_better]),
             feasible=len(feasible),
             feasible_accepted=sum(r.is_accepted for r in feasible),
+            feasible_as_drawn=sum(r.is_accepted and not r.gatekeeper_advised for r in feasible),
             refused=len(results) - len(run),
             warned=sum(bool(r.warnings) for r in run),
             statuses=dict(statuses),
@@ -120,8 +124,16 @@ class GeneratedSummary(SweepRecord):
     @property
     def accepted_share(self) -> float:
         """Share of designs with a feasible oracle that were accepted; 1 if there is none."""
+        return self._share_of_feasible(sum(family.feasible_accepted for family in self.families))
+
+    @property
+    def as_drawn_share(self) -> float:
+        """Share of those that were accepted as they were drawn; 1 if there is none."""
+        return self._share_of_feasible(sum(family.feasible_as_drawn for family in self.families))
+
+    def _share_of_feasible(self, loops: int) -> float:
         feasible = sum(family.feasible for family in self.families)
-        return sum(family.feasible_accepted for family in self.families) / feasible if feasible else 1.0
+        return loops / feasible if feasible else 1.0
 
     @property
     def holds(self) -> bool:
