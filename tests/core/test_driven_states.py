@@ -69,6 +69,15 @@ def test_a_gatekeeper_has_no_fallback_where_the_law_keeps_all() -> None:
     assert found.found == "keeps every barrier until the robot rests, h ≥ 1: a gatekeeper would do so for ever"
 
 
+def test_a_robot_that_the_backup_law_mostly_brakes_warns() -> None:
+    """Gains of 20/s over periods of 0.1 s leave no margin: the rows are hardly ever kept between samples."""
+    found = driven_finding(SafetyPassivityFilter(walled(20.0, dt_s=0.1, gatekeeper=True)), (0.0, 0.0), 40, 1, 2)
+
+    assert found.severity is Severity.WARNING
+    assert found.found.endswith("for 5 s: the backup law braked in 96% of the periods")
+    assert "gatekeeper" not in found.advice
+
+
 def test_too_fast_a_start_leaves_a_gatekeeper_helpless() -> None:
     """From 2 m/s it takes 2 m to stop: h = −1 after 2 s."""
     core = SafetyPassivityFilter(walled(20.0, gatekeeper=True))

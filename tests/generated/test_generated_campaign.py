@@ -12,7 +12,8 @@ from passafe_services.tools.generated.loop_result import LoopResult
 from passafe_services.tools.generated.summary import GeneratedSummary
 from typer.testing import CliRunner
 
-SLICE = [LOOPS * design + loop for design in range(15) for loop in range(2)]
+SLICE = [LOOPS * design + loop for design in (0, 1, 2, 42, *range(4, 13)) for loop in range(2)]
+"""Loops of one design of every family, the stiff one of a kind that takes a second and not a minute."""
 
 
 @cache
