@@ -1,4 +1,4 @@
-"""Where courses of a backup law settle, and what is kept while they do: closed forms, and long rollouts."""
+"""Settling of backup laws, and what is kept meanwhile: closed forms, and long rollouts."""
 
 from collections.abc import Callable
 
