@@ -75,7 +75,7 @@ class _RestPoint(NamedTuple):
 
 
 class Settling:
-    """Tells whether a course of the backup law keeps every barrier from a state on."""
+    """Judge of whether a course of the backup law keeps every barrier from a state on."""
 
     def __init__(self, design: FilterDesign, chains: Sequence[BarrierChain], step: ca.Function, law: ca.SX) -> None:
         """Derive the slope of the period's map, and the bounds of every barrier around a state.
