@@ -6,6 +6,7 @@ from pathlib import Path
 import passafe_services.cli.demo_outcome
 import pytest
 from passafe_services.cli.demo_outcome import DIED, report_outcome
+from passafe_services.cli.demo_processes import rotation_options
 from passafe_services.log.errors import LogWriteError
 from passafe_services.log.log_writer import LogWriter, run_metadata
 from passafe_services.loop.process_exit import Exit, ExitCause, RunOutcome
@@ -146,3 +147,8 @@ def test_folder_that_cannot_be_written_keeps_the_log(
     assert report_outcome(ended(ExitCause.SIGNAL, None), log, console) == 1
     assert f"what was recorded is in {log}" in printed.text()
     assert list(tmp_path.iterdir()) == [log]
+
+
+def test_limits_of_files_are_options_of_the_recorder() -> None:
+    assert rotation_options(2.5, 60.0) == ("--rotate-mb", "2.5", "--rotate-s", "60.0")
+    assert rotation_options(None, None) == ()

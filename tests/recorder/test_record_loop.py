@@ -39,6 +39,7 @@ class Desk:
         self.made = 0
         self.published: list[tuple[Topic, Message]] = []
         self.log: BackgroundLog | None = None
+        self.disk_answers = True
 
     def drain(self) -> list[tuple[str, bytes]]:
         """Return what was made since the last call."""
@@ -66,10 +67,11 @@ class Desk:
 
     def run(self, log: SegmentedLog) -> None:
         """Record into ``log``, whose disk has done its work whenever time passes."""
-        self.log = BackgroundLog(log, retry_s=0.01)
+        background = BackgroundLog(log, retry_s=0.01)
+        self.log = background if self.disk_answers else None
         record(
             self,
-            self.log,
+            background,
             publish=self.publish,
             stop=self,
             pause=lambda seconds: self.wait(seconds) and None,
@@ -180,10 +182,10 @@ def test_full_disk_is_reported_and_ends_no_recording(tmp_path: Path, monkeypatch
 
 def test_a_disk_that_stays_full_is_an_error_in_the_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     desk = Desk(stop_after_s=2.0)
+    desk.disk_answers = False
     log = new_log(tmp_path / "run.mcap")
 
     def full(_: int) -> None:
-        desk.log = None  # it has nothing more to wait for
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     monkeypatch.setattr(os, "fdatasync", full)
@@ -232,7 +234,7 @@ def test_kill_loses_at_most_300_ms(tmp_path: Path) -> None:
             made_ns = int(line)
             if path.stat().st_size > size:
                 size, growths, grown_ns = path.stat().st_size, growths + 1, made_ns
-            if growths > 3 and made_ns - grown_ns > 150 * MS:  # shortly before the next flush: the worst moment
+            if growths > 3 and made_ns - grown_ns > 110 * MS:  # shortly before the next flush: the worst moment
                 break
         child.kill()
         rest = child.communicate(timeout=PATIENCE_S)[0]
@@ -243,7 +245,7 @@ def test_kill_loses_at_most_300_ms(tmp_path: Path) -> None:
     last_ns = 0
     for entry in LogReader(out).records():
         last_ns = max(last_ns, getattr(entry, "log_time", 0))
-    assert 100 * MS < made_ns - last_ns <= 300 * MS
+    assert 50 * MS < made_ns - last_ns <= 300 * MS
     kept = sequences(out)
     assert kept == list(range(len(kept)))
     assert len(kept) > 1000
@@ -266,7 +268,7 @@ def test_a_signal_ends_it_with_a_finished_file(tmp_path: Path, signum: int) -> N
 
 def test_a_limit_of_size_begins_another_file(tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"
-    with writing_child(path, limit_bytes=1_000_000) as child:
+    with writing_child(path, limit_bytes=300_000) as child:
         assert child.stdout is not None
         for _ in child.stdout:
             if (tmp_path / "run.3.mcap").exists():
@@ -275,11 +277,11 @@ def test_a_limit_of_size_begins_another_file(tmp_path: Path) -> None:
         _, errors = child.communicate(timeout=PATIENCE_S)
     assert child.returncode == 0
     assert f"error: {path}: cannot write the log: File too large; what was recorded before is in {path}" in errors
-    assert path.stat().st_size <= 1_000_000
+    assert path.stat().st_size <= 300_000
     reader = LogReader(path)
     entries = [entry for entry in reader.records() if isinstance(entry, LoggedMessage)]
     assert [entry.sequence for entry in entries] == list(range(len(entries)))
-    assert len(entries) > 3000
+    assert len(entries) > 800
     assert (reader.finished, reader.shortcomings) == (True, [])
     for entry in entries[::100]:
         header, _ = decode(EVENT, entry.data)
