@@ -17,6 +17,8 @@
         * ``TopicNameError``: a topic that no log has
         * ``MeasurementError``: a file that is no measurement of a network
         * ``OptionError``: an option of a command
+        * ``ChangeError``: a change that cannot be made to a run
+        * ``AlignmentError``: runs that cannot be aligned as asked
         * ``UnusableScenarioError``: a scenario that a check refuses
         * ``SourceConfigError``: a setting of a source of commands
         * ``RecordingError``: a place in a recorded command series
@@ -54,6 +56,7 @@
         * ``ReviewError``: it can be read, but not reviewed
             * ``ScenarioRecordError``: this build cannot read its scenario
             * ``MismatchedLogError``: its messages do not fit its scenario
+            * ``RerunError``: its run cannot be repeated
     * ``ExportError``: output of an export that cannot be written
     * ``UnusualLayoutError``: a message that no others are laid out like
     * ``DecodingWorkerLostError``: a process that decoded part of a log was killed
