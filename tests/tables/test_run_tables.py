@@ -1,15 +1,19 @@
+from itertools import count
 from pathlib import Path
 
 import numpy as np
 import pytest
 from mcap.writer import Writer
-from passafe_protocol.topics import TOPIC_OF_NAME
+from passafe_protocol.codec import encode
+from passafe_protocol.topics import STATE, TOPIC_OF_NAME
+from passafe_services.log.chain import Chain, RecorderCounts
 from passafe_services.log.errors import LogReadError
 from passafe_services.log.log_writer import LogWriter
+from passafe_services.log.segmented_log import RawMessage, Rotation, SegmentedLog
 from passafe_services.tables import scan
 from passafe_services.tables.run_tables import RunTables, TopicNameError
 from passafe_services.tables.table import ColumnNameError
-from small_log import LARGE, WALL_NS, small_log, state, tick, write_log
+from small_log import LARGE, WALL_NS, header, small_log, state, tick, write_log
 
 
 def test_tables_hold_what_was_logged(tmp_path: Path) -> None:
@@ -117,6 +121,19 @@ def test_other_logs_are_refused(tmp_path: Path) -> None:
         RunTables.read(two)
     with pytest.raises(LogReadError, match="no such file"):
         RunTables.read(tmp_path / "none.mcap")
+
+
+def test_files_of_a_rotated_log_are_one_run(tmp_path: Path) -> None:
+    path, ticks = tmp_path / "run.mcap", count()
+    log = SegmentedLog(path, {}, Chain("run"), rotation=Rotation(after_ns=1), monotonic_ns=lambda: next(ticks))
+    for k in range(6):
+        head = header("plant", k)
+        log.write(RawMessage(STATE.key("plant"), encode(head, state(k)), k, head.wall_ns))
+        log.flush(RecorderCounts())
+    log.close(RecorderCounts())
+
+    assert len(list(tmp_path.glob("*.mcap"))) > 1
+    assert RunTables.read(path).states["x_1"].tolist() == [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]
 
 
 def test_a_log_that_grows_meanwhile_is_read_as_it_was(tmp_path: Path) -> None:

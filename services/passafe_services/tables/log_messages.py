@@ -92,6 +92,7 @@ class LogMessages:
         parts = parts_of(channel.topic)
         topic = None if parts is None else TOPIC_OF_NAME.get(parts.topic)
         if parts is None or topic is None:
+            channels.pop(channel.id, None)  # the next file of a log numbers its channels anew
             return
         channels[channel.id] = topic, channel.topic
         robots.add(parts.robot)
