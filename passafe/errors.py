@@ -10,6 +10,7 @@
                 * ``UnknownScenarioError``: no scenario of that name and no such file
                 * ``UnreadableScenarioError``: a file that is no TOML
                 * ``LinkTraceError``: a file that is no trace of packet-delivery times
+            * ``ContractError``: a contract of a log
             * ``ExperimentError``: an experiment
                 * ``UnknownExperimentError``: no experiment of that name and no such file
                 * ``UnreadableExperimentError``: a file that is no TOML

@@ -9,12 +9,15 @@ import typer
 
 from passafe_services.cli.errors import OptionError
 from passafe_services.cli.judging import judged
+from passafe_services.cli.junit import write_junit
 from passafe_services.cli.options import writable_folder
 from passafe_services.cli.verdict import exit_code, print_verdict
 from passafe_services.cli.verification import print_verification
 from passafe_services.log.log_pass import LogConsumer
 from passafe_services.log.verification import Verification
 from passafe_services.log.verification import verify as verify_log
+from passafe_services.suggestion import suggestion
+from passafe_services.tools.review.contract import PROPERTIES, LogContract, load_contract, under
 from passafe_services.tools.review.core_evaluator import CoreEvaluator
 from passafe_services.tools.review.run_identity import RunIdentity
 from passafe_services.tools.review.verdict import Verdict
@@ -31,6 +34,18 @@ def review(
         Path | None, typer.Option("--html", metavar="FILE", help="Write an HTML report to this file.")
     ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print the verdict as one JSON object.")] = False,
+    junit: Annotated[
+        Path | None,
+        typer.Option("--junit", metavar="FILE", help="Write the properties to this file, as JUnit XML."),
+    ] = None,
+    require: Annotated[
+        list[str] | None,
+        typer.Option("--require", metavar="PROPERTY", help="Require this property, whatever the mode; repeatable."),
+    ] = None,
+    contract: Annotated[
+        Path | None,
+        typer.Option("--contract", metavar="FILE", help="Also ask for the bounds in this TOML file (a log contract)."),
+    ] = None,
     verify: Annotated[
         bool, typer.Option("--verify", help="Also check that the log is as its recorder wrote and signed it.")
     ] = False,
@@ -51,9 +66,15 @@ def review(
     Examples:
     - `passafe review runs/bad.mcap --html report.html`
     - `passafe review runs/bad.mcap --json`
+    - `passafe review runs/ci.mcap --contract contract.toml --require protected-start --junit review.xml`
     - `passafe review runs/bad.mcap --verify --authority keys/authority/ca.pem` names each message that was changed
     """
-    verdict = _reported(run, html) if html is not None else judged(run).verdict
+    asked = _asked(require or (), contract)
+    if junit is not None:
+        _require_file(junit, "--junit")
+    verdict = _reported(run, html, asked) if html is not None else under(judged(run).verdict, asked)
+    if junit is not None:
+        write_junit(junit, verdict, run)
     verification = verify_log(run, authority) if verify or authority is not None else None
     if json:
         typer.echo(_as_json(verdict, verification))
@@ -65,14 +86,27 @@ def review(
     raise typer.Exit(exit_code(verdict) if is_verified else 1)
 
 
-def _reported(run: Path, html: Path) -> Verdict:
+def _asked(require: Sequence[str], contract: Path | None) -> LogContract:
+    """Return what is asked for besides the scenario's own requirements."""
+    asked = LogContract() if contract is None else load_contract(contract)
+    for name in require:
+        if name not in PROPERTIES:
+            raise OptionError("--require", name, ", ".join(PROPERTIES) + suggestion(name, PROPERTIES))
+    return asked.model_copy(update={"require": (*asked.require, *require)})
+
+
+def _require_file(path: Path, option: str) -> None:
+    if path.is_dir():
+        raise OptionError(option, f"{path}, a folder", "a file")
+    writable_folder(path.parent, option)
+
+
+def _reported(run: Path, html: Path, asked: LogContract) -> Verdict:
     """Write the report of a log and return its verdict, both from one pass over it."""
     # a second that other reviews need not wait
     from passafe_dashboard.run_report import RunCollector, render_report, write_report  # noqa: PLC0415
 
-    if html.is_dir():
-        raise OptionError("--html", f"{html}, a folder", "a file")
-    writable_folder(html.parent, "--html")
+    _require_file(html, "--html")
     records: list[RunCollector] = []
 
     def join(identity: RunIdentity, evaluator: CoreEvaluator) -> Sequence[LogConsumer]:
@@ -80,8 +114,9 @@ def _reported(run: Path, html: Path) -> Verdict:
         return records
 
     found = judged(run, join)
-    write_report(html, render_report(records[0], found.verdict, found.identity))
-    return found.verdict
+    verdict = under(found.verdict, asked)
+    write_report(html, render_report(records[0], verdict, found.identity))
+    return verdict
 
 
 def _as_json(verdict: Verdict, verification: Verification | None) -> str:

@@ -18,7 +18,7 @@ from passafe_services.tools.experiment.metrics import Metrics
 from passafe_services.tools.review.run_log import RunLog
 from passafe_services.tools.review.trajectory import NS_PER_S
 from passafe_services.tools.review.verdict import Verdict
-from passafe_services.tools.review.verdict_words import EVIDENCE
+from passafe_services.tools.review.verdict_words import AGREEMENT, EVIDENCE
 
 US_PER_MS: Final = 1e3
 
@@ -174,7 +174,7 @@ def _metrics_of(one: Verdict | Metrics) -> dict[str, float | None]:
     found |= {
         f"holds:{name}": None if holds is None else float(holds)
         for name, holds in _holding(one).items()
-        if name not in EVIDENCE  # of the log, not of the run
+        if name not in (*EVIDENCE, *AGREEMENT)  # of the log, not of the run
     }
     return found
 

@@ -47,9 +47,6 @@ class ScenarioCheck:
             return
         for path, ours, theirs in _differences(self._identity.scenario.model_dump(mode="json"), published):
             self.agreement.note(path, f"{name}: {path}: the log has {ours}, the filter published {theirs}")
-        if info.driver != self._identity.driver:
-            text = f"{name}: driver: the log has {self._identity.driver}, the filter published {info.driver}"
-            self.agreement.note("driver", text)
 
 
 def _differences(ours: object, theirs: object, path: str = "") -> list[tuple[str, object, object]]:

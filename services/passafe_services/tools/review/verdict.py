@@ -77,6 +77,7 @@ class Verdict(BaseModel):
         sessions: Sessions of operator, filter and plant; more than one after restarts.
         sequence_breaks: Number of sequence breaks.
         without_input_s: Total plant time without input, s.
+        received: Distinct messages in the log, by topic.
         gaps: Messages missing between others, by topic.
         missed_at_start: Messages missing before the first one, by topic.
         undecodable: Messages in the log that are not valid for their topic, by topic.
@@ -121,6 +122,7 @@ class Verdict(BaseModel):
     sessions: dict[str, int]
     sequence_breaks: int
     without_input_s: float
+    received: dict[str, int]
     gaps: dict[str, int]
     missed_at_start: dict[str, int]
     undecodable: dict[str, int]
@@ -213,6 +215,7 @@ class Verdict(BaseModel):
             sessions={process: log.counts[topic.name].sessions for process, topic in CONTROL_LOOP.items()},
             sequence_breaks=sum(len(session.breaks.breaks()) for session in sessions),
             without_input_s=sum(session.breaks.without_input_s for session in sessions),
+            received={name: count.received for name, count in log.counts.items()},
             gaps={name: count.gaps for name, count in log.counts.items()},
             missed_at_start={name: count.missed_at_start for name, count in log.counts.items()},
             undecodable={name: count.undecodable for name, count in log.counts.items()},

@@ -8,6 +8,12 @@ from passafe_services.tools.review.property import Property
 EVIDENCE: Final = ("complete", "links-reconciled")
 """Properties of the log rather than of the robot: without them a run neither holds nor fails."""
 
+AGREEMENT: Final = (
+    *("states-agree", "inputs-agree", "predictions-agree"),
+    *("decisions-agree", "tank-agrees", "scenario-agrees"),
+)
+"""Properties that what processes report agrees with what is derived anew; without a log there is nothing to compare."""
+
 Outcome: TypeAlias = Literal["holds", "fails", "unproven"]
 
 
