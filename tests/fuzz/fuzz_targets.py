@@ -8,6 +8,7 @@ from typing import NamedTuple
 from passafe_protocol.codec import decode
 from passafe_protocol.errors import DecodeError
 from passafe_protocol.topics import TOPICS
+from passafe_services.log.verification import verify
 from passafe_services.log.wire_header import read_header
 from passafe_services.operator.sources.command_recording import load_recording
 from passafe_services.scenarios.link_trace import read_trace
@@ -55,6 +56,8 @@ def read_log(path: Path) -> None:
     """Recover the log, and read it as a review would."""
     with suppress(PassafeError):
         recover(path, path.with_suffix(".recovered.mcap"))
+    with suppress(PassafeError):
+        verify(path)
     RunLog.read(path)
 
 

@@ -15,11 +15,11 @@ def print_verification(verification: Verification) -> None:
     """Print who signed a log, what is attested, and what speaks against it."""
     console = Console(highlight=False, soft_wrap=True, markup=False)
     for each in verification.found[:_SHOWN]:
-        console.print(f"tampered  {each.change}: {each.key} {each.sequence} of {log_time(each.wall_ns)}")
+        console.print(f"differs   {each.change}: {each.key} {each.sequence} of {log_time(each.wall_ns)}")
     if verification.found_in_all > _SHOWN:
         counts = Counter(each.change for each in verification.found)
         said = ", ".join(f"{number} {change}" for change, number in counts.items())
-        console.print(f"tampered  {verification.found_in_all} messages in all ({said})")
+        console.print(f"differs   {verification.found_in_all} messages in all ({said})")
     for doubt in verification.doubts:
         console.print(f"doubt     {doubt}")
     if verification.signer:

@@ -3,12 +3,14 @@
 from base64 import b64decode, b64encode
 from collections.abc import Mapping
 from hashlib import sha256
-from typing import Final
+from typing import Annotated, Final
 
-from pydantic import BaseModel, ConfigDict, NonNegativeInt, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, NonNegativeInt, ValidationError
 
 CHECKPOINT_RECORD: Final = "checkpoint"
 """Metadata record with a checkpoint as JSON under ``body`` and the signature of these bytes under ``signature``."""
+MOST_ATTESTED: Final = 2**20
+"""Messages that one checkpoint may attest; a reader takes the memory for them on its word."""
 SIGNER_RECORD: Final = "signer"
 """Metadata record with the ``certificate`` of the key that signs the checkpoints, and of its ``authority``, PEM."""
 
@@ -57,7 +59,7 @@ class Checkpoint(BaseModel):
     channels: dict[int, str]
     counts: dict[str, KeyCount]
     metadata: dict[str, str]
-    messages: NonNegativeInt
+    messages: Annotated[int, Field(ge=0, le=MOST_ATTESTED)]
     manifest: str
     digest: str
     previous: str

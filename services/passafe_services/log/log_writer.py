@@ -26,7 +26,7 @@ VERSIONS_RECORD: Final = "versions"
 DRIVER_RECORD: Final = "driver"
 """Metadata record with ``kind``: live or lockstep, and ``planned_s`` if the run was to last for so long."""
 
-MOST_ATTESTED: Final = 4096
+MOST_IN_CHECKPOINT: Final = 4096
 """Messages after which a checkpoint is due, also without a flush."""
 RECOVERED_RECORD: Final = "recovered"
 """Metadata record that marks a recovered log."""
@@ -144,7 +144,7 @@ class LogWriter:
         digest = message_digest(self._prefixes[key], number, wall_ns, wall_ns, data)
         self._manifest.add(channel, number, wall_ns, digest)
         self.messages += 1
-        if len(self._manifest) >= MOST_ATTESTED:
+        if len(self._manifest) >= MOST_IN_CHECKPOINT:
             self._add_checkpoint()
 
     def flush(self, counts: RecorderCounts | None = None) -> None:

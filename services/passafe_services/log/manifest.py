@@ -124,12 +124,13 @@ def entries_of(text: str, count: int) -> list[Entry]:
     """
     if not count:
         return []
+    size_bytes = count * (2 + 8 + 8 + TAG_BYTES)
     try:
-        columns = zlib.decompress(b64decode(text, validate=True))
+        columns = zlib.decompressobj().decompress(b64decode(text, validate=True), size_bytes + 1)
     except zlib.error as error:
         raise ValueError(str(error)) from error
-    if len(columns) != count * (2 + 8 + 8 + TAG_BYTES):
-        raise ValueError(f"manifest: got {len(columns)} bytes, allowed {count * (18 + TAG_BYTES)}")
+    if len(columns) != size_bytes:
+        raise ValueError(f"manifest: got {len(columns)} bytes, allowed {size_bytes}")
     number = np.frombuffer(columns, dtype="<u2", count=count)
     sequences = _from_steps(number, _from_planes(columns[2 * count : 10 * count]))
     times = np.cumsum(_from_planes(columns[10 * count : 18 * count])).astype(np.uint64)
