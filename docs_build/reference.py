@@ -13,7 +13,7 @@ from passafe_services.scenarios.fields import Config
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.experiment.schema import Experiment
 from passafe_services.tools.review.contract import LogContract
-from passafe_services.tools.review.verdict import Verdict
+from passafe_services.tools.review.verified_verdict import VerifiedVerdict
 from schema_page import SchemaPage
 
 FOLDER: Final = Path(__file__).resolve().parent.parent / "docs" / "reference"
@@ -67,7 +67,9 @@ def main() -> None:
     action.add_argument("--check", action="store_true", help="fail if a page is not current")
     options = parser.parse_args()
     pages = {name: f"{introduction}\n\n{NOTE}\n\n{render()}" for name, (introduction, render) in PAGES.items()}
-    pages[VERDICT_SCHEMA] = dumps(Verdict.model_json_schema(mode="serialization"), indent=2, ensure_ascii=False) + "\n"
+    pages[VERDICT_SCHEMA] = (
+        dumps(VerifiedVerdict.model_json_schema(mode="serialization"), indent=2, ensure_ascii=False) + "\n"
+    )
     for name, text in pages.items():
         page = FOLDER / name
         if options.write:

@@ -1,7 +1,6 @@
 """``passafe review``: judge a run from its log."""
 
 from collections.abc import Sequence
-from json import dumps
 from pathlib import Path
 from typing import Annotated
 
@@ -14,13 +13,13 @@ from passafe_services.cli.options import writable_folder
 from passafe_services.cli.verdict import exit_code, print_verdict
 from passafe_services.cli.verification import print_verification
 from passafe_services.log.log_pass import LogConsumer
-from passafe_services.log.verification import Verification
 from passafe_services.log.verification import verify as verify_log
 from passafe_services.suggestion import suggestion
 from passafe_services.tools.review.contract import PROPERTIES, LogContract, load_contract, under
 from passafe_services.tools.review.core_evaluator import CoreEvaluator
 from passafe_services.tools.review.run_identity import RunIdentity
 from passafe_services.tools.review.verdict import Verdict
+from passafe_services.tools.review.verified_verdict import VerifiedVerdict
 
 
 def review(
@@ -77,7 +76,8 @@ def review(
         write_junit(junit, verdict, run)
     verification = verify_log(run, authority) if verify or authority is not None else None
     if json:
-        typer.echo(_as_json(verdict, verification))
+        shown = verdict if verification is None else VerifiedVerdict.with_verification(verdict, verification)
+        typer.echo(shown.model_dump_json(indent=2))
     else:
         print_verdict(verdict, run)
         if verification is not None:
@@ -117,10 +117,3 @@ def _reported(run: Path, html: Path, asked: LogContract) -> Verdict:
     verdict = under(found.verdict, asked)
     write_report(html, render_report(records[0], verdict, found.identity))
     return verdict
-
-
-def _as_json(verdict: Verdict, verification: Verification | None) -> str:
-    fields = verdict.model_dump(mode="json")
-    if verification is not None:
-        fields["verification"] = verification.model_dump(mode="json")
-    return dumps(fields, indent=2)
