@@ -35,6 +35,9 @@ TOLERANCE: Final = 5e-3
 EXACT: Final = 1e-6
 """Relative difference that rounding leaves where nothing depends on the answer."""
 
+ROUNDED: Final = 1e-12
+"""Relative rounding error of an input that is recovered from its change."""
+
 _ALLOWED: Final = {"u_nominal": EXACT, "φ": EXACT, "ψ": EXACT}
 """Differences that are allowed by the quantity; ``TOLERANCE`` for others."""
 
@@ -112,7 +115,7 @@ class DecisionCheck:
                 self.agreement.note(path, text, float(block.numbers("effective_plant_ns")[row] / NS_PER_S))
 
     def _check(self, block: MessageBlock, rows: Places, ticks: IntArray, batch: _BoundedFilter) -> None:
-        logged = _Logged(block, rows, self._n, self._m, batch)
+        logged = _Logged(block, rows, self._n, self._m, batch, self._period_s)
         if not logged.fits:
             self.agreement.note("shape", f"tick {int(ticks[rows[0]])} or after: another number of rows or barriers")
             return
@@ -144,13 +147,11 @@ class DecisionCheck:
             self.agreement.note("status", f"tick {int(ticks[rows[row]])}: {names[0]}, derived {names[1]}", at_s)
 
     def _decide(self, batch: _BoundedFilter, logged: "_Logged", size: int, *, start: bool = False) -> None:
-        before = logged.u - self._period_s * (logged.v + logged.phi)
-
         def padded(columns: FloatArray) -> FloatArray:
             more = np.repeat(columns[..., -1:], AT_ONCE - size, axis=-1)
             return np.concatenate((columns, more), axis=-1)
 
-        asked = [logged.x_hat, before, logged.u_h, logged.u_h_rate, logged.tank_j, logged.at_s]
+        asked = [logged.x_hat, logged.before, logged.u_h, logged.u_h_rate, logged.tank_j, logged.at_s]
         batch.decide(*(padded(columns) for columns in asked), start=start)
 
     def _differences(self, batch: _BoundedFilter, logged: "_Logged", size: int) -> dict[str, FloatArray]:
@@ -193,10 +194,9 @@ class DecisionCheck:
         size = 1
         batch.scalar[:] = False
         core = batch.core
-        before = (one.u - self._period_s * (one.v + one.phi))[:, 0].tolist()
         decision = core.decide(
             one.x_hat[:, 0].tolist(),
-            before,
+            one.before[:, 0].tolist(),
             one.u_h[:, 0].tolist(),
             one.u_h_rate[:, 0].tolist(),
             float(one.tank_j[0]),
@@ -215,7 +215,7 @@ class DecisionCheck:
 class _Logged:
     """Numbers of ticks, one column a tick."""
 
-    def __init__(self, block: MessageBlock, rows: Places, n: int, m: int, batch: BatchFilter) -> None:
+    def __init__(self, block: MessageBlock, rows: Places, n: int, m: int, batch: BatchFilter, period_s: float) -> None:
         widths = dict.fromkeys(_VECTORS, m) | {"x_hat": n}
         parts = {path: block.ragged(path).take(rows) for path in _VECTORS}
         psi = block.ragged("barriers.psi").take(rows)
@@ -228,6 +228,7 @@ class _Logged:
         self.x_hat, self.u, self.u_h, self.u_h_rate, self.u_nominal, self.phi, self.v = (
             parts[path].matrix(widths[path]).T for path in _VECTORS
         )
+        self.before = _before(self.u, period_s * (self.v + self.phi))
         self.psi: FloatArray = psi.matrix(length).T
         self.margin: FloatArray = block.ragged("rows.margin").take(rows).matrix(constraints).T
         self.dual: FloatArray = block.ragged("rows.dual").take(rows).matrix(constraints).T
@@ -242,3 +243,15 @@ class _Logged:
         for name, value in vars(self).items():
             setattr(one, name, value if name == "fits" else value[..., row : row + 1])
         return one
+
+
+def _before(u: FloatArray, change: FloatArray) -> FloatArray:
+    """Return the inputs in force before each decision, exactly where they are zero or the decision before.
+
+    A rounding error would decide between answers that are as good as one another.
+    """
+    before = u - change
+    newest = np.concatenate((before[:, :1], u[:, :-1]), axis=1)
+    before = np.where(np.abs(before - newest) <= ROUNDED * (1 + np.abs(newest)), newest, before)
+    found: FloatArray = np.where(np.abs(before) <= ROUNDED * (1 + np.abs(u)), 0.0, before)
+    return found
