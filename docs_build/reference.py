@@ -42,7 +42,8 @@ def commands() -> str:
 
 _CONTRACT: Final = """# Log contract keys
 
-Every key of the file of `passafe review --contract`. [Judge runs in CI](../how-to/ci-verdict.md) has an example."""
+Every key of the file that `passafe review LOG --contract FILE` takes.
+[Judge runs in CI](../how-to/ci-verdict.md) has an example."""
 
 
 PAGES: Final[dict[str, tuple[str, Callable[[], str]]]] = {
