@@ -233,7 +233,9 @@ def _step(design: FilterDesign, chains: Sequence[BarrierChain]) -> tuple[ca.Func
     low, high = design.limits.interval(system.u, design.dt_s)
     law = design.limits.clip(design.fail_safe, system.u, low, high)
     # Without the energy, whose error is in other units and no matter here.
-    x_next, _, error = held_flow(replace(system, y=ca.SX.zeros(system.m), port_y=ca.SX(0, 0)), design.dt_s)
+    x_next, _, error = held_flow(
+        replace(system, y=ca.SX.zeros(system.m), port_y=ca.SX(0, 0), port_u=ca.SX(0, 0)), design.dt_s
+    )
     bound, known = _lower_bounds(design, chains, x_next)
     slopes = (ca.norm_2(ca.gradient(b.psi[0], system.x)) for chain in chains for b in chain.branches)
     seen = ca.densify(ca.vertcat(bound, reduce(ca.fmax, slopes, ca.SX(0)), error, known))

@@ -28,8 +28,8 @@ from passafe_services.log.verification import Verification, verify
 from passafe_services.tools.recover import recover
 
 S = 1_000_000_000
-NOW_NS = int(time.time()) * S
-"""Time at which the certificates of these tests are valid."""
+NOW_NS = (int(time.time()) + 3600) * S
+"""Time at which the certificates of these tests are valid, however long after this line they are made."""
 MESSAGES = 60
 BETWEEN = 10
 

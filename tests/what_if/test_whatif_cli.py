@@ -1,7 +1,6 @@
 """``passafe whatif`` at the terminal."""
 
 import json
-import signal
 from pathlib import Path
 
 import pytest
@@ -114,7 +113,7 @@ def test_value_that_the_scenario_refuses_is_an_outcome() -> None:
 def test_interrupted_search_exits_with_130(monkeypatch: pytest.MonkeyPatch) -> None:
     def interrupted(_: object, value: float) -> Trial:
         if value > 0:
-            signal.raise_signal(signal.SIGINT)
+            raise KeyboardInterrupt
         return Trial(value=value, verdict="holds", h_min=1.0, words="")
 
     monkeypatch.setattr(what_if_search.SearchedRun, "__call__", interrupted)
