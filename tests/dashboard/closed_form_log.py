@@ -33,7 +33,7 @@ def circle_messages(duration_ms: int) -> list[tuple[Header, Message]]:
     for head, body, at_ns in ClosedFormRun().until(duration_ms * MS):
         timed = Header(head.source, head.epoch, head.sequence, at_ns, at_ns, at_ns, at_ns)
         if isinstance(body, PlantState) and 200 * MS <= body.plant_ns < 210 * MS:
-            body = with_phase(body, PlantPhase.FAIL_SAFE)  # noqa: PLW2901
+            body = with_phase(body, PlantPhase.FAIL_SAFE)  # noqa: PLW2901 - stands in for what was recorded
         messages.append((timed, body))
     messages.append((header("plant", 0, at_ns=200 * MS), Event("warning", "no input: <b>fail-safe</b>")))
     return messages

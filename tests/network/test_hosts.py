@@ -58,7 +58,7 @@ def run_over_hosts(folder: Path, *, relay: dict[str, float], links: dict[str, fl
     file.write_text(scenario.model_dump_json(), encoding="utf-8")
     options = [word for key, value in relay.items() for word in (f"--{key}", str(value))]
     with host_run(folder, file, options) as run:
-        time.sleep(DRIVEN_S)
+        time.sleep(DRIVEN_S)  # what is judged is a drive of this length
         run.stop()
     log = RunLog.read(run.log)
     assert log.finished
