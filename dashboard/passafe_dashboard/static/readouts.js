@@ -152,7 +152,7 @@ function showTraffic(now) {
   fill("topics", topics, (row, r) => row.classList.toggle("bad", now.topics[r].late));
   const missing = now.topics.filter((t) => t.topic === "tick" || t.topic === "state").reduce((n, t) => n + t.gaps, 0);
   set("missing", missing ? `${missing} ticks and states did not reach this page; a log may have them.` : "");
-  for (const cell of byId("status-counts").cells) setText(cell, `${now.status_counts[cell.dataset.count]}`);
+  for (const cell of byId("status-counts").querySelectorAll("td")) setText(cell, `${now.status_counts[cell.dataset.count]}`);
   const effects = now.links.map((l) => `${l.link}: ${l.count} ${l.effect}`);
   const unfit = now.mismatched_messages ? [`${now.mismatched_messages} messages do not fit the scenario`] : [];
   set("links", [...effects, ...unfit].join(" · "));
