@@ -11,7 +11,7 @@ from typing import Final
 
 from fastapi import FastAPI
 from passafe_protocol.keys import DEFAULT_ROBOT
-from passafe_protocol.messages import EmergencyStop, LinkConfig, StopClear
+from passafe_protocol.messages import EmergencyStop, LinkConfig, Steer, StopClear
 from passafe_protocol.topics import LINK_CONFIG, TOPIC_OF_BODY
 from passafe_services.loop.bus import Bus, open_bus
 from passafe_services.loop.health_report import HealthReporter
@@ -25,6 +25,8 @@ from passafe_services.scenarios.schema import Scenario
 from passafe_dashboard.address import listening_socket
 from passafe_dashboard.live.broadcast import FRAME_HZ, Broadcast
 from passafe_dashboard.live.bus_reader import BusReader
+from passafe_dashboard.live.command_echo import CommandEcho
+from passafe_dashboard.live.drive_requests import DriveRequests
 from passafe_dashboard.live.feed import Feed
 from passafe_dashboard.live.link_requests import LinkRequests
 from passafe_dashboard.live.stop_requests import StopRequests
@@ -80,9 +82,10 @@ def serve(
             reader = BusReader(bus, feed, outlet)
             broadcast = Broadcast(feed, read=reader.read, clock=time.monotonic_ns, frame_hz=frame_hz)
             links = LinkRequests(broadcast, partial(_request_settings, outlet))
-            stops = StopRequests(broadcast, partial(_request_stop, outlet), epoch=outlet.epoch)
+            stops = StopRequests(broadcast, partial(_publish, outlet), epoch=outlet.epoch)
+            drives = DriveRequests(broadcast, partial(_publish, outlet), CommandEcho(bus).newest)
             hosts, trouble = OwnHosts.of(host, names), partial(_bus_trouble, bus)
-            app = create_app(broadcast, links, stops, hosts=hosts, bus_trouble=trouble)
+            app = create_app(broadcast, links, stops, drives, hosts=hosts, bus_trouble=trouble)
             asyncio.run(_run(app, broadcast, listener, stop))
     return stop.reason
 
@@ -99,8 +102,8 @@ def _request_settings(outlet: Outlet, config: LinkConfig, now_ns: int) -> tuple[
     return outlet.source, outlet.epoch, number
 
 
-def _request_stop(outlet: Outlet, body: EmergencyStop | StopClear, now_ns: int) -> None:
-    """Publish a press of the emergency stop, or its clear."""
+def _publish(outlet: Outlet, body: EmergencyStop | StopClear | Steer, now_ns: int) -> None:
+    """Publish a press of the emergency stop, its clear, or who drives."""
     outlet.publish(TOPIC_OF_BODY[type(body)], body, scheduled_ns=now_ns, started_ns=now_ns)
 
 

@@ -37,7 +37,7 @@ def page_server(app: FastAPI) -> PageServer:
         limit_concurrency=MAX_BUSY,
         backlog=64,
         ws=LimitedWebSocket,
-        ws_max_size=4096,  # a page sends nothing
+        ws_max_size=4096,  # a command of a page takes 200 bytes
         ws_per_message_deflate=False,  # loopback has the bandwidth; compression would cost processor time
         ws_ping_interval=PING_S,
         ws_ping_timeout=PING_S,

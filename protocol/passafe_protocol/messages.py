@@ -139,6 +139,37 @@ class OperatorCommand(Record, frozen=True):
     take_over: int = 0
 
 
+class WhoDrives(StrEnum):
+    """Driver that the page names."""
+
+    PAGE = "page"
+    """A page, by its commands."""
+
+    NOBODY = "nobody"
+    """Nobody: the page that drove released, or fell silent."""
+
+    SCRIPT = "script"
+    """The operator's own source: the scenario's script."""
+
+
+class Steer(Record, frozen=True):
+    """Driver that the page names, and its newest command.
+
+    The echo of an operator's command bounds the age of this one at an operator whose clock the dashboard does not read.
+    """
+
+    turn: int
+    driver: str
+    page: int = 0
+    shares: Vector = ()
+    engaged: bool = False
+    age_ns: int = 0
+    take_over: bool = False
+    echoed_epoch: int = 0
+    echoed_ns: int = 0
+    echoed_for_ns: int = 0
+
+
 class EmergencyStop(Record, frozen=True):
     """Press of the emergency stop: the plant latches it until it is cleared by its id."""
 
@@ -403,6 +434,7 @@ class ScenarioInfo(Record, frozen=True):
 
 Message: TypeAlias = (
     OperatorCommand
+    | Steer
     | EmergencyStop
     | StopClear
     | OperatorLease

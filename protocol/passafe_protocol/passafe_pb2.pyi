@@ -161,6 +161,34 @@ class PlantState(_message.Message):
     checksum: int
     def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., plant_ns: _Optional[int] = ..., x: _Optional[_Iterable[float]] = ..., y: _Optional[_Iterable[float]] = ..., u: _Optional[_Iterable[float]] = ..., applied_tick: _Optional[int] = ..., phase: _Optional[_Union[PlantPhase, str]] = ..., energy_in_j: _Optional[float] = ..., energy_stored_j: _Optional[float] = ..., input_lead_ns: _Optional[int] = ..., inputs_late: _Optional[int] = ..., inputs_refused: _Optional[int] = ..., integration_error: _Optional[float] = ..., received_tick: _Optional[int] = ..., sequence_break_ns: _Optional[int] = ..., input_since_ns: _Optional[int] = ..., input_transit_ns: _Optional[int] = ..., input_epoch: _Optional[int] = ..., stop: _Optional[int] = ..., stop_source: _Optional[str] = ..., stops_cleared: _Optional[int] = ..., checksum: _Optional[int] = ...) -> None: ...
 
+class Steer(_message.Message):
+    __slots__ = ("header", "turn", "driver", "page", "shares", "engaged", "age_ns", "take_over", "echoed_epoch", "echoed_ns", "echoed_for_ns", "checksum")
+    HEADER_FIELD_NUMBER: _ClassVar[int]
+    TURN_FIELD_NUMBER: _ClassVar[int]
+    DRIVER_FIELD_NUMBER: _ClassVar[int]
+    PAGE_FIELD_NUMBER: _ClassVar[int]
+    SHARES_FIELD_NUMBER: _ClassVar[int]
+    ENGAGED_FIELD_NUMBER: _ClassVar[int]
+    AGE_NS_FIELD_NUMBER: _ClassVar[int]
+    TAKE_OVER_FIELD_NUMBER: _ClassVar[int]
+    ECHOED_EPOCH_FIELD_NUMBER: _ClassVar[int]
+    ECHOED_NS_FIELD_NUMBER: _ClassVar[int]
+    ECHOED_FOR_NS_FIELD_NUMBER: _ClassVar[int]
+    CHECKSUM_FIELD_NUMBER: _ClassVar[int]
+    header: Header
+    turn: int
+    driver: str
+    page: int
+    shares: _containers.RepeatedScalarFieldContainer[float]
+    engaged: bool
+    age_ns: int
+    take_over: bool
+    echoed_epoch: int
+    echoed_ns: int
+    echoed_for_ns: int
+    checksum: int
+    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., turn: _Optional[int] = ..., driver: _Optional[str] = ..., page: _Optional[int] = ..., shares: _Optional[_Iterable[float]] = ..., engaged: _Optional[bool] = ..., age_ns: _Optional[int] = ..., take_over: _Optional[bool] = ..., echoed_epoch: _Optional[int] = ..., echoed_ns: _Optional[int] = ..., echoed_for_ns: _Optional[int] = ..., checksum: _Optional[int] = ...) -> None: ...
+
 class EmergencyStop(_message.Message):
     __slots__ = ("header", "id", "reason", "checksum")
     HEADER_FIELD_NUMBER: _ClassVar[int]

@@ -20,6 +20,7 @@ from passafe_protocol.messages import (
     PlantInput,
     PlantState,
     ScenarioInfo,
+    Steer,
     StopClear,
 )
 
@@ -110,6 +111,7 @@ CLEAR: Final = Topic(
     any_session=True,
     queue=16,
 )
+STEER: Final = Topic(name="steer", body=Steer, publishers=("dashboard",), rate_hz=0.0, queue=64)
 COMMAND: Final = Topic(
     name="command",
     body=OperatorCommand,
@@ -167,6 +169,7 @@ SCENARIO: Final = Topic(
 TOPICS: Final = (
     STOP,
     CLEAR,
+    STEER,
     COMMAND,
     LEASE,
     INPUT,

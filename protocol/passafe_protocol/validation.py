@@ -37,8 +37,10 @@ from passafe_protocol.messages import (
     Record,
     RowReport,
     ScenarioInfo,
+    Steer,
     StopClear,
     TopicHealth,
+    WhoDrives,
 )
 from passafe_protocol.networks import NETWORKS
 from passafe_protocol.shapes import RecordType, Shape
@@ -118,6 +120,14 @@ RULES: Final[dict[RecordType, tuple[Rule, ...]]] = {
         _vector("u_h"),
         _empty_or_as_long_as("u_h_rate", "u_h"),
         _text("device"),
+        _not_negative("echoed_for_ns"),
+    ),
+    Steer: (
+        _positive("turn"),
+        _one_of("driver", *WhoDrives),
+        Rule("shares", "numbers from -1 to 1", lambda m: all(-1.0 <= share <= 1.0 for share in m.shares)),
+        Rule("page", "> 0 for a page that drives, else 0", lambda m: (m.page > 0) == (m.driver == WhoDrives.PAGE)),
+        _not_negative("age_ns"),
         _not_negative("echoed_for_ns"),
     ),
     EmergencyStop: (_positive("id"), _text("reason")),

@@ -7,6 +7,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from queue import SimpleQueue
 from typing import Any
 
 import httpx
@@ -16,12 +17,13 @@ from fastapi import FastAPI
 from msgspec import structs
 from passafe_dashboard.address import listening_socket
 from passafe_dashboard.live.broadcast import Broadcast
+from passafe_dashboard.live.drive_requests import DriveRequests
 from passafe_dashboard.live.feed import Feed
 from passafe_dashboard.live.link_requests import LinkRequests
 from passafe_dashboard.live.stop_requests import StopRequests
 from passafe_dashboard.routes.application import create_app
 from passafe_dashboard.server import page_server
-from passafe_protocol.messages import EmergencyStop, FilterTick, Header, PlantState, Received, StopClear
+from passafe_protocol.messages import EmergencyStop, FilterTick, Header, PlantState, Received, Steer, StopClear
 from passafe_services.loop.pace import Pace
 from passafe_services.plant.stop_latch import StopLatch
 from websockets.sync.client import ClientConnection, connect
@@ -37,6 +39,7 @@ class FastRun:
         links: Links that answer.
         latch: Emergency stop that answers.
         stop_requests: Requests to it.
+        steered: What was published of who drives.
     """
 
     def __init__(self, feed: Feed, *, speed: float = 5.0, frame_hz: float = 100.0) -> None:
@@ -48,6 +51,7 @@ class FastRun:
         self.broadcast = Broadcast(feed, read=self._read, clock=time.monotonic_ns, frame_hz=frame_hz)
         self.latch = StopLatch()
         self.stop_requests: list[EmergencyStop | StopClear] = []
+        self.steered: SimpleQueue[Steer] = SimpleQueue()
         self._before_ns: int | None = None
         self._run_ns = 0.0
         self._run = ClosedFormRun(period_ms=10, scenario=feed.scenario)
@@ -56,7 +60,12 @@ class FastRun:
         """Return the application that shows the run."""
         links = LinkRequests(self.broadcast, self.links.request, answer_s=answer_s)
         stops = StopRequests(self.broadcast, self.request_stop, epoch=1, answer_s=answer_s)
-        return create_app(self.broadcast, links, stops)
+        drives = DriveRequests(self.broadcast, self.steer, lambda now_ns: (1, now_ns, 0))
+        return create_app(self.broadcast, links, stops, drives)
+
+    def steer(self, body: Steer, _now_ns: int) -> None:
+        """Keep what is published."""
+        self.steered.put(body)
 
     def request_stop(self, body: EmergencyStop | StopClear, _now_ns: int) -> None:
         """Answer as a plant with a latch does, unless it is silent."""

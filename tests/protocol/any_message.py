@@ -29,6 +29,7 @@ from passafe_protocol.messages import (
     PlantState,
     RowReport,
     ScenarioInfo,
+    Steer,
     StopClear,
     TopicHealth,
 )
@@ -133,6 +134,19 @@ sizes = st.sampled_from([1, 2, 7])
 headers = st.builds(Header, name, count, count, time_ns, time_ns, time_ns, time_ns)
 MESSAGES: dict[type, st.SearchStrategy[Any]] = {
     OperatorCommand: sizes.flatmap(commands),
+    Steer: st.builds(
+        Steer,
+        turn=identity,
+        driver=st.just("page"),
+        page=st.integers(1, 2**32 - 1),
+        shares=st.lists(st.floats(-1, 1), max_size=4).map(tuple),
+        engaged=st.booleans(),
+        age_ns=st.integers(0, 2**63 - 1),
+        take_over=st.booleans(),
+        echoed_epoch=count,
+        echoed_ns=time_ns,
+        echoed_for_ns=st.integers(0, 2**63 - 1),
+    ),
     EmergencyStop: st.builds(EmergencyStop, id=identity, reason=name),
     StopClear: st.builds(StopClear, stop=identity, reason=name),
     OperatorLease: st.builds(

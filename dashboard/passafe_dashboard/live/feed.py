@@ -41,6 +41,7 @@ from passafe.errors import PassafeError
 from passafe_dashboard.barrier_values import BarrierValues
 from passafe_dashboard.columns import ColumnLayout
 from passafe_dashboard.decimation import NS_PER_S
+from passafe_dashboard.live.driver_seat import DriverSeat
 from passafe_dashboard.live.run_state import RunState
 from passafe_dashboard.live.topic_monitor import TopicMonitor
 
@@ -98,6 +99,8 @@ class Feed:
         refused: Messages refused before they were counted, by topic.
         links: Newest states of the links.
         lease: Newest lease of the operator.
+        lease_since_ns: When it changed hands or device, this process's monotonic clock.
+        seat: Seat of the page that drives.
         end: Why the run is over, once it is.
         capacity: Rows kept for charts.
 
@@ -128,6 +131,8 @@ class Feed:
         self.refused: dict[str, int] = {}
         self.links = NewestLinkStates()
         self.lease: OperatorLease | None = None
+        self.lease_since_ns = 0
+        self.seat = DriverSeat()
         self._events_received = 0
         self._epochs: dict[str, int] = {}
         self._bin_ns = NS_PER_S // frame_hz
@@ -247,7 +252,10 @@ class Feed:
     def _push_event(self, header: Header, event: Event, received_ns: int) -> None:
         self._add_event(header.source, event.severity, event.text, received_ns)
 
-    def _push_lease(self, _header: Header, lease: OperatorLease, _received_ns: int) -> None:
+    def _push_lease(self, _header: Header, lease: OperatorLease, received_ns: int) -> None:
+        known = self.lease
+        if known is None or (known.number, known.holder, known.device) != (lease.number, lease.holder, lease.device):
+            self.lease_since_ns = received_ns
         self.lease = lease
 
     def _push_link_event(self, _header: Header, event: LinkEvent, _received_ns: int) -> None:

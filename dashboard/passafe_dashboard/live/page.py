@@ -10,6 +10,7 @@ from passafe_dashboard.barrier_values import BarrierValues
 from passafe_dashboard.charts.live_charts import ROBOT, STATES, TICKS, LiveCharts, live_charts
 from passafe_dashboard.columns import ColumnLayout, drawn_columns
 from passafe_dashboard.json_text import json_text
+from passafe_dashboard.live.drive_state import drive_setup
 from passafe_dashboard.live.feed import Feed, scenario_id
 from passafe_dashboard.markup import TEMPLATES
 from passafe_dashboard.palette import STATUS_STYLES
@@ -103,6 +104,7 @@ class LivePage:
             "columns": columns,
             "moved_m": moved,
             "rows": self._feed.capacity,
+            "drive": drive_setup(scenario),
             "tolerances": TOLERANCES.model_dump(),
         }
 

@@ -17,7 +17,9 @@ from passafe_services.tools.review.verdict_words import decide, in_words
 
 from passafe_dashboard.columns import COMMAND_AGE, POWER_MARGIN, STATE_AGE, TANK, measured_h, psi
 from passafe_dashboard.decimation import NS_PER_S, WorstSample
+from passafe_dashboard.live.ages import ages
 from passafe_dashboard.live.command_words import command_words
+from passafe_dashboard.live.drive_state import NS_PER_MS, drive_json
 from passafe_dashboard.live.feed import Feed, ReceivedEvent
 from passafe_dashboard.live.topic_monitor import TopicMonitor
 from passafe_dashboard.palette import PHASE_MEANINGS, STATUS_STYLES
@@ -37,6 +39,9 @@ def page_state(feed: Feed, now_ns: int) -> Json:
     """Return the whole state but the charts at ``now_ns`` (this process's monotonic clock, ns)."""
     return {
         "liveness": liveness(feed, now_ns),
+        "server_ms": now_ns / NS_PER_MS,
+        "ages": ages(feed, now_ns),
+        "drive": drive_json(feed) | {"lease": None if feed.lease is None else _lease_json(feed.lease)},
         "run": feed.run.number,
         "scenario": _scenario_json(feed),
         "filter": None if feed.run.tick is None else _filter_json(feed, feed.run.tick),

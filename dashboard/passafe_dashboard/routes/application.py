@@ -11,10 +11,12 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.staticfiles import StaticFiles
 
 from passafe_dashboard.live.broadcast import Broadcast
+from passafe_dashboard.live.drive_requests import DriveRequests
 from passafe_dashboard.live.link_requests import LinkRequests
 from passafe_dashboard.live.page import LivePage
 from passafe_dashboard.live.stop_requests import StopRequests
 from passafe_dashboard.markup import STATIC
+from passafe_dashboard.routes.drive import drive_routes
 from passafe_dashboard.routes.links import link_routes
 from passafe_dashboard.routes.own_hosts import OwnHosts, OwnHostsOnly
 from passafe_dashboard.routes.page import page_routes
@@ -41,6 +43,7 @@ def create_app(
     broadcast: Broadcast,
     links: LinkRequests,
     stops: StopRequests,
+    drives: DriveRequests,
     *,
     hosts: OwnHosts | None = None,
     bus_trouble: Callable[[], str] = str,
@@ -48,12 +51,14 @@ def create_app(
 ) -> FastAPI:
     """Return the application.
 
-    While it runs, ``app.state.broadcasting`` is the task that reads the bus; it ends only by failing.
+    While it runs, ``app.state.broadcasting`` is the task that reads the bus and says who drives; it ends only by
+    failing.
 
     Args:
         broadcast: Source of the state and of the frames.
         links: Changes links.
         stops: Presses and clears the emergency stop.
+        drives: Lets pages drive.
         hosts: Hosts by which the page may be asked for; those of loopback if not given.
         bus_trouble: Says why nothing can be read from the bus; empty if that is not so.
         window_s: Stretch of time that charts show.
@@ -63,7 +68,7 @@ def create_app(
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         await asyncio.to_thread(page.charts)  # before messages flow: it takes a second in a new process
-        app.state.broadcasting = asyncio.create_task(broadcast.run())
+        app.state.broadcasting = asyncio.create_task(_run_both(broadcast, drives))
         yield
         app.state.broadcasting.cancel()
         await asyncio.wait({app.state.broadcasting})
@@ -83,9 +88,14 @@ def create_app(
     app.include_router(state_routes(broadcast, bus_trouble))
     app.include_router(link_routes(links))
     app.include_router(stop_routes(stops))
+    app.include_router(drive_routes(broadcast, drives))
     app.mount("/static/bokeh", StaticFiles(directory=bokeh_settings.bokehjs_path()), name="bokeh")
     app.mount("/static", StaticFiles(directory=STATIC), name="static")
     return app
+
+
+async def _run_both(broadcast: Broadcast, drives: DriveRequests) -> None:
+    await asyncio.gather(broadcast.run(), drives.run())
 
 
 async def _add_headers(request: Request, call_next: Callable[[Request], Awaitable[Response]]) -> Response:

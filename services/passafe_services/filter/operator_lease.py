@@ -63,6 +63,8 @@ class OperatorLeases:
         epoch, now_ns = received.header.epoch, received.received_ns
         if epoch == self._holder:
             self._renewed_ns = max(now_ns, self._renewed_ns)
+            if command.device != self._device:  # a page took the place of the script, or the other way round
+                self._device, self._report_ns = command.device, 0
             return LeaseAnswer.HOLDS
         if self._is_held(now_ns) and not 0 < command.take_over == self._number:
             self._refuse(epoch, command.device, now_ns)

@@ -3,12 +3,21 @@
 from collections.abc import Callable, Sequence
 from typing import Final
 
-from passafe_protocol.messages import FilterTick, OperatorCommand, OperatorLease, PlantPhase, PlantState, Received
-from passafe_protocol.topics import COMMAND, EVENT, LEASE, STATE, STOP, TICK, Topic
+from passafe_protocol.messages import (
+    FilterTick,
+    OperatorCommand,
+    OperatorLease,
+    PlantPhase,
+    PlantState,
+    Received,
+    Steer,
+)
+from passafe_protocol.topics import COMMAND, EVENT, LEASE, STATE, STEER, STOP, TICK, Topic
 
 from passafe_services.node import Outgoing
 from passafe_services.operator.keyboard.display import OperatorView
 from passafe_services.operator.lease_view import LeaseView
+from passafe_services.operator.page.page_driver import DEVICE, PageDriver
 from passafe_services.operator.sources.command import Command
 from passafe_services.operator.sources.source import ButtonSource, CommandSource, ObservingSource, SourceClock
 from passafe_services.operator.stop_button import StopButton
@@ -31,13 +40,15 @@ class OperatorNode:
     A second operator that joins reports in one ``Event`` that it waits, and sends nothing: until the lease is free, or
     it takes over. While an emergency stop is latched, commands are released; a ``ButtonSource`` can press it.
 
+    With a ``PageDriver`` a page may take the place of the source (``STEER``), and hand it back.
+
     An ``ObservingSource`` receives every newer plant state before it is asked for the command of the step.
 
     A step depends on its arguments and on the inputs of the source only.
 
     Attributes:
         name: ``operator``.
-        subscribes: Plant states and the filter's lease; with a display, also filter ticks.
+        subscribes: Plant states and the filter's lease; with a display also filter ticks, with a page its commands.
     """
 
     name = COMMAND.publishers[0]
@@ -49,6 +60,7 @@ class OperatorNode:
         epoch: int,
         takes_over: bool = False,
         show: Callable[[OperatorView], None] | None = None,
+        page: PageDriver | None = None,
     ) -> None:
         """Start with nothing received.
 
@@ -57,14 +69,18 @@ class OperatorNode:
             epoch: Session epoch of this node's messages.
             takes_over: Whether to take the lease over from the operator that holds it.
             show: Called with the view for the display, at most every ``DISPLAY_PERIOD_NS``; must not block.
+            page: Drives in the place of the source once a page says so; ``None``: no page can.
         """
-        self.subscribes: tuple[Topic, ...] = (STATE, LEASE) if show is None else (STATE, LEASE, TICK)
+        extra = ((TICK,) if show is not None else ()) + ((STEER,) if page is not None else ())
+        self.subscribes: tuple[Topic, ...] = (STATE, LEASE, *extra)
         self._source = source
         self._observe = source.observe if isinstance(source, ObservingSource) else None
         self._buttons = source if isinstance(source, ButtonSource) else None
         self._pressed = (0, 0)
+        self._page = page
+        self._page_take_overs = 0
         self._lease = LeaseView(epoch, takes_over=takes_over)
-        self._stop = StopButton(epoch, is_person=source.clock is LOCAL)
+        self._stop = StopButton(epoch)
         self._show = show
         self._state: PlantState | None = None
         self._state_ns = 0
@@ -89,7 +105,7 @@ class OperatorNode:
         """
         if inbox:
             self._read(inbox)
-        command = self._stop.limit(self._source.command(self._source_time_s(now_ns)))
+        command = self._stop.limit(self._command(now_ns), is_person=self._page_commands or self._source.clock is LOCAL)
         self._read_buttons()
         if self._show is not None and now_ns >= self._show_due_ns:
             self._show_due_ns = now_ns + DISPLAY_PERIOD_NS
@@ -108,10 +124,27 @@ class OperatorNode:
         waited_ns = 0 if self._state is None else max(now_ns - self._state_ns, 0)
         echo = (*self._echoed, waited_ns)
         return OperatorCommand(
-            command.u_h, command.u_h_rate, command.enabled, self._source.device, *echo, self._lease.requested
+            command.u_h,
+            command.u_h_rate,
+            command.enabled,
+            DEVICE if self._page_commands else self._source.device,
+            *echo,
+            self._lease.requested,
         )
 
+    @property
+    def _page_commands(self) -> bool:
+        return self._page is not None and self._page.commands
+
+    def _command(self, now_ns: int) -> Command:
+        if self._page is not None and self._page.commands:
+            return self._page.command(now_ns)
+        return self._source.command(self._source_time_s(now_ns))
+
     def _read_buttons(self) -> None:
+        if self._page is not None and self._page.take_overs > self._page_take_overs:
+            self._page_take_overs = self._page.take_overs
+            self._lease.take_over()
         if self._buttons is None:
             return
         stops, take_overs = self._pressed
@@ -136,6 +169,8 @@ class OperatorNode:
                 self._lease.receive(body)
             elif isinstance(body, FilterTick):
                 self._tick, self._tick_ns = body, received.received_ns
+            elif isinstance(body, Steer) and self._page is not None:
+                self._page.receive(received, body)
         if self._observe is not None and self._state is not known and self._state is not None:
             self._observe(self._state)
 

@@ -21,5 +21,5 @@ def start(options: ProcessOptions) -> None:
             source = build_source(KeyboardSource(kind="keyboard"), m, keys=terminal.poll)
             node = OperatorNode(source, epoch=options.epoch, takes_over=options.take_over, show=terminal.show)
         else:
-            node = operator_node(options.scenario, options.epoch, takes_over=options.take_over)
+            node = operator_node(options.scenario, options.epoch, takes_over=options.take_over, follows_page=True)
         run_node(node, options, finished=lambda: node.finished)

@@ -17,15 +17,13 @@ class StopButton:
         source: Process that pressed the stop that is latched; empty: none is.
     """
 
-    def __init__(self, epoch: int, *, is_person: bool) -> None:
+    def __init__(self, epoch: int) -> None:
         """Start without a press.
 
         Args:
             epoch: Session of the operator.
-            is_person: Whether a person commands.
         """
         self._epoch = epoch
-        self._is_person = is_person
         self._presses = 0
         self._request: StopRequest | None = None
         self._must_release = False
@@ -57,13 +55,14 @@ class StopButton:
         body = None if self._request is None else self._request.due(now_ns)
         return body if isinstance(body, EmergencyStop) else None
 
-    def limit(self, command: Command) -> Command:
+    def limit(self, command: Command, *, is_person: bool) -> Command:
         """Return the command as it may be sent: a released zero while it must not act.
 
         Args:
             command: Command of the source.
+            is_person: Whether a person gave it.
         """
-        if not self.source and self._must_release and (not self._is_person or not command.enabled):
+        if not self.source and self._must_release and (not is_person or not command.enabled):
             self._must_release = False
         if not self._must_release:
             return command

@@ -1,13 +1,14 @@
 """Keyboard as a command source: converts key presses into a smooth command with a known rate."""
 
 from collections.abc import Callable, Sequence
-from math import exp, hypot
+from math import hypot
 from typing import ClassVar, Final, NamedTuple
 
 from passafe_protocol.messages import Vector
 
 from passafe_services.operator.keyboard.keys import DIRECTIONS, Key
 from passafe_services.operator.sources.command import Command
+from passafe_services.operator.sources.follower import Follower
 from passafe_services.operator.sources.source import SourceClock
 
 RAMP_S: Final = 0.1
@@ -62,8 +63,7 @@ class Keyboard:
         self._authority = authority
         self._keys = keys
         self._rest: Vector = (0.0,) * inputs
-        self._u_h = self._rest
-        self._target = self._rest
+        self._u_h = Follower(inputs, RAMP_S)
         self._t_s = 0.0
         self._held: dict[Key, _Hold] = {}
         self._quiet_until_s: float | None = None
@@ -84,8 +84,7 @@ class Keyboard:
                 self._stop(t_s)
                 self.stops += key is Key.EMERGENCY_STOP
                 self.finished = self.finished or key is Key.QUIT
-        rate = tuple([(goal - c) / RAMP_S for goal, c in zip(self._target, self._u_h, strict=True)])
-        return Command(self._u_h, rate, bool(self._held) or self._u_h != self._rest)
+        return Command(self._u_h.value, self._u_h.rate, bool(self._held) or self._u_h.value != self._rest)
 
     def _advance(self, t_s: float) -> None:
         """Advance u_h to ``t_s``, releasing each key exactly when its time is over."""
@@ -99,18 +98,17 @@ class Keyboard:
         self._ramp(t_s)
 
     def _ramp(self, t_s: float) -> None:
-        left = exp((self._t_s - t_s) / RAMP_S)
+        self._u_h.advance(t_s - self._t_s)
         self._t_s = t_s
-        self._u_h = tuple([goal + (c - goal) * left for goal, c in zip(self._target, self._u_h, strict=True)])
-        if self._target == self._rest and hypot(*self._u_h) < REST_SHARE * self._authority:
-            self._u_h = self._rest
+        if self._u_h.target == self._rest and hypot(*self._u_h.value) < REST_SHARE * self._authority:
+            self._u_h.rest()
 
     def _update_target(self) -> None:
         """Set the target to the sum of the directions of the held keys."""
         pushes = [DIRECTIONS[key][: len(self._rest)] for key in self._held]
         total = [sum(push[axis] for push in pushes) for axis in range(len(self._rest))]
         length = hypot(*total)
-        self._target = tuple([c * self._authority / length for c in total]) if length else self._rest
+        self._u_h.aim([c * self._authority / length for c in total] if length else self._rest)
 
     def _press(self, key: Key, t_s: float) -> None:
         if self.finished:
@@ -133,6 +131,5 @@ class Keyboard:
 
     def _stop(self, t_s: float) -> None:
         self._held = {}
-        self._target = self._rest
-        self._u_h = self._rest
+        self._u_h.rest()
         self._quiet_until_s = t_s + REPEAT_HOLD_S
