@@ -78,6 +78,9 @@
     * ``PlantSilentError``: no plant acknowledged a press of the emergency stop, or its clear
     * ``StopPressedAgainError``: the emergency stop was pressed again while it was being cleared
     * ``StopAnswerError``: no plant acknowledged a press or a clear that the page asked for
+    * ``NoSessionError``: runs that no demo supervises
+    * ``SessionRefusedError``: a request that the supervisor of a demo refused
+    * ``SessionAnswerError``: a supervisor of a demo that does not answer
     * ``WorkerLostError``: a worker process is gone
 """
 

@@ -78,3 +78,34 @@ class StopAnswerError(PassafeError):
     def __init__(self, waited_s: float) -> None:
         self.waited_s = waited_s
         super().__init__(f"emergency stop: no answer from plant within {waited_s:g} s: is it running?")
+
+
+class NoSessionError(PassafeError):
+    """Nobody supervises runs here: each process of this system was started by itself."""
+
+    def __init__(self) -> None:
+        super().__init__("runs are started, ended and changed on the page of `passafe demo` alone")
+
+
+class SessionRefusedError(PassafeError):
+    """A request that the supervisor of the demo refused.
+
+    Attributes:
+        field: What of the request cannot be used; empty if the request is not possible now.
+    """
+
+    def __init__(self, field: str, reason: str) -> None:
+        self.field = field
+        super().__init__(reason)
+
+
+class SessionAnswerError(PassafeError):
+    """The supervisor of the demo did not answer.
+
+    Attributes:
+        waited_s: For how long.
+    """
+
+    def __init__(self, waited_s: float) -> None:
+        self.waited_s = waited_s
+        super().__init__(f"no answer from the demo's supervisor within {waited_s:g} s")

@@ -29,6 +29,7 @@ from passafe_dashboard.live.command_echo import CommandEcho
 from passafe_dashboard.live.drive_requests import DriveRequests
 from passafe_dashboard.live.feed import Feed
 from passafe_dashboard.live.link_requests import LinkRequests
+from passafe_dashboard.live.session_requests import SessionRequests
 from passafe_dashboard.live.stop_requests import StopRequests
 from passafe_dashboard.routes.application import create_app
 from passafe_dashboard.routes.own_hosts import OwnHosts
@@ -52,6 +53,7 @@ def serve(
     lifeline: bool = False,
     frame_hz: float = FRAME_HZ,
     health: HealthReporter | None = None,
+    control_channel: int | None = None,
 ) -> StopReason | None:
     """Serve the live page of the system behind a router until asked to stop; main thread only.
 
@@ -66,6 +68,7 @@ def serve(
         lifeline: Whether standard input is a lifeline (see ``passafe_services.loop.stop``).
         frame_hz: Frames a second for each page, at most.
         health: Reports the health of the loop that reads the bus, to what supervises the process.
+        control_channel: Descriptor of the channel to the supervisor of a demo; ``None``: no demo.
 
     Returns:
         The reason why it ended.
@@ -85,7 +88,8 @@ def serve(
             stops = StopRequests(broadcast, partial(_publish, outlet), epoch=outlet.epoch)
             drives = DriveRequests(broadcast, partial(_publish, outlet), CommandEcho(bus).newest)
             hosts, trouble = OwnHosts.of(host, names), partial(_bus_trouble, bus)
-            app = create_app(broadcast, links, stops, drives, hosts=hosts, bus_trouble=trouble)
+            session = SessionRequests(feed, control_channel)
+            app = create_app(broadcast, links, stops, drives, session=session, hosts=hosts, bus_trouble=trouble)
             asyncio.run(_run(app, broadcast, listener, stop))
     return stop.reason
 
@@ -153,4 +157,5 @@ def start(options: ProcessOptions) -> None:
         epoch=options.epoch,
         lifeline=options.lifeline,
         health=options.health,
+        control_channel=options.control_channel,
     )

@@ -18,8 +18,9 @@ from passafe_protocol.topics import LINKS
 from served_page import FastRun, ServedPage, serve_page
 
 METHODS = ("GET", "PUT", "POST", "DELETE", "PATCH", "HEAD", "OPTIONS")
-ANSWERS = {200, 400, 404, 405, 409, 413, 422, 504}
-"""Statuses that an answer may have: 504 is that of a process that is silent, 409 that of a stop that is not latched."""
+ANSWERS = {200, 202, 400, 404, 405, 409, 413, 422, 504}
+"""Statuses that an answer may have: 504 is that of a process that is silent, 409 that of a stop that is not latched,
+or of runs without a demo."""
 
 scalars = st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=20)
 values = st.recursive(

@@ -101,6 +101,7 @@ class Feed:
         lease: Newest lease of the operator.
         lease_since_ns: When it changed hands or device, this process's monotonic clock.
         seat: Seat of the page that drives.
+        session: State of the demo's session of runs, as JSON; ``None``: no demo supervises this system.
         end: Why the run is over, once it is.
         capacity: Rows kept for charts.
 
@@ -124,6 +125,7 @@ class Feed:
         self.layout = ColumnLayout(barriers=(), levels=())
         self._barrier_values: BarrierValues | None = None
         self.info: ScenarioInfo | None = None
+        self.session: dict[str, Any] | None = None
         self.end: str | None = None
         self.processes: dict[str, ProcessReport] = {}
         self.events: deque[ReceivedEvent] = deque(maxlen=events_kept)

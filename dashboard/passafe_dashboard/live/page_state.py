@@ -43,6 +43,7 @@ def page_state(feed: Feed, now_ns: int) -> Json:
         "ages": ages(feed, now_ns),
         "drive": drive_json(feed) | {"lease": None if feed.lease is None else _lease_json(feed.lease)},
         "run": feed.run.number,
+        "session": feed.session,
         "scenario": _scenario_json(feed),
         "filter": None if feed.run.tick is None else _filter_json(feed, feed.run.tick),
         "plant": None if feed.run.state is None else _plant_json(feed, feed.run.state),

@@ -14,6 +14,7 @@ from passafe_dashboard.live.broadcast import Broadcast
 from passafe_dashboard.live.drive_requests import DriveRequests
 from passafe_dashboard.live.link_requests import LinkRequests
 from passafe_dashboard.live.page import LivePage
+from passafe_dashboard.live.session_requests import SessionRequests
 from passafe_dashboard.live.stop_requests import StopRequests
 from passafe_dashboard.markup import STATIC
 from passafe_dashboard.routes.drive import drive_routes
@@ -21,6 +22,7 @@ from passafe_dashboard.routes.links import link_routes
 from passafe_dashboard.routes.own_hosts import OwnHosts, OwnHostsOnly
 from passafe_dashboard.routes.page import page_routes
 from passafe_dashboard.routes.refusals import answer_invalid
+from passafe_dashboard.routes.run import run_routes
 from passafe_dashboard.routes.state import state_routes
 from passafe_dashboard.routes.stop import stop_routes
 
@@ -45,6 +47,7 @@ def create_app(
     stops: StopRequests,
     drives: DriveRequests,
     *,
+    session: SessionRequests | None = None,
     hosts: OwnHosts | None = None,
     bus_trouble: Callable[[], str] = str,
     window_s: float = 20.0,
@@ -59,19 +62,23 @@ def create_app(
         links: Changes links.
         stops: Presses and clears the emergency stop.
         drives: Lets pages drive.
+        session: Starts and ends the runs of a demo; refuses if not given.
         hosts: Hosts by which the page may be asked for; those of loopback if not given.
         bus_trouble: Says why nothing can be read from the bus; empty if that is not so.
         window_s: Stretch of time that charts show.
     """
     page = LivePage(broadcast.feed, window_s=window_s)
+    runs = session or SessionRequests(broadcast.feed)
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         await asyncio.to_thread(page.charts)  # before messages flow: it takes a second in a new process
         app.state.broadcasting = asyncio.create_task(_run_both(broadcast, drives))
+        session_open = asyncio.create_task(runs.run())
         yield
+        session_open.cancel()
         app.state.broadcasting.cancel()
-        await asyncio.wait({app.state.broadcasting})
+        await asyncio.wait({app.state.broadcasting, session_open})
 
     app = FastAPI(
         title="passafe dashboard",
@@ -89,6 +96,7 @@ def create_app(
     app.include_router(link_routes(links))
     app.include_router(stop_routes(stops))
     app.include_router(drive_routes(broadcast, drives))
+    app.include_router(run_routes(runs, broadcast.feed))
     app.mount("/static/bokeh", StaticFiles(directory=bokeh_settings.bokehjs_path()), name="bokeh")
     app.mount("/static", StaticFiles(directory=STATIC), name="static")
     return app

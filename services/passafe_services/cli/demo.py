@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Final
+from typing import Annotated
 
 import typer
 from passafe_dashboard.address import require_free_page_port
@@ -13,12 +13,10 @@ from rich.console import Console
 
 from passafe_services.cli.access_options import InsecureOption, KeysOption, secured_endpoint
 from passafe_services.cli.bus_options import RobotOption
-from passafe_services.cli.check import warn_at_load
-from passafe_services.cli.demo_outcome import report_outcome
-from passafe_services.cli.demo_processes import demo_processes, rotation_options
-from passafe_services.cli.demo_rate import limited_beside_page
-from passafe_services.cli.errors import OptionError
-from passafe_services.cli.log_name import log_name
+from passafe_services.cli.demo_outcome import DIED
+from passafe_services.cli.demo_processes import DemoProcesses, rotation_options
+from passafe_services.cli.demo_reports import DemoReports
+from passafe_services.cli.demo_runs import DemoOptions, planned_run
 from passafe_services.cli.options import (
     DEFAULT_ROTATE_S,
     DEFAULT_SCENARIO,
@@ -30,19 +28,17 @@ from passafe_services.cli.options import (
     RotateMbOption,
     RotateSOption,
     ScenarioOption,
-    scenario_from_options,
     writable_folder,
 )
 from passafe_services.keys.throw_away import discard_throw_away_keys, throw_away_keys
 from passafe_services.loop.keep_awake import awake_specs
 from passafe_services.loop.process_spec import RestartPolicy
-from passafe_services.loop.realtime import available_processors
 from passafe_services.loop.router_endpoint import DEFAULT_PORT, LOOPBACK, RouterEndpoint
-from passafe_services.loop.supervisor import supervise
 from passafe_services.router.port import require_free_router_port
-
-PATIENCE_S: Final = 60.0
-"""How much longer than ``--duration`` a run may take by the clock: plant time begins with the filter's first input."""
+from passafe_services.session.control_messages import RunChoices, StartRun
+from passafe_services.session.planned_run import PlannedRun
+from passafe_services.session.run_session import RunSession
+from passafe_services.session.supervised_session import run_session
 
 PortOption = Annotated[
     int, typer.Option("--port", metavar="PORT", min=1, max=65535, help="Port of the dashboard's page.")
@@ -105,34 +101,26 @@ def demo(
       and the next filter takes over
     """
     console = Console(highlight=False, soft_wrap=True)
-    chosen = scenario_from_options(scenario, mode=mode, law=law, duration_s=duration, rate_hz=rate, links=link or ())
-    if rate is None and not headless:
-        chosen = limited_beside_page(chosen, available_processors(), console.print)
-    warn_at_load(chosen)  # refused before any process starts
-    folder = writable_folder(out)
+    options = DemoOptions(
+        scenario=scenario,
+        mode=mode,
+        law=law,
+        duration_s=duration,
+        rate_hz=rate,
+        links=tuple(link or ()),
+        has_page=not headless,
+        folder=out,
+    )
+    request = StartRun(choices=RunChoices(scenario=scenario))
+    chosen = options.checked_scenario(request.choices, console.print)  # refused before any process starts
+    writable_folder(out)
     endpoint = RouterEndpoint(host=LOOPBACK, port=router_port)
     require_free_router_port(endpoint)
     if not headless:
         require_free_page_port(LOOPBACK, port)
-    base = folder / log_name(chosen)
-    effective = base.with_suffix(".scenario.json")
-    try:
-        effective.write_text(chosen.model_dump_json(indent=2), encoding="utf-8")
-    except OSError as error:
-        raise OptionError("--out", f"{folder} ({error.strerror})", "a folder with room for a log") from error
-    log = base.with_suffix(".mcap")
-
-    def report_ready() -> None:
-        if not headless:
-            console.print(f"dashboard http://{LOOPBACK}:{port}/")
-        console.print("running; end with Ctrl-C" if duration is None else f"running for {duration:g} s")
-
-    most_s = None if duration is None else duration + PATIENCE_S
     with _keys(require_robot_name(robot), endpoint, keys, insecure=insecure) as folder_of_keys:
-        processes = demo_processes(
-            effective,
+        processes = DemoProcesses(
             endpoint,
-            log,
             robot=robot,
             keys=folder_of_keys,
             page_port=None if headless else port,
@@ -140,9 +128,18 @@ def demo(
             restart=restart,
             rotation=rotation_options(rotate_mb, rotate_s),
         )
-        specs = [*(awake_specs() if keep_awake else ()), *processes]
-        outcome = supervise(specs, duration_s=most_s, on_ready=report_ready, emit=console.out)
-    raise typer.Exit(report_outcome(outcome, log, console))
+
+        def prepare(request: StartRun) -> PlannedRun:
+            scenario = options.checked_scenario(request.choices, console.print)
+            return planned_run(request, scenario, options, processes)
+
+        first = planned_run(request, chosen, options, processes)
+        reports = DemoReports(console, "" if headless else f"http://{LOOPBACK}:{port}/")
+        base = (*(awake_specs() if keep_awake else ()), *processes.of_session(first.scenario_file))
+        session = RunSession(base, first, reports=reports, scenarios=options.scenarios)
+        end = run_session(session, prepare, emit=console.out)
+    code = reports.finish()
+    raise typer.Exit(code if end.clean else DIED)
 
 
 @contextmanager

@@ -1,5 +1,6 @@
 """Reports how a demo ended, and the verdict on its log."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
@@ -14,31 +15,37 @@ from passafe_services.log.log_reader import LogReader
 from passafe_services.loop.process_exit import ExitCause, RunOutcome
 from passafe_services.loop.process_name import ProcessName
 from passafe_services.tools.recover import recover
+from passafe_services.tools.review.verdict import Verdict
 
 DIED: Final = 3
 """Exit code if a process died for good, could not be started or did not end in time."""
 
 
-def report_outcome(outcome: RunOutcome, log: Path, console: Console) -> int:
+def report_outcome(
+    outcome: RunOutcome, log: Path, console: Console, on_verdict: Callable[[Verdict], None] | None = None
+) -> int:
     """Print how the run ended, the verdict and the path of the log; return the exit code.
 
     Args:
         outcome: What the supervisor returned.
         log: The recorder's log; one that it did not finish is replaced by what can be recovered of it.
         console: Where to print.
+        on_verdict: Called with the verdict, if there is one.
     """
     try:
         found = judged(log)
     except LogFileError as error:
-        _report_end(outcome, console, has_end=True)
+        report_end(outcome, console, has_end=True)
         console.print(f"[bold red]this run has no log[/]: {escape(str(error))}")
         return DIED
-    in_order = _report_end(outcome, console, has_end=found.identity.planned_s is not None)
+    in_order = report_end(outcome, console, has_end=found.identity.planned_s is not None)
     print_verdict(found.verdict, log if found.verdict.finished else _recovered(log, console))
+    if on_verdict is not None:
+        on_verdict(found.verdict)
     return exit_code(found.verdict) if in_order else DIED
 
 
-def _report_end(outcome: RunOutcome, console: Console, *, has_end: bool) -> bool:
+def report_end(outcome: RunOutcome, console: Console, *, has_end: bool) -> bool:
     """Print how the run ended if it did not end as it should; return whether it did.
 
     A run in order is ended by a signal, or, if it ``has_end``, by the plant.
@@ -50,6 +57,9 @@ def _report_end(outcome: RunOutcome, console: Console, *, has_end: bool) -> bool
     if not in_order:
         late = ", and the plant has not come to its end" if too_long else ""
         console.print(f"[bold red]{escape(outcome.detail)}{late}[/]")
+    if outcome.killed_on_request:
+        counts = ", ".join(f"{name} {count}" for name, count in outcome.killed_on_request.items())
+        console.print(f"killed on request  {counts}", highlight=False)
     if outcome.restarts:
         counts = ", ".join(f"{name} {count}" for name, count in outcome.restarts.items())
         console.print(f"restarts  {counts}", highlight=False)

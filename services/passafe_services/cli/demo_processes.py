@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Final
@@ -21,55 +22,78 @@ _MODULE: Final = ("-m", "passafe_services.cli.run")
 _ROUTER: Final = "--router"
 
 
-def demo_processes(
-    scenario_file: Path,
-    endpoint: RouterEndpoint,
-    log: Path,
-    *,
-    robot: str,
-    keys: Path | None,
-    page_port: int | None,
-    duration_s: float | None,
-    restart: bool,
-    rotation: Sequence[str] = (),
-) -> list[ProcessSpec]:
-    """Return the processes in the order in which they start; the plant last, so that it is stopped first.
+CONTROL_OPTION: Final = "--control-channel"
+"""Option of the dashboard for the channel over which its page starts and ends runs."""
+
+
+class DemoProcesses:
+    """Processes of one demo.
 
     Args:
-        scenario_file: Effective scenario, the same for all of them.
         endpoint: Where the router listens.
-        log: MCAP log that the recorder writes.
         robot: Name of the robot.
         keys: Folder of the deployment's keys; ``None``: no TLS and no access control.
         page_port: Port of the dashboard's page; ``None``: no dashboard.
         duration_s: Plant time after which the plant ends, s; ``None``: never.
-        rotation: Options of the recorder, see ``rotation_options``.
         restart: Whether those of ``RESTARTED`` are started again when they die.
+        rotation: Options of the recorder, see ``rotation_options``.
     """
-    duration = [] if duration_s is None else ["--duration", str(duration_s)]
-    arguments: dict[ProcessName, list[str]] = {
-        ProcessName.ROUTER: [],
-        ProcessName.RECORDER: ["--out", str(log), *rotation, *duration],
-        ProcessName.DASHBOARD: ["--port", str(page_port)],
-        ProcessName.OPERATOR: [],
-        ProcessName.FILTER: [],
-        ProcessName.PLANT: duration,
-    }
-    if page_port is None:
-        del arguments[ProcessName.DASHBOARD]
-    router = [_ROUTER, f"{endpoint.host}:{endpoint.port}"]
-    access = ["--insecure"] if keys is None else ["--keys", str(keys)]
-    common = ["--scenario", str(scenario_file), *router, "--robot", robot, *access, "--lifeline"]
-    return [
-        ProcessSpec(
+
+    def __init__(
+        self,
+        endpoint: RouterEndpoint,
+        *,
+        robot: str,
+        keys: Path | None,
+        page_port: int | None,
+        duration_s: float | None,
+        restart: bool,
+        rotation: Sequence[str] = (),
+    ) -> None:
+        access = ["--insecure"] if keys is None else ["--keys", str(keys)]
+        self._common = [_ROUTER, f"{endpoint.host}:{endpoint.port}", "--robot", robot, *access, "--lifeline"]
+        self._page_port = page_port
+        self._duration = [] if duration_s is None else ["--duration", str(duration_s)]
+        self._restart = restart
+        self._rotation = tuple(rotation)
+
+    def of_session(self, scenario_file: Path) -> tuple[ProcessSpec, ...]:
+        """Return those that stay while runs come and go, in the order in which they start.
+
+        Args:
+            scenario_file: Effective scenario of the first run.
+        """
+        router = self._spec(ProcessName.ROUTER, scenario_file)
+        if self._page_port is None:
+            return (router,)
+        page = self._spec(ProcessName.DASHBOARD, scenario_file, "--port", str(self._page_port))
+        return router, replace(page, control_option=CONTROL_OPTION)
+
+    def of_run(self, scenario_file: Path, log: Path | None, *, start_stopped: bool = False) -> tuple[ProcessSpec, ...]:
+        """Return those of one run, in the order in which they start; the plant last, so that it is stopped first.
+
+        Args:
+            scenario_file: Effective scenario, the same for all of them.
+            log: MCAP log that the recorder writes; ``None``: no recorder.
+            start_stopped: Whether the plant starts with the emergency stop latched.
+        """
+        stopped = ("--start-stopped",) if start_stopped else ()
+        recorder = self._spec(ProcessName.RECORDER, scenario_file, "--out", str(log), *self._rotation, *self._duration)
+        return (
+            *(() if log is None else (recorder,)),
+            self._spec(ProcessName.OPERATOR, scenario_file),
+            self._spec(ProcessName.FILTER, scenario_file),
+            self._spec(ProcessName.PLANT, scenario_file, *self._duration, *stopped),
+        )
+
+    def _spec(self, name: ProcessName, scenario_file: Path, *own: str) -> ProcessSpec:
+        return ProcessSpec(
             name=name,
-            argv=(sys.executable, "-P", *_MODULE, name, *common, *own),
+            argv=(sys.executable, "-P", *_MODULE, name, "--scenario", str(scenario_file), *self._common, *own),
             epoch_option="--epoch",
             grace_s=_RECORDER_GRACE_S if name is ProcessName.RECORDER else GRACE_S,
-            restarts=RestartPolicy() if restart and name in RESTARTED else None,
+            restarts=RestartPolicy() if self._restart and name in RESTARTED else None,
         )
-        for name, own in arguments.items()
-    ]
 
 
 def rotation_options(rotate_mb: float | None, rotate_s: float | None) -> tuple[str, ...]:

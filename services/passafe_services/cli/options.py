@@ -78,6 +78,8 @@ def scenario_from_options(
     duration_s: float | None = None,
     rate_hz: float | None = None,
     links: Sequence[str] = (),
+    prediction: bool | None = None,
+    gatekeeper: bool | None = None,
 ) -> Scenario:
     """Return a scenario with the command line's values in place of its own.
 
@@ -90,6 +92,8 @@ def scenario_from_options(
         "filter.law": law,
         "duration_s": duration_s,
         "rate_hz": rate_hz,
+        "filter.prediction": prediction,
+        "filter.gatekeeper": gatekeeper,
     }
     overrides: dict[str, Any] = {field: value for field, value in given.items() if value is not None}
     for text in links:

@@ -119,6 +119,7 @@ def run(
     lifeline: Annotated[
         bool, typer.Option("--lifeline", help="End when standard input is closed; `passafe demo` uses this.")
     ] = False,
+    control_channel: Annotated[int | None, typer.Option("--control-channel", min=3, hidden=True)] = None,
 ) -> None:
     """Run one process of a system until Ctrl-C.
 
@@ -157,6 +158,7 @@ def run(
         health=HealthReporter(process, health_folder),
         page_names=tuple(page_name or ()),
         linked_routers=tuple(linked),
+        control_channel=control_channel,
     )
     if process is ProcessName.FILTER and not lifeline:  # `passafe demo` has done so
         from passafe_services.cli.check import warn_at_load  # noqa: PLC0415 - the other processes stay small

@@ -3,9 +3,11 @@
 import asyncio
 import os
 import signal
+import socket
 from asyncio.subprocess import PIPE
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
+from enum import Enum
 from pathlib import Path
 from typing import Final, cast
 
@@ -29,6 +31,19 @@ _STANDARD_ERROR: Final = 2
 RelayLine = Callable[[str, str], None]
 
 
+class Intent(Enum):
+    """Future of a child once it has ended."""
+
+    RUN = "run"
+    """It was to run on: its restart policy decides."""
+
+    STAY_DOWN = "stay down"
+    """It was killed on request, and waits for a request to start again."""
+
+    RESTART = "restart"
+    """It is started again on request, whatever its restart policy says."""
+
+
 class ChildProcess(asyncio.SubprocessProtocol):
     """Process in a session of its own, so that Ctrl-C in a terminal reaches the supervisor alone.
 
@@ -39,6 +54,10 @@ class ChildProcess(asyncio.SubprocessProtocol):
         ready: Set when it has reported that it is ready.
         ended: Done when it has ended and its last lines are relayed; holds its return code.
         restarted: Whether another child was started in its place after its end.
+        intent: What is to become of it once it has ended.
+        options: Options, beside those of its specification, of the one that is started in its place.
+        control: This end of its control channel; ``None`` if its specification has no option for one.
+        on_ready: Called when it has reported that it is ready.
     """
 
     def __init__(self, spec: ProcessSpec, relay: RelayLine, loop: asyncio.AbstractEventLoop) -> None:
@@ -46,6 +65,10 @@ class ChildProcess(asyncio.SubprocessProtocol):
         self.ready = asyncio.Event()
         self.ended: asyncio.Future[int] = loop.create_future()
         self.restarted = False
+        self.intent = Intent.RUN
+        self.options: tuple[str, ...] = ()
+        self.on_ready: Callable[[], None] = lambda: None
+        self.control: socket.socket | None = None
         self._relay = relay
         self._loop = loop
         self._transport: asyncio.SubprocessTransport | None = None
@@ -55,23 +78,40 @@ class ChildProcess(asyncio.SubprocessProtocol):
         self._prioritized = False
 
     @classmethod
-    async def start(cls, spec: ProcessSpec, relay: RelayLine, *, epoch: int = 0) -> "ChildProcess":
+    async def start(
+        cls, spec: ProcessSpec, relay: RelayLine, *, epoch: int = 0, options: Sequence[str] = ()
+    ) -> "ChildProcess":
         """Start a process.
 
         Args:
             spec: The process.
             relay: Called with its name and each line that it prints.
             epoch: Epoch of its session.
+            options: Options beside those of its specification.
 
         Raises:
             OSError: The process cannot be started.
         """
         loop = asyncio.get_running_loop()
         child = cls(spec, relay, loop)
-        await loop.subprocess_exec(
-            lambda: child, *spec.command(epoch), stdin=PIPE, stdout=PIPE, stderr=PIPE, start_new_session=True
-        )
+        command = (*spec.command(epoch), *options)
+        if not spec.control_option:
+            await child._execute(command)
+            return child
+        child.control, other_end = socket.socketpair()
+        with other_end:
+            channel = other_end.fileno()
+            try:
+                await child._execute((*command, spec.control_option, str(channel)), (channel,))
+            except BaseException:
+                child.control.close()
+                raise
         return child
+
+    async def _execute(self, command: tuple[str, ...], channels: tuple[int, ...] = ()) -> None:
+        await self._loop.subprocess_exec(
+            lambda: self, *command, stdin=PIPE, stdout=PIPE, stderr=PIPE, start_new_session=True, pass_fds=channels
+        )
 
     @property
     def running(self) -> bool:
@@ -88,6 +128,7 @@ class ChildProcess(asyncio.SubprocessProtocol):
             killed=self._killed,
             restarted=self.restarted,
             ready=self.ready.is_set(),
+            killed_on_request=self.intent is not Intent.RUN,
         )
 
     def prioritize_startup(self) -> None:
@@ -164,6 +205,7 @@ class ChildProcess(asyncio.SubprocessProtocol):
         text = line.decode(errors="replace").rstrip("\r")
         if text == ready_line(self.spec.name):
             self.ready.set()
+            self.on_ready()
             if self._prioritized:
                 self._set_niceness(os.getpriority(os.PRIO_PROCESS, 0), 0)
         else:

@@ -16,6 +16,9 @@ class ExitCause(Enum):
     SIGNAL = "signal"
     """A signal requested the end: SIGINT (Ctrl-C), SIGTERM or SIGHUP."""
 
+    REQUESTED = "requested"
+    """The caller requested the end of a run whose supervisor goes on."""
+
     LEFT = "left"
     """A process exited by itself with exit code 0."""
 
@@ -40,6 +43,7 @@ class Exit:
         killed: Whether the supervisor had to kill it.
         restarted: Whether the supervisor restarted it.
         ready: Whether it had ever reported that it was ready.
+        killed_on_request: Whether the caller had it killed, as no run's end.
     """
 
     name: str
@@ -48,10 +52,13 @@ class Exit:
     killed: bool
     restarted: bool = False
     ready: bool = True
+    killed_on_request: bool = False
 
     @property
     def clean(self) -> bool:
-        """True for exit code 0; before it is ready, a process may also end by SIGTERM."""
+        """True for exit code 0 or a kill on request; before it is ready, a process may also end by SIGTERM."""
+        if self.killed_on_request:
+            return True
         if self.requested and not self.killed and not self.ready and self.returncode == -signal.SIGTERM:
             return True
         return self.returncode == 0
@@ -94,7 +101,12 @@ class RunOutcome:
         return Counter(end.name for end in self.exits if end.restarted)
 
     @property
+    def killed_on_request(self) -> Mapping[str, int]:
+        """Number of kills on request by process name; processes without any are omitted."""
+        return Counter(end.name for end in self.exits if end.killed_on_request and end.killed)
+
+    @property
     def clean(self) -> bool:
         """True if the end was intended and every process exited cleanly or was restarted."""
-        intended = self.cause in {ExitCause.DURATION, ExitCause.SIGNAL, ExitCause.LEFT}
+        intended = self.cause in {ExitCause.DURATION, ExitCause.SIGNAL, ExitCause.REQUESTED, ExitCause.LEFT}
         return intended and all(end.clean or end.restarted for end in self.exits)

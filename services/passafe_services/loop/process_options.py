@@ -38,6 +38,7 @@ class ProcessOptions:
         lifeline: Whether to end when standard input closes.
         linked_routers: Router: routers of other sites that it connects to.
         health: Reporter of the health of its loop.
+        control_channel: Dashboard: file descriptor of its channel to the supervisor of a demo; ``None``: no demo.
     """
 
     scenario: Scenario
@@ -57,3 +58,4 @@ class ProcessOptions:
     rotate_s: float | None = None
     page_names: tuple[str, ...] = ()
     linked_routers: tuple[RouterEndpoint, ...] = ()
+    control_channel: int | None = None

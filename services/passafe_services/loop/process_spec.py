@@ -31,6 +31,8 @@ class ProcessSpec:
         name: Its name, unique in a run; prefix of every line that it prints.
         argv: The program and its arguments.
         epoch_option: Option that tells it the epoch of its session; empty: it has none.
+        control_option: Option that tells it the file descriptor of its control channel to the supervisor; empty: it
+            has none.
         grace_s: Time that it may take to end before it is killed, s.
         restarts: Policy for restarts when it dies; ``None``: its death ends the run.
     """
@@ -38,6 +40,7 @@ class ProcessSpec:
     name: str
     argv: tuple[str, ...]
     epoch_option: str = ""
+    control_option: str = ""
     grace_s: float = GRACE_S
     restarts: RestartPolicy | None = None
 
