@@ -33,6 +33,9 @@
         * ``StopNameError``: a clear of another emergency stop than the one that is latched
         * ``PageAddressError``: an address that the page cannot listen on
             * ``PagePortInUseError``: another program listens on its port
+        * ``ArchiveNameError``: a log or experiment that the folder of a page does not hold
+        * ``JobNameError``: a job that the page does not know
+        * ``TooLargeLogError``: a log that is too large for what keeps it in memory
         * ``SeriesError``: a series for the report that does not fit together
         * ``FeasibilityError``: a map that cannot be made
         * ``NoSafeStartError``: a box of starts without a safe one
@@ -77,6 +80,7 @@
     * ``LinkAnswerError``: nothing was received of a link that the page was to change
     * ``PlantSilentError``: no plant acknowledged a press of the emergency stop, or its clear
     * ``StopPressedAgainError``: the emergency stop was pressed again while it was being cleared
+    * ``TooManyJobsError``: more work than the page accepts at a time
     * ``StopAnswerError``: no plant acknowledged a press or a clear that the page asked for
     * ``NoSessionError``: runs that no demo supervises
     * ``SessionRefusedError``: a request that the supervisor of a demo refused

@@ -109,3 +109,37 @@ class SessionAnswerError(PassafeError):
     def __init__(self, waited_s: float) -> None:
         self.waited_s = waited_s
         super().__init__(f"no answer from the demo's supervisor within {waited_s:g} s")
+
+
+class ArchiveNameError(NotAllowedError):
+    """A name that is not that of a log or experiment in the runs folder."""
+
+    def __init__(self, what: str, got: str, allowed: str) -> None:
+        super().__init__(what, ascii(got), allowed)
+
+
+class TooManyJobsError(PassafeError):
+    """More work than the page accepts at a time.
+
+    Attributes:
+        waiting: Jobs that are already waiting or running.
+    """
+
+    def __init__(self, waiting: int) -> None:
+        self.waiting = waiting
+        super().__init__(f"jobs: {waiting} are waiting or running already; cancel one, or wait")
+
+
+class JobNameError(NotAllowedError):
+    """A job that there is not, or no more."""
+
+    def __init__(self, got: str) -> None:
+        super().__init__("job", ascii(got), "the id of a job of this server; old ones are forgotten")
+
+
+class TooLargeLogError(NotAllowedError):
+    """A log that is too large for what keeps it in memory."""
+
+    def __init__(self, name: str, size_bytes: int, most_bytes: int, command: str) -> None:
+        got = f"{size_bytes / 1e6:.0f} MB"
+        super().__init__(f"log {name}", got, f"up to {most_bytes / 1e6:.0f} MB in the page: use {command}")

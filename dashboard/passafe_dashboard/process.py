@@ -7,6 +7,7 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from functools import partial
+from pathlib import Path
 from typing import Final
 
 from fastapi import FastAPI
@@ -23,6 +24,7 @@ from passafe_services.loop.stop import Stop, StopReason, stop_requests
 from passafe_services.scenarios.schema import Scenario
 
 from passafe_dashboard.address import listening_socket
+from passafe_dashboard.archive.archive import Archive
 from passafe_dashboard.live.broadcast import FRAME_HZ, Broadcast
 from passafe_dashboard.live.bus_reader import BusReader
 from passafe_dashboard.live.command_echo import CommandEcho
@@ -54,6 +56,7 @@ def serve(
     frame_hz: float = FRAME_HZ,
     health: HealthReporter | None = None,
     control_channel: int | None = None,
+    runs: Path | None = None,
 ) -> StopReason | None:
     """Serve the live page of the system behind a router until asked to stop; main thread only.
 
@@ -69,6 +72,7 @@ def serve(
         frame_hz: Frames a second for each page, at most.
         health: Reports the health of the loop that reads the bus, to what supervises the process.
         control_channel: Descriptor of the channel to the supervisor of a demo; ``None``: no demo.
+        runs: Folder of the logs and experiments to show besides; ``None``: none.
 
     Returns:
         The reason why it ended.
@@ -89,7 +93,17 @@ def serve(
             drives = DriveRequests(broadcast, partial(_publish, outlet), CommandEcho(bus).newest)
             hosts, trouble = OwnHosts.of(host, names), partial(_bus_trouble, bus)
             session = SessionRequests(feed, control_channel)
-            app = create_app(broadcast, links, stops, drives, session=session, hosts=hosts, bus_trouble=trouble)
+            archive = None if runs is None else Archive(runs, beside_robot=True)
+            app = create_app(
+                broadcast,
+                links,
+                stops,
+                drives,
+                session=session,
+                hosts=hosts,
+                bus_trouble=trouble,
+                archive=archive,
+            )
             asyncio.run(_run(app, broadcast, listener, stop))
     return stop.reason
 
@@ -158,4 +172,5 @@ def start(options: ProcessOptions) -> None:
         lifeline=options.lifeline,
         health=options.health,
         control_channel=options.control_channel,
+        runs=options.runs,
     )

@@ -3,7 +3,10 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from passafe_services.log.log_pass import LogPass
+from passafe_services.tools.compare.run_metrics import ReviewedRun
 from passafe_services.tools.export.whole_file import whole_output
+from passafe_services.tools.review.core_evaluator import CoreEvaluator
 from passafe_services.tools.review.run_identity import RunIdentity
 from passafe_services.tools.review.verdict import Verdict
 
@@ -11,7 +14,15 @@ from passafe_dashboard.reports.report_run import ReportRun
 from passafe_dashboard.reports.run_page import report_page
 from passafe_dashboard.run_record.collector import RunCollector
 
-__all__ = ["ReportRun", "RunCollector", "overlay_report", "render_report", "report_run", "write_report"]
+__all__ = [
+    "ReportRun",
+    "RunCollector",
+    "overlay_report",
+    "render_report",
+    "report_run",
+    "report_runs",
+    "write_report",
+]
 
 
 def render_report(record: RunCollector, verdict: Verdict, identity: RunIdentity) -> str:
@@ -56,6 +67,23 @@ def report_run(
         versions=identity.versions,
         offset_s=offset_s,
     )
+
+
+def report_runs(runs: Sequence[ReviewedRun], names: Sequence[str], origins_s: Sequence[float]) -> list[ReportRun]:
+    """Return reviewed runs as those of one report, from another pass over each log.
+
+    Args:
+        runs: The runs.
+        names: What the report calls them.
+        origins_s: Plant time of each that counts as zero, s.
+    """
+    shown = []
+    for run, name, origin_s in zip(runs, names, origins_s, strict=True):
+        identity = run.log.identity
+        record = RunCollector(identity.scenario, CoreEvaluator(identity.scenario))
+        LogPass(run.log.path).feed(record)
+        shown.append(report_run(record, run.verdict, identity, label=name, offset_s=-origin_s))
+    return shown
 
 
 def write_report(path: Path, html: str) -> None:

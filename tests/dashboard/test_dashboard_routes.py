@@ -226,6 +226,7 @@ def test_charts_are_made_once_for_a_scenario(shared_page: ServedPage) -> None:
 def test_there_are_only_our_own_files_beside_bokeh_s() -> None:
     static = STATIC
     assert {file.name for file in static.iterdir()} == {
+        "archive",
         "report",
         "charts.js",
         "links.js",

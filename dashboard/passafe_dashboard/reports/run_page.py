@@ -3,13 +3,15 @@
 from base64 import b64encode
 from collections.abc import Sequence
 from hashlib import sha256
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 from passafe_protocol.messages import PlantPhase
+from passafe_services.tools.compare.comparison import Comparison
 
 from passafe_dashboard.json_text import json_text
 from passafe_dashboard.markup import STATIC, TEMPLATES
 from passafe_dashboard.palette import PHASE_STYLES, STATUS_STYLES
+from passafe_dashboard.reports.comparison_rows import comparison_rows
 from passafe_dashboard.reports.report_run import ReportRun
 from passafe_dashboard.reports.run_descriptions import description, marks
 from passafe_dashboard.reports.script_bundle import script_bundle
@@ -25,6 +27,20 @@ OUTCOMES: Final = {
 START: Final = "\nopenReport(JSON.parse(document.getElementById('data').textContent), document);\n"
 
 
+class ReportParts(NamedTuple):
+    """A report for a page that has a frame of its own.
+
+    Attributes:
+        title: Heading.
+        markup: Its contents, HTML.
+        data: What its script reads, see ``static/report/report.js``.
+    """
+
+    title: str
+    markup: str
+    data: dict[str, Any]
+
+
 def report_page(runs: Sequence[ReportRun], *, title: str, notes: Sequence[str] = ()) -> str:
     """Return the report.
 
@@ -36,28 +52,48 @@ def report_page(runs: Sequence[ReportRun], *, title: str, notes: Sequence[str] =
     Returns:
         HTML that refers to no other file or host.
     """
+    parts = report_parts(runs, title=title, notes=notes)
+    css = report_style()
+    script = inline_script(script_bundle("report.js") + START)
+    return TEMPLATES.get_template("run_report.html").render(
+        title=title,
+        markup=parts.markup,
+        css=css,
+        script=script,
+        policy=_policy(css, script),
+        data=json_text(parts.data).replace("<", "\\u003c"),
+    )
+
+
+def report_parts(
+    runs: Sequence[ReportRun], *, title: str, notes: Sequence[str] = (), comparison: Comparison | None = None
+) -> ReportParts:
+    """Return the report in parts.
+
+    Args:
+        runs: One run, or several that are drawn over one another; scene and charts are those of the first.
+        title: Heading.
+        notes: Sentences under the verdict.
+        comparison: Metrics of the runs side by side, if they are to be listed.
+    """
     first = runs[0].record
     plans = chart_plans(first, live=runs[0].verdict.get("driver") == "live")
-    css = _style()
-    script = inline_script(script_bundle("report.js") + START)
     planar = first.layout.points > 0
-    return TEMPLATES.get_template("run_report.html").render(
+    markup = TEMPLATES.get_template("run_report_body.html").render(
         title=title,
         notes=notes,
         runs=[run.view() for run in runs],
         outcomes=OUTCOMES,
         marks=marks(runs),
+        comparison=comparison_rows(comparison) if comparison is not None else (),
         absent=_absent(plans),
         statuses=[(status.name, style) for status, style in STATUS_STYLES.items()],
         has_barriers=bool(first.layout.barriers),
         scene_title="Robot in the plane" if planar else "Joints",
         scene_text=_scene_text(planar, runs),
         scene_note=_SCENE_NOTES[planar],
-        css=css,
-        script=script,
-        policy=_policy(css, script),
-        data=json_text(_data(runs, plans)).replace("<", "\\u003c"),
     )
+    return ReportParts(title=title, markup=markup, data=_data(runs, plans))
 
 
 _SCENE_NOTES: Final = {
@@ -106,7 +142,8 @@ def _scene_text(planar: bool, runs: Sequence[ReportRun]) -> str:
     return f"Robot in the plane at the cursor, with its trail. Obstacles: {obstacles or 'none'}."
 
 
-def _style() -> str:
+def report_style() -> str:
+    """Return the style sheet of a report."""
     statuses = "".join(
         f'[data-status="{status.name}"] {{ background: {style.background}; color: {style.text}; }}\n'
         for status, style in STATUS_STYLES.items()

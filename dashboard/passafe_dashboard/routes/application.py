@@ -9,7 +9,10 @@ from bokeh.settings import settings as bokeh_settings
 from fastapi import FastAPI, Request, Response
 from fastapi.exceptions import RequestValidationError
 from fastapi.staticfiles import StaticFiles
+from starlette.types import Lifespan
 
+from passafe_dashboard.archive.archive import Archive
+from passafe_dashboard.errors import ArchiveNameError, JobNameError, TooManyJobsError
 from passafe_dashboard.live.broadcast import Broadcast
 from passafe_dashboard.live.drive_requests import DriveRequests
 from passafe_dashboard.live.link_requests import LinkRequests
@@ -17,11 +20,14 @@ from passafe_dashboard.live.page import LivePage
 from passafe_dashboard.live.session_requests import SessionRequests
 from passafe_dashboard.live.stop_requests import StopRequests
 from passafe_dashboard.markup import STATIC
+from passafe_dashboard.routes.archive_pages import archive_pages
 from passafe_dashboard.routes.drive import drive_routes
+from passafe_dashboard.routes.jobs import job_routes
 from passafe_dashboard.routes.links import link_routes
+from passafe_dashboard.routes.logs import log_routes
 from passafe_dashboard.routes.own_hosts import OwnHosts, OwnHostsOnly
 from passafe_dashboard.routes.page import page_routes
-from passafe_dashboard.routes.refusals import answer_invalid
+from passafe_dashboard.routes.refusals import answer_invalid, answer_too_many, answer_unknown_name
 from passafe_dashboard.routes.run import run_routes
 from passafe_dashboard.routes.state import state_routes
 from passafe_dashboard.routes.stop import stop_routes
@@ -51,6 +57,7 @@ def create_app(
     hosts: OwnHosts | None = None,
     bus_trouble: Callable[[], str] = str,
     window_s: float = 20.0,
+    archive: Archive | None = None,
 ) -> FastAPI:
     """Return the application.
 
@@ -66,6 +73,7 @@ def create_app(
         hosts: Hosts by which the page may be asked for; those of loopback if not given.
         bus_trouble: Says why nothing can be read from the bus; empty if that is not so.
         window_s: Stretch of time that charts show.
+        archive: Logs to show besides; it is closed at the end.
     """
     page = LivePage(broadcast.feed, window_s=window_s)
     runs = session or SessionRequests(broadcast.feed)
@@ -79,7 +87,44 @@ def create_app(
         session_open.cancel()
         app.state.broadcasting.cancel()
         await asyncio.wait({app.state.broadcasting, session_open})
+        if archive is not None:
+            await archive.close()
 
+    app = _bare_app(lifespan, hosts)
+    app.include_router(page_routes(page))
+    app.include_router(state_routes(broadcast, bus_trouble))
+    app.include_router(link_routes(links))
+    app.include_router(stop_routes(stops))
+    app.include_router(drive_routes(broadcast, drives))
+    app.include_router(run_routes(runs, broadcast.feed))
+    if archive is not None:
+        _include_archive(app, archive, live=True)
+    app.mount("/static/bokeh", StaticFiles(directory=bokeh_settings.bokehjs_path()), name="bokeh")
+    app.mount("/static", StaticFiles(directory=STATIC), name="static")
+    return app
+
+
+def create_browsing_app(archive: Archive, *, hosts: OwnHosts | None = None) -> FastAPI:
+    """Return the application that shows logs alone.
+
+    Args:
+        archive: The logs; it is closed at the end.
+        hosts: Hosts by which the page may be asked for; those of loopback if not given.
+    """
+
+    @asynccontextmanager
+    async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
+        yield
+        await archive.close()
+
+    app = _bare_app(lifespan, hosts)
+    _include_archive(app, archive, live=False)
+    app.mount("/static", StaticFiles(directory=STATIC), name="static")
+    return app
+
+
+def _bare_app(lifespan: Lifespan[FastAPI], hosts: OwnHosts | None) -> FastAPI:
+    """Return an application that refuses what is not asked of it by its own pages, and has no routes yet."""
     app = FastAPI(
         title="passafe dashboard",
         lifespan=lifespan,
@@ -91,19 +136,20 @@ def create_app(
     app.add_exception_handler(RequestValidationError, answer_invalid)
     app.add_middleware(OwnHostsOnly, hosts=hosts or OwnHosts())
     app.middleware("http")(_add_headers)
-    app.include_router(page_routes(page))
-    app.include_router(state_routes(broadcast, bus_trouble))
-    app.include_router(link_routes(links))
-    app.include_router(stop_routes(stops))
-    app.include_router(drive_routes(broadcast, drives))
-    app.include_router(run_routes(runs, broadcast.feed))
-    app.mount("/static/bokeh", StaticFiles(directory=bokeh_settings.bokehjs_path()), name="bokeh")
-    app.mount("/static", StaticFiles(directory=STATIC), name="static")
     return app
 
 
 async def _run_both(broadcast: Broadcast, drives: DriveRequests) -> None:
     await asyncio.gather(broadcast.run(), drives.run())
+
+
+def _include_archive(app: FastAPI, archive: Archive, *, live: bool) -> None:
+    app.add_exception_handler(ArchiveNameError, answer_unknown_name)
+    app.add_exception_handler(JobNameError, answer_unknown_name)
+    app.add_exception_handler(TooManyJobsError, answer_too_many)
+    app.include_router(log_routes(archive))
+    app.include_router(job_routes(archive))
+    app.include_router(archive_pages(live=live))
 
 
 async def _add_headers(request: Request, call_next: Callable[[Request], Awaitable[Response]]) -> Response:

@@ -5,8 +5,11 @@ from typing import Final
 
 from fastapi import Request, Response
 from fastapi.exceptions import RequestValidationError
+from fastapi.responses import JSONResponse
 
 UNPROCESSABLE: Final = 422
+NOT_FOUND: Final = 404
+TOO_MANY: Final = 429
 
 
 async def answer_invalid(_request: Request, error: Exception) -> Response:
@@ -17,3 +20,13 @@ async def answer_invalid(_request: Request, error: Exception) -> Response:
     problems = error.errors() if isinstance(error, RequestValidationError) else ()
     detail = [{key: problem[key] for key in ("type", "loc", "msg")} for problem in problems]
     return Response(json.dumps({"detail": detail}), UNPROCESSABLE, media_type="application/json")
+
+
+async def answer_unknown_name(_request: Request, error: Exception) -> Response:
+    """Return an answer that says which name nothing has."""
+    return JSONResponse({"detail": str(error)}, NOT_FOUND)
+
+
+async def answer_too_many(_request: Request, error: Exception) -> Response:
+    """Return an answer that says that there is too much to do already."""
+    return JSONResponse({"detail": str(error)}, TOO_MANY)

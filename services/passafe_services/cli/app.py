@@ -5,6 +5,7 @@ from typing import Annotated
 import typer
 
 from passafe_services.cli import (
+    browse,
     campaign,
     check,
     compare,
@@ -73,6 +74,7 @@ app.command("simulate", rich_help_panel=VIRTUAL)(simulate.simulate)
 app.command("experiment", rich_help_panel=VIRTUAL)(experiment.experiment)
 app.command("campaign", rich_help_panel=VIRTUAL)(campaign.campaign)
 app.command("feasibility", rich_help_panel=VIRTUAL)(feasibility.feasibility)
+app.command("browse", rich_help_panel=LOGS)(browse.browse)
 app.command("review", rich_help_panel=LOGS)(review.review)
 app.command("replay", rich_help_panel=LOGS)(replay.replay)
 app.command("whatif", rich_help_panel=LOGS)(whatif.whatif)

@@ -9,11 +9,9 @@ from rich.console import Console
 from passafe_services.cli.comparison_table import print_comparison
 from passafe_services.cli.errors import OptionError
 from passafe_services.cli.options import writable_folder
-from passafe_services.log.log_pass import LogPass
 from passafe_services.tools.compare.alignment import KINDS
 from passafe_services.tools.compare.comparison import Comparison
 from passafe_services.tools.compare.run_metrics import ReviewedRun
-from passafe_services.tools.review.core_evaluator import CoreEvaluator
 from passafe_services.tools.review.run_log import RunLog
 
 LEAST_RUNS = 2
@@ -89,16 +87,10 @@ def draw_overlay(
 def _write_page(
     html: Path, runs: list[ReviewedRun], origins: list[float], names: list[str], notes: tuple[str, ...]
 ) -> None:
-    # a second that others need not wait
-    from passafe_dashboard.run_report import RunCollector, overlay_report, report_run, write_report  # noqa: PLC0415
+    from passafe_dashboard.run_report import overlay_report, report_runs, write_report  # noqa: PLC0415 - likewise
 
     if html.is_dir():
         raise OptionError("--html", f"{html}, a folder", "a file")
     writable_folder(html.parent, "--html")
-    shown = []
-    for run, name, origin in zip(runs, names, origins, strict=True):
-        identity = run.log.identity
-        record = RunCollector(identity.scenario, CoreEvaluator(identity.scenario))
-        LogPass(run.log.path).feed(record)
-        shown.append(report_run(record, run.verdict, identity, label=name, offset_s=-origin))
+    shown = report_runs(runs, names, origins)
     write_report(html, overlay_report(shown, title=" and ".join(names), notes=notes))

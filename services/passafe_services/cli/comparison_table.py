@@ -1,31 +1,12 @@
 """Prints runs side by side."""
 
-from typing import Final
-
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
 from passafe_services.tools.compare.comparison import ComparedRun, Comparison
+from passafe_services.tools.compare.metric_titles import METRIC_TITLES
 from passafe_services.tools.compare.run_metrics import RunMetrics
-
-ROWS: Final = {
-    "duration_s": "duration, s",
-    "ticks": "ticks",
-    "h_min": "smallest h",
-    "power_margin_min": "smallest power margin, W",
-    "tank_min_j": "smallest tank energy, J",
-    "u_norm_max": "largest ‖u‖",
-    "state_age_ms_p50": "age of state p50, ms",
-    "state_age_ms_p99": "age of state p99, ms",
-    "command_age_ms_p50": "age of command p50, ms",
-    "command_age_ms_p99": "age of command p99, ms",
-    "overridden_share": "ticks overridden",
-    "held_back_share": "held back of u_h",
-    "time_to_target_s": "time to target, s",
-    "steering_rms_error": "rms error to targets",
-}
-"""Metrics by name, as the table calls them."""
 
 
 def print_comparison(console: Console, comparison: Comparison, names: list[str]) -> None:
@@ -40,7 +21,7 @@ def print_comparison(console: Console, comparison: Comparison, names: list[str])
     runs = comparison.runs
     table.add_row("verdict", *(_verdict(run.metrics) for run in runs))
     table.add_row("mode", *(run.metrics.mode for run in runs))
-    for name, title in ROWS.items():
+    for name, title in METRIC_TITLES.items():
         if any(getattr(run.metrics, name) is not None for run in runs):
             table.add_row(title, *(_cell(run, name) for run in runs))
     table.add_row("statuses", *(_statuses(run.metrics) for run in runs))

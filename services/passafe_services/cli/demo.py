@@ -124,6 +124,7 @@ def demo(
             robot=robot,
             keys=folder_of_keys,
             page_port=None if headless else port,
+            runs=out,
             duration_s=duration,
             restart=restart,
             rotation=rotation_options(rotate_mb, rotate_s),

@@ -34,6 +34,7 @@ class DemoProcesses:
         robot: Name of the robot.
         keys: Folder of the deployment's keys; ``None``: no TLS and no access control.
         page_port: Port of the dashboard's page; ``None``: no dashboard.
+        runs: Folder of the logs and experiments that the page shows; ``None``: none.
         duration_s: Plant time after which the plant ends, s; ``None``: never.
         restart: Whether those of ``RESTARTED`` are started again when they die.
         rotation: Options of the recorder, see ``rotation_options``.
@@ -46,6 +47,7 @@ class DemoProcesses:
         robot: str,
         keys: Path | None,
         page_port: int | None,
+        runs: Path | None = None,
         duration_s: float | None,
         restart: bool,
         rotation: Sequence[str] = (),
@@ -53,6 +55,7 @@ class DemoProcesses:
         access = ["--insecure"] if keys is None else ["--keys", str(keys)]
         self._common = [_ROUTER, f"{endpoint.host}:{endpoint.port}", "--robot", robot, *access, "--lifeline"]
         self._page_port = page_port
+        self._runs = [] if runs is None else ["--runs", str(runs)]
         self._duration = [] if duration_s is None else ["--duration", str(duration_s)]
         self._restart = restart
         self._rotation = tuple(rotation)
@@ -66,7 +69,7 @@ class DemoProcesses:
         router = self._spec(ProcessName.ROUTER, scenario_file)
         if self._page_port is None:
             return (router,)
-        page = self._spec(ProcessName.DASHBOARD, scenario_file, "--port", str(self._page_port))
+        page = self._spec(ProcessName.DASHBOARD, scenario_file, "--port", str(self._page_port), *self._runs)
         return router, replace(page, control_option=CONTROL_OPTION)
 
     def of_run(self, scenario_file: Path, log: Path | None, *, start_stopped: bool = False) -> tuple[ProcessSpec, ...]:

@@ -87,6 +87,14 @@ def run(
             help="Dashboard: further host name by which its page is opened; repeat for others.",
         ),
     ] = None,
+    runs: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FOLDER",
+            envvar="PASSAFE_RUNS",
+            help="Dashboard: folder of the logs and experiments that its page shows.",
+        ),
+    ] = None,
     epoch: Annotated[
         int | None,
         typer.Option(
@@ -157,6 +165,7 @@ def run(
         lifeline=lifeline,
         health=HealthReporter(process, health_folder),
         page_names=tuple(page_name or ()),
+        runs=runs,
         linked_routers=tuple(linked),
         control_channel=control_channel,
     )

@@ -29,6 +29,7 @@ from passafe_services.tools.compare.comparison import Comparison
 from passafe_services.tools.compare.run_metrics import ReviewedRun
 from passafe_services.tools.review.run_log import RunLog
 from passafe_services.tools.what_if.human_fit import HumanFit, fit_human, fitted
+from passafe_services.tools.what_if.notes import notes_of
 from passafe_services.tools.what_if.rerun import Conditions, Links
 from passafe_services.tools.what_if.what_if import Question, WhatIf
 
@@ -148,28 +149,6 @@ def whatif(
         _print(result, fit, comparison, target)
     is_unchanged = not result.changes and how == operator == RECORDED
     raise typer.Exit(1 if is_unchanged and not result.is_exact else 0)
-
-
-def notes_of(result: WhatIf, fit: HumanFit | None) -> list[tuple[str, str]]:
-    """Return what has to be said beside the metrics of a what-if: by its subject, in words."""
-    first, motion = result.first_difference, result.first_motion
-    notes = [
-        ("changed", "; ".join(result.changes) or "nothing in the scenario"),
-        ("operator", result.operator),
-        ("links", result.links),
-    ]
-    notes += [("fit", fit.text)] if fit is not None else []
-    notes += [("doubt", doubt) for doubt in result.doubts]
-    if first is None:
-        same = result.exactness.identical
-        notes.append(
-            ("exact", f"all {same['tick']} ticks and {same['state']} states are those of the log to the last bit")
-        )
-        return notes
-    notes.append(("first", f"{first.text} ({first.at_s:.3f} s after the start): {first.cause}"))
-    if motion is not None:
-        notes.append(("moves", f"robot elsewhere from plant time {motion.plant_s:.3f} s on: {motion.text}"))
-    return notes
 
 
 def _new_log(out: Path | None, run: Path) -> Path:

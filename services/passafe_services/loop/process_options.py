@@ -32,6 +32,7 @@ class ProcessOptions:
         port: Dashboard, bridge: port of its page, or of its WebSocket.
         host: Dashboard, bridge: address of the same.
         page_names: Dashboard: further names by which its page is reached.
+        runs: Dashboard: folder of the logs and experiments that its page shows; ``None``: none.
         epoch: Epoch of its session, another than those of all earlier ones of this process.
         take_over: Operator: whether to take the lease over from the operator that holds it.
         start_stopped: Plant: whether its emergency stop is latched from the start.
@@ -57,5 +58,6 @@ class ProcessOptions:
     rotate_mb: float | None = None
     rotate_s: float | None = None
     page_names: tuple[str, ...] = ()
+    runs: Path | None = None
     linked_routers: tuple[RouterEndpoint, ...] = ()
     control_channel: int | None = None

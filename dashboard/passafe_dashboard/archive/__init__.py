@@ -1,0 +1,1 @@
+"""Logs and experiments in the runs folder, as the page lists them."""

@@ -1,0 +1,57 @@
+"""The archive of a page: the runs folder, what is listed of it, and the jobs that work on it."""
+
+import asyncio
+from pathlib import Path
+
+from passafe_dashboard.archive.log_list import LogEntry, LogList, LogLister
+from passafe_dashboard.archive.runs_folder import RunsFolder
+from passafe_dashboard.jobs.job_board import JobBoard, PageJob
+from passafe_dashboard.jobs.job_request import AnyJobRequest, CellRunRequest, CompareRequest, WhatIfRequest
+
+
+class Archive:
+    """Logs and experiments in a folder, and work on them. Its methods belong to the server's event loop.
+
+    Args:
+        root: The runs folder.
+        beside_robot: Whether a robot is driven on this machine, so that jobs have to give way.
+    """
+
+    def __init__(self, root: Path, *, beside_robot: bool) -> None:
+        self.folder = RunsFolder(root)
+        self.board = JobBoard(self.folder, beside_robot=beside_robot)
+        self._lister = LogLister(self.folder)
+        self._reading = asyncio.Lock()  # one look at the disk at a time, however many pages ask
+
+    async def logs(self) -> LogList:
+        """Return the logs, the newest first."""
+        async with self._reading:
+            return await asyncio.to_thread(self._lister.newest)
+
+    async def log(self, name: str) -> LogEntry:
+        """Return one log.
+
+        Raises:
+            ArchiveNameError: There is no such log in the folder.
+        """
+        async with self._reading:
+            return await asyncio.to_thread(self._lister.entry, name)
+
+    async def start(self, request: AnyJobRequest) -> PageJob:
+        """Return the job for a request.
+
+        Raises:
+            ArchiveNameError: It names a log or experiment that there is not.
+            TooManyJobsError: Too many jobs are open.
+        """
+        if isinstance(request, CellRunRequest):
+            await asyncio.to_thread(self.folder.experiment, request.experiment)
+            return self.board.start(request, None)
+        names = request.logs if isinstance(request, CompareRequest) else (request.log,)
+        entries = [await self.log(name) for name in names]
+        stamp = None if isinstance(request, WhatIfRequest) else [(each.size_bytes, each.modified_s) for each in entries]
+        return self.board.start(request, stamp)
+
+    async def close(self) -> None:
+        """End all jobs."""
+        await self.board.close()

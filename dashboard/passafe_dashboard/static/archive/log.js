@@ -1,0 +1,24 @@
+// The page of one log: its review, drawn when it is made, and what if something had been different.
+
+import { showReport, showTrouble, watchJob } from "./job_view.js";
+import { ask, pathOf, startJob } from "./server.js";
+import { offerWhatIf } from "./what_if.js";
+
+const name = document.getElementById("name").textContent;
+const STATES = {
+  finished: "",
+  recording: "is being recorded: this is the run up to now",
+  torn: "is torn: its end is missing",
+  "no log": "",
+};
+
+async function open() {
+  const entry = await ask(`/api/logs/${pathOf(name)}`);
+  document.getElementById("state").textContent = STATES[entry.state] ?? "";
+  const done = await watchJob(await startJob({ kind: "review", log: name }));
+  if (!done) return;
+  await showReport(done);
+  offerWhatIf(name);
+}
+
+open().catch((error) => showTrouble(error.message));
