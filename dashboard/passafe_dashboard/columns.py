@@ -6,7 +6,6 @@ Two tables share a time axis in seconds of plant time. ``ticks`` holds the resul
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import asinh
 from typing import Final
 
 from passafe_protocol.messages import FilterTick, PlantState
@@ -17,9 +16,6 @@ from passafe_dashboard.decimation import Keep
 
 TIME: Final = "time_s"
 START: Final = "start_s"
-ZERO: Final = "zero"
-"""Always 0: the zero line, which also keeps zero inside an automatic range."""
-
 POWER_MARGIN: Final = "power_margin_w"
 TANK: Final = "tank_j"
 SLACK: Final = "slack_w"
@@ -30,9 +26,6 @@ P1: Final = "p1_m"
 P2: Final = "p2_m"
 PLACES: Final = ((P1, P2), ("p3_m", "p4_m"))
 """Columns of the position of each point that the robot moves in the plane."""
-
-SIGNED_LOG_LINEAR: Final = 0.1
-"""Half-width of the part of a signed-log axis that is nearly linear."""
 
 
 def measured_h(barrier: int) -> str:
@@ -46,18 +39,8 @@ def psi(barrier: int, level: int) -> str:
 
 
 def moving_table(barrier: int) -> str:
-    """Return the name of the table with the places of an obstacle that moves."""
+    """Return the name under which the displacement of an obstacle that moves is sent."""
     return f"moving_{barrier}"
-
-
-def signed_log_column(column: str) -> str:
-    """Return the column that holds another one on a signed-log axis."""
-    return f"{column}_log"
-
-
-def signed_log(value: float) -> float:
-    """Return the symmetric logarithm asinh(value / c), c = ``SIGNED_LOG_LINEAR``: odd, increasing, 0 at 0."""
-    return asinh(value / SIGNED_LOG_LINEAR)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -154,12 +137,7 @@ class ColumnLayout:
         """Return whether a state is long enough to be one of this scenario."""
         return len(state.x) >= self.states
 
-    @property
-    def log_columns(self) -> tuple[str, ...]:
-        """Tick columns that a chart shows on a signed-log axis: every ψ but h."""
-        return tuple(psi(i, level) for i, level in self.chain if level)
 
-
-def drawn_columns(columns: Sequence[str], log_columns: Sequence[str]) -> tuple[str, ...]:
-    """Return the columns of a chart's data source: time, zero, the table's own and their signed logarithms."""
-    return (START, TIME, ZERO, *columns, *(signed_log_column(name) for name in log_columns))
+def drawn_columns(columns: Sequence[str]) -> tuple[str, ...]:
+    """Return the columns of a row of a frame: begin, end and the table's own."""
+    return (START, TIME, *columns)

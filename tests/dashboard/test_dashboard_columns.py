@@ -1,16 +1,7 @@
-from math import inf, sinh
-
 import pytest
 from barrier_examples import speed_limit
 from closed_form import MS, h, paper_scenario, position, state, tick
-from hypothesis import given
-from hypothesis import strategies as st
-from passafe_dashboard.columns import (
-    SIGNED_LOG_LINEAR,
-    ColumnLayout,
-    drawn_columns,
-    signed_log,
-)
+from passafe_dashboard.columns import ColumnLayout, drawn_columns
 from passafe_dashboard.live.feed import Feed
 from passafe_protocol.messages import BarrierReport
 from passafe_services.scenarios.load import load_scenario
@@ -23,7 +14,6 @@ def test_a_barrier_has_as_many_psi_as_class_k_functions() -> None:
     assert LAYOUT.chain == ((0, 0), (0, 1), (0, 2))
     assert LAYOUT.names == ("disk",)
     assert LAYOUT.h_unit == "m²"
-    assert LAYOUT.log_columns == ("psi_0_1", "psi_0_2")
 
 
 def test_values_of_a_tick_stand_under_their_columns() -> None:
@@ -79,18 +69,5 @@ def test_page_shows_h_and_displacement_at_the_time_of_the_state() -> None:
     assert feed.measured_h(after_1_s) == [3.0, -1.0]
 
 
-def test_drawn_columns_add_time_zero_line_and_signed_logarithms() -> None:
-    assert drawn_columns(("a", "b"), ("b",)) == ("start_s", "time_s", "zero", "a", "b", "b_log")
-
-
-@given(st.floats(-1e8, 1e8), st.floats(-1e8, 1e8))
-def test_signed_log_is_odd_increasing_and_invertible(a: float, b: float) -> None:
-    assert signed_log(-a) == -signed_log(a)
-    assert SIGNED_LOG_LINEAR * sinh(signed_log(a)) == pytest.approx(a, rel=1e-9, abs=1e-12)
-    if a < b:
-        assert signed_log(a) <= signed_log(b)
-
-
-def test_signed_log_is_zero_at_zero_and_defined_everywhere() -> None:
-    assert signed_log(0.0) == 0.0
-    assert signed_log(inf) == inf
+def test_drawn_columns_begin_with_begin_and_end() -> None:
+    assert drawn_columns(("a", "b")) == ("start_s", "time_s", "a", "b")

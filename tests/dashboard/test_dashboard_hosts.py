@@ -67,7 +67,7 @@ def test_another_site_may_ask_for_nothing(
 ) -> None:
     headers = ({} if host is None else {"host": host}) | ({} if origin is None else {"origin": origin})
     with httpx.Client(base_url=page.url, headers=headers) as client:
-        answers = [client.get(path) for path in ("/", "/api/status", "/api/links", "/healthz", "/static/live.js")]
+        answers = [client.get(path) for path in ("/", "/api/status", "/api/links", "/healthz", "/static/live/main.js")]
         answers.append(client.put("/api/links/plant-to-filter", json={"delay_s": 0.1}))
     assert {answer.status_code for answer in answers} == {status}
     assert run.links.requests == []

@@ -4,7 +4,7 @@
 """
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from hashlib import sha256
 from typing import Any, Final, NamedTuple
 
@@ -41,6 +41,7 @@ from passafe.errors import PassafeError
 from passafe_dashboard.barrier_values import BarrierValues
 from passafe_dashboard.columns import ColumnLayout
 from passafe_dashboard.decimation import NS_PER_S
+from passafe_dashboard.live.barrier_gaps import BarrierGaps, Gap
 from passafe_dashboard.live.driver_seat import DriverSeat
 from passafe_dashboard.live.run_state import RunState
 from passafe_dashboard.live.topic_monitor import TopicMonitor
@@ -124,6 +125,7 @@ class Feed:
         self.scenario_id = scenario_id(None)
         self.layout = ColumnLayout(barriers=(), levels=())
         self._barrier_values: BarrierValues | None = None
+        self._barrier_gaps: BarrierGaps | None = None
         self.info: ScenarioInfo | None = None
         self.session: dict[str, Any] | None = None
         self.end: str | None = None
@@ -206,6 +208,12 @@ class Feed:
             return None
         return [] if self._barrier_values is None else self._barrier_values.h(state.x, state.plant_ns / NS_PER_S)
 
+    def gaps(self, x: Sequence[float], time_ns: int) -> list[Gap]:
+        """Return the distance to every barrier at a state; none for a state of another scenario."""
+        if self._barrier_gaps is None or len(x) < self.layout.states:
+            return []
+        return self._barrier_gaps.read(x, time_ns / NS_PER_S)
+
     def displacements_m(self, state: PlantState) -> dict[str, tuple[float, float]]:
         """Return how far each outline that moves is from where it was drawn, m, by the name of its table."""
         return {} if self._barrier_values is None else self._barrier_values.displacements_m(state.plant_ns / NS_PER_S)
@@ -219,6 +227,7 @@ class Feed:
 
     def _adopt(self, scenario: Scenario) -> None:
         self._barrier_values = BarrierValues(scenario)
+        self._barrier_gaps = BarrierGaps(scenario)
         self.scenario = scenario
         self.scenario_id = scenario_id(scenario)
         self.layout = ColumnLayout.of(scenario)

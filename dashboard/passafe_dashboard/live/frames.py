@@ -4,9 +4,6 @@ A frame is the JSON text ``{"layout": …, "restart": bool, "lost": n, "tables":
 [row, …]}, "now": {…}}``; a row lists the columns of ``drawn_columns`` in order, null where there is no value.
 """
 
-from collections.abc import Sequence
-
-from passafe_dashboard.columns import ColumnLayout, signed_log
 from passafe_dashboard.decimation import SeriesRow
 from passafe_dashboard.json_text import json_text
 from passafe_dashboard.live.feed import Feed
@@ -28,7 +25,6 @@ class ClientFrames:
         self._run: int | None = None
         self._ticks = 0
         self._states = 0
-        self._log_indices: tuple[int, ...] = ()
 
     def next_frame(self, now_text: str) -> str:
         """Return the next frame.
@@ -41,12 +37,11 @@ class ClientFrames:
         restart = self._run != run.number
         if restart:
             self._run, self._ticks, self._states = run.number, run.ticks.first, run.states.first
-            self._log_indices = log_indices(feed.layout)
         ticks, states = run.ticks.since(self._ticks), run.states.since(self._states)
         self._ticks, self._states = ticks.cursor, states.cursor
         tables = {
-            "ticks": [drawn_row(row, self._log_indices) for row in ticks.rows],
-            "states": [drawn_row(row, ()) for row in states.rows],
+            "ticks": [drawn_row(row) for row in ticks.rows],
+            "states": [drawn_row(row) for row in states.rows],
         }
         head = {
             "layout": feed.scenario_id,
@@ -57,16 +52,6 @@ class ClientFrames:
         return f'{json_text(head)[:-1]},"now":{now_text}}}'
 
 
-def drawn_row(row: SeriesRow, log_indices: Sequence[int]) -> list[float | None]:
+def drawn_row(row: SeriesRow) -> list[float | None]:
     """Return the values of the drawn columns of one row; an interruption is null in all but the time."""
-    drawn = [row.start_s, row.end_s, 0, *row.values]
-    for index in log_indices:
-        value = row.values[index]
-        drawn.append(None if value is None else signed_log(value))
-    return drawn
-
-
-def log_indices(layout: ColumnLayout) -> tuple[int, ...]:
-    """Return the index of each signed-log column among the tick columns."""
-    columns = tuple(layout.tick_columns)
-    return tuple(columns.index(name) for name in layout.log_columns)
+    return [row.start_s, row.end_s, *row.values]

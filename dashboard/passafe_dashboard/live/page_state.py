@@ -20,6 +20,7 @@ from passafe_dashboard.decimation import NS_PER_S, WorstSample
 from passafe_dashboard.live.ages import ages
 from passafe_dashboard.live.command_words import command_words
 from passafe_dashboard.live.drive_state import NS_PER_MS, drive_json
+from passafe_dashboard.live.drive_view import drive_view
 from passafe_dashboard.live.feed import Feed, ReceivedEvent
 from passafe_dashboard.live.topic_monitor import TopicMonitor
 from passafe_dashboard.palette import PHASE_MEANINGS, STATUS_STYLES
@@ -37,11 +38,13 @@ REPORTING: Final = tuple(name for name in PROCESSES if name != "router")
 
 def page_state(feed: Feed, now_ns: int) -> Json:
     """Return the whole state but the charts at ``now_ns`` (this process's monotonic clock, ns)."""
+    live = liveness(feed, now_ns)
     return {
-        "liveness": liveness(feed, now_ns),
+        "liveness": live,
         "server_ms": now_ns / NS_PER_MS,
         "ages": ages(feed, now_ns),
         "drive": drive_json(feed) | {"lease": None if feed.lease is None else _lease_json(feed.lease)},
+        **drive_view(feed, live),
         "run": feed.run.number,
         "session": feed.session,
         "scenario": _scenario_json(feed),

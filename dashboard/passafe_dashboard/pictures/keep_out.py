@@ -9,10 +9,10 @@ from matplotlib.patches import Patch, Polygon
 from passafe_services.scenarios.barrier_kinds.motion import FloatArray
 from passafe_services.scenarios.barrier_kinds.outline import Outline
 
-from passafe_dashboard.charts.regions import UNSAFE_ALPHA, distinct_outlines
 from passafe_dashboard.palette import UNSAFE_COLOUR
 from passafe_dashboard.run_series import RunSeries
 
+UNSAFE_ALPHA: Final = 0.18
 EARLIER_ALPHA: Final = 0.05
 EARLIER: Final = 7
 """Earlier places of a moving outline that are drawn over a whole run."""
@@ -25,7 +25,8 @@ def draw_keep_out(axes: Axes, series: RunSeries) -> list[Patch]:
 
     Only a border that closes extends the view.
     """
-    outlines = [outline for _, outline in distinct_outlines(series.barriers)]
+    # Once where a barrier holds for several points, in the order of the scenario.
+    outlines = list(dict.fromkeys(barrier.outline for barrier in series.barriers if barrier.outline is not None))
     for outline in outlines:
         if outline.motion is not None:
             _draw_path(axes, outline, series.times_s[0], series.times_s[-1])

@@ -7,10 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from passafe_dashboard.charts.over_time import TIME_LABEL
-from passafe_dashboard.charts.plane import TRAILS
 from passafe_dashboard.decimation import kept_samples
-from passafe_dashboard.palette import INK, PAPER, ZERO_COLOUR, line_style
+from passafe_dashboard.palette import INK, LINE_COLOURS, PAPER, TRAIL_COLOUR, ZERO_COLOUR, line_style
 from passafe_dashboard.pictures.keep_out import draw_keep_out
 from passafe_dashboard.pictures.svg_file import DASHES, add_legend, svg_text
 from passafe_dashboard.run_description import descriptions
@@ -22,6 +20,10 @@ BINS: Final = 400
 """Enough for a chart 450 points wide; lowest and highest samples of each bin are kept."""
 
 PLANE_MARGIN: Final = 0.06
+TIME_LABEL: Final = "plant time (s)"
+
+TRAILS: Final = ((TRAIL_COLOUR, "solid"), (LINE_COLOURS[1], "dashed"))
+"""Colour and dash of each point's trail."""
 
 
 class Signal(NamedTuple):

@@ -5,7 +5,6 @@ from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 from typing import Final
 
-from bokeh.settings import settings as bokeh_settings
 from fastapi import FastAPI, Request, Response
 from fastapi.exceptions import RequestValidationError
 from fastapi.staticfiles import StaticFiles
@@ -80,7 +79,6 @@ def create_app(
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
-        await asyncio.to_thread(page.charts)  # before messages flow: it takes a second in a new process
         app.state.broadcasting = asyncio.create_task(_run_both(broadcast, drives))
         session_open = asyncio.create_task(runs.run())
         yield
@@ -99,7 +97,6 @@ def create_app(
     app.include_router(run_routes(runs, broadcast.feed))
     if archive is not None:
         _include_archive(app, archive, live=True)
-    app.mount("/static/bokeh", StaticFiles(directory=bokeh_settings.bokehjs_path()), name="bokeh")
     app.mount("/static", StaticFiles(directory=STATIC), name="static")
     return app
 

@@ -1,24 +1,23 @@
-"""Serve the live page: ``GET /`` and the script of its charts, ``GET /charts.js``."""
+"""Serve the live page: ``GET /``, and ``GET /engineer`` for its second sheet."""
 
 import asyncio
 
-from fastapi import APIRouter, Response
-from fastapi.responses import HTMLResponse
+from fastapi import APIRouter
+from fastapi.responses import HTMLResponse, RedirectResponse
 
 from passafe_dashboard.live.page import LivePage
 
 
 def page_routes(page: LivePage) -> APIRouter:
-    """Return the routes of the page's markup and of its charts."""
+    """Return the routes of the page's markup."""
     router = APIRouter()
 
     @router.get("/")
     async def markup() -> HTMLResponse:
         return HTMLResponse(await asyncio.to_thread(page.html))
 
-    @router.get("/charts.js")
-    async def charts() -> Response:
-        made = await asyncio.to_thread(page.charts)
-        return Response(made.script, media_type="text/javascript")
+    @router.get("/engineer", include_in_schema=False)
+    async def engineer() -> RedirectResponse:
+        return RedirectResponse("/#engineer")
 
     return router

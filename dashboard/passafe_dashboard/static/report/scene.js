@@ -254,7 +254,7 @@ function prepare(canvas, width, height) {
   return pen;
 }
 
-function line(pen, places, colour, width = 1, dash = []) {
+export function line(pen, places, colour, width = 1, dash = []) {
   pen.beginPath();
   for (const [x, y] of places) pen.lineTo(x, y);
   pen.strokeStyle = colour;

@@ -1,0 +1,203 @@
+"""Words that a driver understands for what holds the robot now, most urgent first."""
+
+from collections.abc import Callable, Mapping, Sequence
+from math import hypot
+from typing import Final, NamedTuple
+
+from passafe_protocol.messages import CommandState, FilterStatus, FilterTick, PlantPhase
+from passafe_services.tools.review.verdict_so_far import TOLERANCES
+
+from passafe_dashboard.live.barrier_gaps import Gap
+from passafe_dashboard.live.command_words import command_words
+from passafe_dashboard.live.feed import Feed
+from passafe_dashboard.live.gap_text import TOUCHING_M, barrier_words, distance_text
+from passafe_dashboard.palette import STATUS_STYLES
+
+LEAST_HELD: Final = 0.02
+"""Share of the command below which a change of it is not worth a word."""
+
+LEAST_ASKED: Final = 1e-3
+"""Command below which the operator asks for nothing, units of u."""
+
+LEAST_SHARE: Final = 0.1
+"""Share of a row in the change below which it is not named."""
+
+
+class DriverWords(NamedTuple):
+    """One sentence for the driver and a second one that explains it.
+
+    Attributes:
+        tone: ``free``, ``held``, ``guard`` (a fallback drives), ``broken`` (a limit or the system) or ``stopped``.
+        headline: What is so.
+        detail: Why, or what to do.
+    """
+
+    tone: str
+    headline: str
+    detail: str
+
+
+class Situation(NamedTuple):
+    """Situation that the words describe.
+
+    Attributes:
+        feed: State of the page.
+        liveness: Whether messages arrive, as on the page.
+        gaps: Distances to every barrier at the shown state.
+        h: h of every barrier there.
+    """
+
+    feed: Feed
+    liveness: Mapping[str, str]
+    gaps: Sequence[Gap]
+    h: Sequence[float]
+
+
+def driver_words(situation: Situation) -> DriverWords:
+    """Return the words for a situation: of the first rule that speaks."""
+    for rule in _RULES:
+        words = rule(situation)
+        if words is not None:
+            return words
+    return _free(situation)
+
+
+def _stopped(now: Situation) -> DriverWords | None:
+    state = now.feed.run.state
+    if state is None or not state.stop:
+        return None
+    return DriverWords(
+        "stopped", "Emergency stop", f"Pressed at {state.stop_source}. The robot brakes by itself until it is cleared."
+    )
+
+
+def _not_live(now: Situation) -> DriverWords | None:
+    headline = {"waiting": "Waiting for the robot", "silent": "Nothing new arrives", "ended": "The run is over"}
+    kind = now.liveness["state"]
+    return None if kind == "live" else DriverWords("broken", headline[kind], now.liveness["text"])
+
+
+def _beyond_a_limit(now: Situation) -> DriverWords | None:
+    beyond = [gap for gap, h in zip(now.gaps, now.h, strict=False) if h < -TOLERANCES.h]
+    if not beyond:
+        return None
+    worst = min(beyond, key=lambda gap: gap.distance)
+    headline = f"Beyond {_named(now, worst)} by {distance_text(worst.distance, worst.unit)}"
+    off = now.feed.run.tick is not None and now.feed.run.tick.mode in ("off", "passive")
+    return DriverWords("broken", headline, "The mode asks for no safety." if off else "A barrier does not hold.")
+
+
+def _fail_safe(now: Situation) -> DriverWords | None:
+    state, tick = now.feed.run.state, now.feed.run.tick
+    if state is None or state.phase is not PlantPhase.FAIL_SAFE:
+        return None
+    stale = tick is not None and tick.status is FilterStatus.STALE
+    detail = f"The filter waits: {_stale_reason(tick)}" if tick is not None and stale else "No input arrives in time."
+    return DriverWords("guard", "The robot brakes by itself", detail)
+
+
+def _stale(now: Situation) -> DriverWords | None:
+    tick = now.feed.run.tick
+    if tick is None or tick.status is not FilterStatus.STALE:
+        return None
+    return DriverWords("guard", "Standing by", _stale_reason(tick))
+
+
+def _stale_reason(tick: FilterTick) -> str:
+    if tick.command_state in (CommandState.COUNTS, CommandState.RESUMES):
+        return f"the robot's state is {tick.state_age_ns * 1e-6:.0f} ms old, too old to decide on."
+    return f"the operator's command: {command_words(tick)}."
+
+
+def _fallback(now: Situation) -> DriverWords | None:
+    tick = now.feed.run.tick
+    headlines = {
+        FilterStatus.INFEASIBLE: "Limits conflict: least of all evils",
+        FilterStatus.UNCERTIFIED: "Braking: no certified answer",
+        FilterStatus.AT_SAMPLES: "Braking to be sure between samples",
+    }
+    if tick is None or tick.status not in headlines:
+        return None
+    nearest = min(now.gaps, key=lambda gap: gap.distance, default=None)
+    near = "" if nearest is None else f" Nearest: {_with_distance(now, nearest)}."
+    return DriverWords("guard", headlines[tick.status], f"{STATUS_STYLES[tick.status].meaning.capitalize()}.{near}")
+
+
+def _held(now: Situation) -> DriverWords | None:
+    tick = now.feed.run.tick
+    if tick is None or not tick.override.held_back:
+        return None
+    asked, held = hypot(*tick.u_h), hypot(*tick.override.held_back)
+    if held <= max(LEAST_ASKED, LEAST_HELD * max(asked, hypot(*tick.u_nominal))):
+        return None
+    causes = _causes(now, tick)
+    if not causes:
+        return None
+    if asked <= LEAST_ASKED:
+        return DriverWords(
+            "held", f"Kept off by {causes}", "Nothing of yours is held back: the robot's own controller is."
+        )
+    return DriverWords("held", f"Held back by {causes}", _passing(tick))
+
+
+def _passing(tick: FilterTick) -> str:
+    if tick.override.unavoidable:
+        return "No part of the command would pass unchanged."
+    # Rounded down, so that the share that is named does pass.
+    return f"{int(100 * tick.override.allowed_fraction)} % of the command would pass unchanged."
+
+
+def _causes(now: Situation, tick: FilterTick) -> str:
+    gaps = {gap.name: gap for gap in now.gaps}
+    rows = sorted((row for row in tick.rows if row.active), key=lambda row: -row.share)
+    named: list[str] = []
+    for row in rows:
+        if named and row.share < LEAST_SHARE:
+            continue
+        words = _with_distance(now, gaps[row.name]) if row.name in gaps else _row_words(row.name)
+        if words not in named:
+            named.append(words)
+    return " and ".join(named[:2])
+
+
+def _row_words(name: str) -> str:
+    return "the energy balance" if name == "passivity" else "the input limits"
+
+
+def _with_distance(now: Situation, gap: Gap) -> str:
+    if gap.unit == "m" and abs(gap.distance) < TOUCHING_M:
+        return f"{_named(now, gap)}, right at it"
+    where = "away" if gap.unit in ("m", "rad") else "left"
+    past = " beyond" if gap.distance < 0 else f" {where}"
+    return f"{_named(now, gap)}, {distance_text(gap.distance, gap.unit)}{past}"
+
+
+def _named(now: Situation, gap: Gap) -> str:
+    kinds = {barrier.name: barrier.kind for barrier in now.feed.layout.barriers}
+    return barrier_words(gap, kinds.get(gap.name, ""))
+
+
+def _free(now: Situation) -> DriverWords:
+    tick = now.feed.run.tick
+    nearest = min(now.gaps, key=lambda gap: gap.distance, default=None)
+    near = "" if nearest is None else f"Nearest: {_with_distance(now, nearest)}."
+    if tick is None:
+        return DriverWords("broken", "Waiting for the filter", near)
+    if tick.command_state not in (CommandState.COUNTS, CommandState.RESUMES) and tick.command_state:
+        return DriverWords("free", "Nobody drives", f"The operator's command: {command_words(tick)}. {near}".strip())
+    if tick.status is FilterStatus.RELAXED:
+        return DriverWords("held", f"Passivity gives way by {tick.slack:.2g} W", near)
+    if tick.mode == "off":
+        return DriverWords("held", "The filter is off", f"Nothing is held back. {near}".strip())
+    return DriverWords("free", "The way is free", near)
+
+
+_RULES: Final[tuple[Callable[[Situation], DriverWords | None], ...]] = (
+    _stopped,
+    _not_live,
+    _beyond_a_limit,
+    _fail_safe,
+    _stale,
+    _fallback,
+    _held,
+)

@@ -1,0 +1,76 @@
+// The drive sheet: scene, words, distances, energy, delays, driver, and what can be changed.
+
+import { showDelays } from "./delays_panel.js";
+import { showDriver } from "./driver_panel.js";
+import { byId, setText } from "./elements.js";
+import { EnergyMeter } from "./energy_meter.js";
+import { GapBars } from "./gap_bars.js";
+import { JointScene } from "./joint_scene.js";
+import { NetworkPanel } from "./network_panel.js";
+import { PlaneScene } from "./plane_scene.js";
+import { ProcessPanel } from "./process_panel.js";
+import { RunPanel } from "./run_panel.js";
+import { connectTabs } from "./tabs.js";
+import { WordsPanel } from "./words_panel.js";
+
+/** @typedef {import("./types.js").Now} Now */
+
+const NUMBERS_EVERY_MS = 100;
+const PANELS_EVERY_MS = 250;
+
+export class DriveSheet {
+  /** @param {import("./types.js").Setup} setup
+   * @param {{ticks: import("./live_table.js").LiveTable, states: import("./live_table.js").LiveTable}} tables
+   * @param {import("./steering.js").Steering} steering */
+  constructor(setup, tables, steering) {
+    this.setup = setup;
+    this.steering = steering;
+    const [ground, canvas] = ["scene-ground", "scene"].map((id) => /** @type {HTMLCanvasElement} */ (byId(id)));
+    const full = setup.drive?.full ?? [];
+    this.scene =
+      setup.scene?.kind === "joints"
+        ? new JointScene(ground, canvas, setup.scene, full)
+        : new PlaneScene(ground, canvas, /** @type {import("./types.js").Plane} */ (setup.scene), tables.states, full);
+    this.words = new WordsPanel();
+    this.gaps = new GapBars();
+    this.energy = new EnergyMeter();
+    this.network = new NetworkPanel(setup);
+    this.run = new RunPanel();
+    this.processes = new ProcessPanel();
+    connectTabs(/** @type {HTMLElement} */ (document.querySelector(".tabs")));
+    steering.build(setup);
+    this.numbersAt = -Infinity;
+    this.panelsAt = -Infinity;
+  }
+
+  /** @param {Now} now
+   * @param {import("./theme.js").LiveTheme} theme
+   * @param {number} at
+   * @param {boolean} restyled */
+  draw(now, theme, at, restyled) {
+    this.scene.draw(now, theme, restyled);
+    this.steering.draw(now, theme);
+    this.words.show(now.words, at);
+    if (at - this.numbersAt >= NUMBERS_EVERY_MS || now.liveness.state === "ended") {
+      this.numbersAt = at;
+      this.showNumbers(now);
+    }
+    if (at - this.panelsAt >= PANELS_EVERY_MS) {
+      this.panelsAt = at;
+      this.network.show(now.link_states);
+      this.run.show(now.session);
+      this.processes.show(now);
+    }
+  }
+
+  /** @param {Now} now */
+  showNumbers(now) {
+    this.gaps.show(now.gaps);
+    this.energy.show(now.energy, this.setup.tolerances.power_margin_w);
+    showDelays(now.ages);
+    showDriver(now, this.steering.you, this.setup.script);
+    const age = byId("scene-age");
+    age.hidden = now.liveness.state === "live";
+    if (!age.hidden) setText(age, `Old: ${now.liveness.text}`);
+  }
+}

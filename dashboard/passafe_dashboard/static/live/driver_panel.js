@@ -1,0 +1,41 @@
+// Who drives, the lease, and what is recorded.
+
+import { byId, setText } from "./elements.js";
+
+/** @typedef {import("./types.js").Now} Now */
+
+/** Returns who drives, in words.
+ * @param {import("./types.js").Driver | undefined} driver
+ * @param {boolean} you whether it is this page
+ * @param {string | undefined} script kind of the scenario's own source */
+export function driverText(driver, you, script) {
+  if (you) return "you, from this page";
+  if (!driver) return "nobody";
+  if (driver.page) return `page ${driver.page}`;
+  return driver.device === script ? `the script (${script})` : `the ${driver.device}`;
+}
+
+/** @param {any} lease */
+export function leaseText(lease) {
+  if (!lease) return "–";
+  const other = lease.refused ? "; another session is refused" : "";
+  if (!lease.holder) return `free${other}`;
+  const silence = lease.heartbeat_ms > 500 ? `, silent for ${(lease.heartbeat_ms / 1000).toFixed(1)} s` : "";
+  return `held by ${lease.device}${silence}${other}`;
+}
+
+/** @param {Now} now */
+export function recordingText(now) {
+  if (now.session) return now.session.recording ? `on, ${now.session.log ?? "log is being opened"}` : "off";
+  const recorder = now.processes.find((each) => each.process === "recorder");
+  return recorder?.state === "ok" ? "on" : recorder?.state === "silent" ? "the recorder is silent" : "off";
+}
+
+/** @param {Now} now
+ * @param {boolean} you
+ * @param {string | undefined} script */
+export function showDriver(now, you, script) {
+  setText(byId("driver"), driverText(now.drive?.driver, you, script));
+  setText(byId("lease"), leaseText(now.drive?.lease ?? now.lease));
+  setText(byId("recording"), recordingText(now));
+}

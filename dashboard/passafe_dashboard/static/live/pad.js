@@ -1,0 +1,109 @@
+// A joystick on the page: drag it with mouse, pen or finger; what is held back now is shaded on it.
+
+import { askedAndAllowed, cuts, drawCuts } from "./input_dial.js";
+import { Stick, inDisk } from "./stick.js";
+import { clear } from "./plane_scene.js";
+
+/** @typedef {import("./types.js").Pair} Pair */
+
+const KNOB_PX = 17;
+
+export class Pad {
+  /** @param {number} number
+   * @param {string} name
+   * @param {number[]} axes
+   * @param {number} size pixels
+   * @param {() => void} changed */
+  constructor(number, name, axes, size, changed) {
+    this.number = number;
+    this.axes = axes;
+    this.size = size;
+    this.stick = new Stick();
+    this.changed = changed;
+    this.canvas = document.createElement("canvas");
+    this.canvas.className = "pad";
+    this.canvas.id = `pad-${number}`;
+    this.canvas.style.width = `${size}px`;
+    this.canvas.style.height = `${size}px`;
+    this.canvas.setAttribute("role", "img");
+    this.canvas.setAttribute("aria-label", `${name}: drag to steer; by keyboard, hold the ${number ? "W A S D" : "arrow"} keys`);
+    this.listen();
+  }
+
+  listen() {
+    const { canvas, stick } = this;
+    canvas.addEventListener("pointerdown", (event) => {
+      canvas.setPointerCapture(event.pointerId);
+      stick.press(this.hand(event));
+      this.changed();
+    });
+    canvas.addEventListener("pointermove", (event) => {
+      if (!stick.engaged) return;
+      stick.move(this.hand(event));
+      this.changed();
+    });
+    for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) {
+      canvas.addEventListener(end, () => {
+        if (!stick.engaged) return;
+        stick.release();
+        this.changed();
+      });
+    }
+  }
+
+  get reach() {
+    return this.size / 2 - KNOB_PX - 3;
+  }
+
+  /** @param {PointerEvent} event
+   * @returns {Pair} */
+  hand(event) {
+    const half = this.size / 2;
+    const y = this.axes.length > 1 ? (half - event.offsetY) / this.reach : 0;
+    return [(event.offsetX - half) / this.reach, y];
+  }
+
+  /** @param {import("./types.js").Now} now
+   * @param {number} full
+   * @param {Pair} value what steers, whichever source it comes from
+   * @param {any} theme */
+  draw(now, full, value, theme) {
+    const pen = clear(this.canvas, this.size, this.size);
+    /** @type {Pair} */
+    const centre = [this.size / 2, this.size / 2];
+    const rim = this.reach;
+    disk(pen, centre, this.size / 2 - 2, theme.sunken, theme.line);
+    if (now.filter && this.axes.length > 1) {
+      const { allowed } = askedAndAllowed(now.filter, this.axes);
+      drawCuts(pen, centre, rim, cuts(now.held.filter(({ point }) => point === this.number), allowed, full), theme.held);
+    }
+    pen.strokeStyle = theme.line;
+    pen.lineWidth = 1;
+    pen.beginPath();
+    pen.arc(centre[0], centre[1], rim, 0, 2 * Math.PI);
+    pen.moveTo(centre[0] - rim, centre[1]);
+    pen.lineTo(centre[0] + rim, centre[1]);
+    if (this.axes.length > 1) {
+      pen.moveTo(centre[0], centre[1] - rim);
+      pen.lineTo(centre[0], centre[1] + rim);
+    }
+    pen.stroke();
+    const [x, y] = inDisk(value);
+    disk(pen, [centre[0] + x * rim, centre[1] - y * rim], KNOB_PX, theme.accent, theme.raised);
+  }
+}
+
+/** @param {CanvasRenderingContext2D} pen
+ * @param {Pair} centre
+ * @param {number} radius
+ * @param {string} fill
+ * @param {string} edge */
+function disk(pen, centre, radius, fill, edge) {
+  pen.beginPath();
+  pen.arc(centre[0], centre[1], radius, 0, 2 * Math.PI);
+  pen.fillStyle = fill;
+  pen.fill();
+  pen.lineWidth = 2;
+  pen.strokeStyle = edge;
+  pen.stroke();
+}

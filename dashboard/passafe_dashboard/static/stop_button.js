@@ -1,0 +1,75 @@
+// The emergency stop of every page: a button and the Escape key press it, a second button clears the stop that is shown.
+// The plant latches the stop; what is shown here is what its states say.
+
+/** @typedef {{id: string | null, source: string | null}} Stop */
+
+export class StopButton {
+  /** @param {Document} page */
+  constructor(page) {
+    this.page = page;
+    this.press = /** @type {HTMLButtonElement} */ (page.getElementById("stop"));
+    this.clear = /** @type {HTMLButtonElement} */ (page.getElementById("clear"));
+    this.answer = /** @type {HTMLOutputElement} */ (page.getElementById("stop-answer"));
+    /** @type {string | null} */
+    this.latched = null;
+    this.press.addEventListener("click", () => this.stop());
+    this.clear.addEventListener("click", () => this.clearLatched());
+    page.addEventListener("keydown", (event) => {
+      if (event.key !== "Escape" || event.repeat) return;
+      event.preventDefault();
+      this.stop();
+    });
+  }
+
+  stop() {
+    return this.request("/api/stop", "Stopping …");
+  }
+
+  async clearLatched() {
+    if (!this.latched || !window.confirm("Is the way free? The robot can be driven again after the clear.")) return;
+    await this.request(`/api/clear/${this.latched}`, "Clearing …");
+  }
+
+  /** Shows the stop that is latched at the plant.
+   * @param {Stop} stop */
+  show(stop) {
+    if (stop.id !== this.latched) this.say(stop.id ? `Stopped: pressed at ${stop.source}.` : "");
+    this.latched = stop.id;
+    this.clear.hidden = !stop.id;
+    this.page.body.toggleAttribute("data-stopped", Boolean(stop.id));
+  }
+
+  /** Asks the server which stop is latched, for pages that get no frames. */
+  async follow() {
+    try {
+      const response = await fetch("/api/status");
+      if (response.ok) this.show((await response.json()).stop);
+    } catch {
+      // The page of a log may be served without a running system.
+    }
+  }
+
+  /** @param {string} path
+   * @param {string} doing */
+  async request(path, doing) {
+    this.say(doing);
+    try {
+      const response = await fetch(path, { method: "PUT" });
+      const body = await response.json();
+      if (response.ok) this.show(body);
+      else this.say(`Failed: ${body.detail}`);
+    } catch (error) {
+      this.say(`Failed: the dashboard does not answer (${reason(error)}). Use passafe stop, or the robot's own switch.`);
+    }
+  }
+
+  /** @param {string} text */
+  say(text) {
+    this.answer.textContent = text;
+  }
+}
+
+/** @param {unknown} error */
+function reason(error) {
+  return error instanceof Error ? error.message : String(error);
+}
