@@ -8,16 +8,11 @@ import pytest
 from passafe_services.cli.demo_outcome import DIED, report_outcome
 from passafe_services.cli.demo_processes import rotation_options
 from passafe_services.log.errors import LogWriteError
-from passafe_services.log.log_writer import LogWriter, run_metadata
-from passafe_services.loop.process_exit import Exit, ExitCause, RunOutcome
-from passafe_services.recorder.lockstep_log import LockstepLog
-from passafe_services.scenarios.info import versions
+from passafe_services.loop.process_exit import ExitCause
 from passafe_services.scenarios.load import load_scenario
 from passafe_services.scenarios.schema import Scenario
-from passafe_services.simulation import lockstep_loop
 from rich.console import Console
-
-RUN_S = 0.3
+from short_run import ended, write_log
 
 
 @pytest.fixture(scope="module")
@@ -44,24 +39,6 @@ class Printed:
     def text(self) -> str:
         assert isinstance(self._console.file, io.StringIO)
         return self._console.file.getvalue() + self._capsys.readouterr().out
-
-
-def write_log(path: Path, scenario: Scenario, *, planned_s: float | None = RUN_S, finished: bool = True) -> Path:
-    text = scenario.model_dump_json()
-    metadata = run_metadata(scenario_json=text, versions=versions(), driver="live", planned_s=planned_s)
-    log = LogWriter(path, metadata)
-    lockstep_loop(scenario, observer=LockstepLog(log)).run(round((RUN_S + 0.1) * scenario.rate_hz))
-    log.flush()
-    torn = path.read_bytes()
-    log.close()
-    if not finished:
-        path.write_bytes(torn)
-    return path
-
-
-def ended(cause: ExitCause, culprit: str | None, *, returncode: int = 0) -> RunOutcome:
-    exits = (Exit(name=culprit, returncode=returncode, requested=False, killed=False),) if culprit else ()
-    return RunOutcome(cause=cause, culprit=culprit, detail=f"{culprit} ended", exits=exits)
 
 
 def test_whole_run_ended_by_its_plant_holds(

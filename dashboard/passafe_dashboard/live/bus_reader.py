@@ -5,14 +5,15 @@ from typing import Final
 
 from passafe_protocol.codec import decode
 from passafe_protocol.errors import ProtocolError
-from passafe_protocol.messages import Event, Header, Health, Message
-from passafe_protocol.topics import EVENT, HEALTH, Topic
+from passafe_protocol.messages import Event, Header, Health, LinkConfig, Message
+from passafe_protocol.topics import EVENT, HEALTH, LINK_CONFIG, Topic
 from passafe_services.loop.bus import Bus
 from passafe_services.loop.outlet import Outlet
 from passafe_services.loop.pace import Pace
 from passafe_services.loop.rate_limited_log import RateLimitedLog
 
 from passafe_dashboard.live.feed import TOPICS_READ, Feed
+from passafe_dashboard.live.link_keeper import LinkKeeper
 from passafe_dashboard.live.partial_decoding import PARTIAL_DECODERS
 
 HEALTH_PERIOD_NS: Final = 1_000_000_000
@@ -36,6 +37,7 @@ class BusReader:
             (topic, bus.reader(replace(topic, queue=QUEUE)), PARTIAL_DECODERS.get(topic.name)) for topic in TOPICS_READ
         )
         self._log = RateLimitedLog()
+        self._keeper = LinkKeeper(feed.links, self._request_settings, self._report_repetition)
         self._reported_ns: int | None = None
         self._reported_steps = 0
         self._sequences: dict[str, int] = {}
@@ -57,6 +59,7 @@ class BusReader:
                 del arrived[:-1]
             for data in arrived:
                 self._push(topic, data, now_ns)
+        self._keeper.step(now_ns)
         if self._reported_ns is None:
             self._reported_ns = now_ns
         elif now_ns - self._reported_ns >= HEALTH_PERIOD_NS:
@@ -82,6 +85,12 @@ class BusReader:
         )
         self._reported_ns, self._reported_steps = now_ns, pace.steps
         self._publish(HEALTH, health, now_ns)
+
+    def _request_settings(self, config: LinkConfig, now_ns: int) -> None:
+        self._outlet.publish(LINK_CONFIG, config, scheduled_ns=now_ns, started_ns=now_ns)
+
+    def _report_repetition(self, text: str, now_ns: int) -> None:
+        self._report_event("link settings", "info", text, now_ns)
 
     def _report_event(self, kind: str, severity: str, text: str, now_ns: int) -> None:
         event: Event | None = self._log.report(kind, severity, text, now_ns)

@@ -8,13 +8,10 @@ from typing import Final
 from passafe_services.session.control_channel import ControlChannel
 from passafe_services.session.control_messages import (
     FROM_SUPERVISOR,
-    EndRun,
-    KillProcess,
     NumberedRequest,
+    PageRequest,
     RequestAnswer,
-    RestartProcess,
     SessionState,
-    StartRun,
 )
 
 from passafe_dashboard.errors import NoSessionError, SessionAnswerError, SessionRefusedError
@@ -65,8 +62,11 @@ class SessionRequests:
             self._feed.session = None
             self._channel.close()
             self._channel = None
+            for waiting in self._waiting.values():
+                if not waiting.done():
+                    waiting.set_exception(NoSessionError())
 
-    async def ask(self, request: StartRun | EndRun | KillProcess | RestartProcess) -> int:
+    async def ask(self, request: PageRequest) -> int:
         """Ask the supervisor; return the number of the run that was going on when it accepted.
 
         Raises:

@@ -8,6 +8,7 @@ from passafe_services.loop.process_name import ProcessName
 from passafe_services.session.control_messages import (
     EndRun,
     KillProcess,
+    PageRequest,
     RestartProcess,
     RunChoices,
     SessionState,
@@ -75,7 +76,7 @@ def run_routes(session: SessionRequests, feed: Feed) -> APIRouter:
     return router
 
 
-async def _answer(session: SessionRequests, request: StartRun | EndRun | KillProcess | RestartProcess) -> Accepted:
+async def _answer(session: SessionRequests, request: PageRequest) -> Accepted:
     try:
         return Accepted(run=await session.ask(request))
     except NoSessionError as error:

@@ -39,7 +39,7 @@ def report_outcome(
         console.print(f"[bold red]this run has no log[/]: {escape(str(error))}")
         return DIED
     in_order = report_end(outcome, console, has_end=found.identity.planned_s is not None)
-    print_verdict(found.verdict, log if found.verdict.finished else _recovered(log, console))
+    print_verdict(found.verdict, log if found.verdict.finished else _recovered(log, console), console)
     if on_verdict is not None:
         on_verdict(found.verdict)
     return exit_code(found.verdict) if in_order else DIED

@@ -60,8 +60,8 @@ class DemoReports:
 
     def ended(self, number: int, run: PlannedRun, outcome: RunOutcome, conclude: Conclude, *, began: bool) -> None:
         """Judge a run that has ended: now, beside the next one, if that was requested, and else in ``finish``."""
-        if not began and outcome.cause is ExitCause.REQUESTED:
-            self._console.print(f"run {number} was ended on request before it began: nothing to judge")
+        if not began and (outcome.cause is ExitCause.REQUESTED or (outcome.cause is ExitCause.SIGNAL and number > 1)):
+            self._console.print(f"run {number} was ended before it began: nothing to judge")
             return
         loop = asyncio.get_running_loop()
 

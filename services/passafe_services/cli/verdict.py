@@ -15,14 +15,15 @@ def exit_code(verdict: Verdict) -> int:
     return 0 if verdict.verdict == "holds" else 1
 
 
-def print_verdict(verdict: Verdict, log: Path) -> None:
+def print_verdict(verdict: Verdict, log: Path, console: Console | None = None) -> None:
     """Print the properties of a run, its counts, and the path of its log.
 
     Args:
         verdict: What the review found.
         log: The log that was reviewed.
+        console: Where to print; standard output if not given.
     """
-    console = Console(highlight=False)
+    console = console or Console(highlight=False)
     console.print(_properties_table(verdict))
     if verdict.steering is not None:
         _print_steering(console, verdict.steering)

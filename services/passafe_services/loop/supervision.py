@@ -111,6 +111,7 @@ class Supervision:
                     return child
                 self._children.append(child)
                 self._starting.append(child)
+                self._changed()
                 end = await self._until_ready(child)
                 if end is not None:
                     return end
@@ -200,7 +201,6 @@ class Supervision:
         child.on_ready = self._changed
         if child.control is not None and self._on_control is not None:
             self._on_control(spec.name, child.control)
-        self._changed()
         return child
 
     async def _until_ready(self, child: ChildProcess) -> RunEnd | None:
@@ -270,6 +270,7 @@ class Supervision:
             self._restarted_s.setdefault(name, []).append(loop.time())
         dead.restarted = True
         self._children[self._children.index(dead)] = child
+        self._changed()
         loop.call_later(self._ready_timeout_s, self._kill_unready, child)
         return None
 

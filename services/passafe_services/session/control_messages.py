@@ -72,11 +72,15 @@ class RestartProcess(ControlMessage):
     start_stopped: bool = False
 
 
+PageRequest = StartRun | EndRun | KillProcess | RestartProcess
+"""What a page may ask for."""
+
+
 class NumberedRequest(ControlMessage):
     """A request with the number that its answer names."""
 
     number: int
-    request: Annotated[StartRun | EndRun | KillProcess | RestartProcess, Field(discriminator="type")]
+    request: Annotated[PageRequest, Field(discriminator="type")]
 
 
 class Refusal(ControlMessage):

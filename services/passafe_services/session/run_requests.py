@@ -10,6 +10,7 @@ from passafe_services.loop.process_name import ProcessName
 from passafe_services.session.control_messages import (
     EndRun,
     KillProcess,
+    PageRequest,
     Refusal,
     RestartProcess,
     RunChoices,
@@ -40,7 +41,7 @@ class RunRequests:
         self._preparing: RunChoices | None = None
         self._one_at_a_time = asyncio.Lock()
 
-    async def handle(self, request: StartRun | EndRun | KillProcess | RestartProcess) -> Refusal | None:
+    async def handle(self, request: PageRequest) -> Refusal | None:
         """Carry out a request; return why it is refused, or ``None``."""
         match request:
             case StartRun():
