@@ -131,7 +131,7 @@ def test_lack_of_threads_leaves_the_review_to_the_end(
     assert verdicts == []  # nobody listens any more
 
 
-def test_first_run_tells_the_address_and_the_others_what_they_are(
+def test_first_run_names_the_address_and_later_ones_themselves(
     scenario: Scenario, reports: DemoReports, console: Console
 ) -> None:
     blind = scenario.model_copy(update={"filter": scenario.filter.model_copy(update={"prediction": False})})

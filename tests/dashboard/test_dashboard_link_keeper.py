@@ -76,7 +76,7 @@ def test_new_session_of_the_reader_is_asked_for_what_was_set(links: Links) -> No
     assert links.requests == [LinkConfig(LINK, SLOW)] * 2
 
 
-def test_request_is_repeated_once_a_second_until_it_has_an_effect(links: Links) -> None:
+def test_request_is_repeated_until_it_has_an_effect(links: Links) -> None:
     links.state(SLOW, session=1, source="dashboard")
     for _ in range(5):  # half a second each
         links.state(IDEAL, session=2)

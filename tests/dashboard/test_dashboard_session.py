@@ -69,7 +69,7 @@ def beside_supervisor(
     return feed
 
 
-def test_state_of_the_session_is_on_the_page_until_the_supervisor_ends() -> None:
+def test_state_is_on_the_page_until_the_supervisor_ends() -> None:
     async def test(_requests: SessionRequests, feed: Feed, _supervisor: Supervisor) -> None:
         session = page_state(feed, 0)["session"]
         assert (session["state"], session["run"], session["log"]) == ("running", 3, "moving-disk.mcap")
@@ -140,7 +140,7 @@ class Answering(SessionRequests):
         self.error: Exception | None = None
 
     async def ask(self, request: PageRequest) -> int:
-        """Note a request, and refuse it if so told."""
+        """Note a request, and refuse it on demand."""
         self.asked.append(request)
         if self.error is not None:
             raise self.error

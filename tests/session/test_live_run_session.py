@@ -4,6 +4,8 @@ import asyncio
 import os
 import signal
 from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from passafe_services.loop.process_exit import ExitCause, RunOutcome
@@ -116,7 +118,7 @@ def test_run_requested_while_another_starts_takes_its_place() -> None:
     assert script.outcomes[1].clean
 
 
-def test_requested_run_that_cannot_start_is_told_and_page_stays() -> None:
+def test_requested_run_that_cannot_start_is_reported() -> None:
     script = Script(toy_run("plant"))
     session = script.session
     script.on_ready = lambda _number: session.start(toy_run(specs=(toy("filter"), MISSING)))
@@ -135,6 +137,29 @@ def test_first_run_that_cannot_start_ends_all() -> None:
 
     assert (end.cause, end.culprit) == (ExitCause.NOT_STARTED, "plant")
     assert [one.name for one in end.exits] == ["router"]
+
+
+def test_run_that_is_not_started_leaves_no_file(tmp_path: Path) -> None:
+    files = [tmp_path / name for name in ("replaced.json", "ended.json", "left.json")]
+    runs = [replace(toy_run("plant"), scenario_file=file) for file in files]
+    for file in files:
+        file.touch()
+    script = Script(toy_run("plant"))
+    session = script.session
+
+    def change_mind(number: int) -> None:
+        if number == 1:
+            session.start(runs[0])
+            session.start(runs[1])
+            session.end()
+            session.start(runs[2])
+            press_ctrl_c()
+
+    script.on_ready = change_mind
+    play(script)
+
+    assert session.wanted is None
+    assert list(tmp_path.iterdir()) == []
 
 
 def kill_named(supervised_names: Script, name: str) -> None:
@@ -247,7 +272,7 @@ def test_permission_for_a_process_depends_on_which_it_is() -> None:
     }
 
 
-def test_verdict_of_the_run_before_is_shown_and_an_older_one_is_not() -> None:
+def test_verdict_of_the_run_before_is_shown_but_no_older_one() -> None:
     script = Script(toy_run("plant"))
     session = script.session
 

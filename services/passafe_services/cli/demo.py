@@ -131,7 +131,7 @@ def demo(
         )
 
         def prepare(request: StartRun) -> PlannedRun:
-            scenario = options.checked_scenario(request.choices, console.print)
+            scenario = options.checked_scenario(request.choices)
             return planned_run(request, scenario, options, processes)
 
         first = planned_run(request, chosen, options, processes)

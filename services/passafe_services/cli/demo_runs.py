@@ -53,7 +53,7 @@ class DemoOptions:
         shipped = shipped_scenarios()
         return (*(() if self.scenario in shipped else (self.scenario,)), *shipped)
 
-    def checked_scenario(self, choices: RunChoices, report: Callable[[str], object]) -> Scenario:
+    def checked_scenario(self, choices: RunChoices, report: Callable[[str], object] = lambda _: None) -> Scenario:
         """Return the effective scenario of a run; warnings of its check are printed.
 
         Args:

@@ -1,5 +1,6 @@
 """A run that is to be started: its scenario, log and processes."""
 
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -27,3 +28,8 @@ class PlannedRun:
     log: Path | None
     specs: tuple[ProcessSpec, ...]
     most_s: float | None
+
+    def discard(self) -> None:
+        """Remove what was written for it, because it is not started."""
+        with suppress(OSError):
+            self.scenario_file.unlink(missing_ok=True)

@@ -77,7 +77,7 @@ class RunRequests:
                 return _OVERTAKEN
             run = await in_daemon_thread(lambda: self._prepare(request))
         if own != self._newest:
-            run.scenario_file.unlink(missing_ok=True)
+            run.discard()
             return _OVERTAKEN
         self._session.start(run)
         return None

@@ -79,12 +79,14 @@ class RunSession:
             else:
                 end, goes_on = await self._one_run(supervision, next_run)
             if supervision.is_stopping or not (goes_on or end.cause is ExitCause.REQUESTED):
+                self._drop_wanted()
                 return end
             supervision.resume()
             next_run, self.wanted = self.wanted, None
 
     def start(self, run: PlannedRun) -> None:
         """Let a run follow the present one, which ends."""
+        self._drop_wanted()
         self.wanted = run
         self._interrupt()
 
@@ -92,7 +94,7 @@ class RunSession:
         """End the present run; return whether there is one."""
         if self.phase == "stopped":
             return False
-        self.wanted = None
+        self._drop_wanted()
         self._interrupt()
         return True
 
@@ -140,6 +142,11 @@ class RunSession:
         if self._supervision is not None and self.phase != "stopping":
             self._supervision.interrupt()
         self.on_change()
+
+    def _drop_wanted(self) -> None:
+        if self.wanted is not None:
+            self.wanted.discard()
+            self.wanted = None
 
     def _enter(self, phase: Phase) -> None:
         self.phase = phase
