@@ -5,7 +5,7 @@ import pytest
 from closed_form import MS, ClosedFormRun, h, header, paper_scenario, state, tick
 from passafe_dashboard.columns import ColumnLayout, drawn_columns
 from passafe_dashboard.live.feed import Feed
-from passafe_dashboard.live.frames import ClientFrames
+from passafe_dashboard.live.frames import KEPT, ClientFrames, Made
 
 LAYOUT = ColumnLayout.of(paper_scenario())
 TICK_COLUMNS = drawn_columns(tuple(LAYOUT.tick_columns))
@@ -84,3 +84,29 @@ def test_a_client_knows_whether_it_has_seen_the_end() -> None:
     feed.finish("over")
     frame(client)
     assert client.has_sent_end
+
+
+def test_clients_that_keep_up_share_one_text() -> None:
+    feed, run = Feed(paper_scenario()), ClosedFormRun()
+    fill(feed, run, 500)
+    early, late = [ClientFrames(feed) for _ in range(3)], ClientFrames(feed)
+    for until_ms in (500, 1_000):
+        fill(feed, run, until_ms)
+        made: Made = {}
+        texts = [client.next_frame('{"a": 1}', made) for client in early]
+        assert texts[0] is texts[1] is texts[2]
+    own = late.next_frame('{"a": 1}', made)
+    assert own not in texts
+    assert own == ClientFrames(feed).next_frame('{"a": 1}')
+
+
+def test_few_texts_are_kept() -> None:
+    feed, run = Feed(paper_scenario()), ClosedFormRun()
+    clients = [ClientFrames(feed) for _ in range(9)]
+    for k, client in enumerate(clients):
+        fill(feed, run, 100 * (k + 1))
+        client.next_frame("{}")
+    made: Made = {}
+    for client in clients:
+        client.next_frame("{}", made)
+    assert len(made) == KEPT

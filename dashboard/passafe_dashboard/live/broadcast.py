@@ -9,7 +9,7 @@ from passafe_services.loop.pace import Pace
 from passafe_dashboard.decimation import NS_PER_S
 from passafe_dashboard.json_text import json_text
 from passafe_dashboard.live.feed import Feed
-from passafe_dashboard.live.frames import ClientFrames
+from passafe_dashboard.live.frames import ClientFrames, Made
 from passafe_dashboard.live.page_state import page_state
 
 FRAME_HZ: Final = 30.0
@@ -47,6 +47,7 @@ class Broadcast:
         self._clients = 0
         self._next = asyncio.Event()
         self._now_text: str | None = None
+        self._made: Made = {}
 
     @property
     def clients(self) -> int:
@@ -85,9 +86,9 @@ class Broadcast:
         try:
             while self.feed.end is None:
                 await self._next.wait()
-                yield client.next_frame(self._state_text())
+                yield client.next_frame(self._state_text(), self._made)
             if not client.has_sent_end:
-                yield client.next_frame(self._state_text())
+                yield client.next_frame(self._state_text(), self._made)
         finally:
             self._clients -= 1
 
@@ -98,6 +99,6 @@ class Broadcast:
         return self._now_text
 
     def _wake_clients(self) -> None:
-        self._now_text = None
+        self._now_text, self._made = None, {}
         self._next.set()
         self._next = asyncio.Event()

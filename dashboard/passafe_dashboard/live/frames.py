@@ -4,9 +4,17 @@ A frame is the JSON text ``{"layout": …, "restart": bool, "lost": n, "tables":
 [row, …]}, "now": {…}}``; a row lists the columns of ``drawn_columns`` in order, null where there is no value.
 """
 
+from typing import Final, TypeAlias
+
 from passafe_dashboard.decimation import SeriesRow
 from passafe_dashboard.json_text import json_text
 from passafe_dashboard.live.feed import Feed
+
+Made: TypeAlias = dict[tuple[bool, int, int, int], str]
+"""Frames made since the bus was read last, by restart, run and the cursors of both tables."""
+
+KEPT: Final = 4
+"""Frames kept of those: pages that keep up share one, and a whole history is large."""
 
 
 class ClientFrames:
@@ -22,23 +30,27 @@ class ClientFrames:
     def __init__(self, feed: Feed) -> None:
         self.has_sent_end = False
         self._feed = feed
-        self._run: int | None = None
+        self._run = -1
         self._ticks = 0
         self._states = 0
 
-    def next_frame(self, now_text: str) -> str:
+    def next_frame(self, now_text: str, made: Made | None = None) -> str:
         """Return the next frame.
 
         Args:
             now_text: JSON text of the page's state now, which all clients share.
+            made: Frames made with this state: clients that have received the same rows share one.
         """
         feed, run = self._feed, self._feed.run
         self.has_sent_end = feed.end is not None
         restart = self._run != run.number
         if restart:
             self._run, self._ticks, self._states = run.number, run.ticks.first, run.states.first
+        key = (restart, self._run, self._ticks, self._states)
         ticks, states = run.ticks.since(self._ticks), run.states.since(self._states)
         self._ticks, self._states = ticks.cursor, states.cursor
+        if made is not None and key in made:
+            return made[key]
         tables = {
             "ticks": [drawn_row(row) for row in ticks.rows],
             "states": [drawn_row(row) for row in states.rows],
@@ -49,7 +61,10 @@ class ClientFrames:
             "lost": max(ticks.lost, states.lost),
             "tables": tables,
         }
-        return f'{json_text(head)[:-1]},"now":{now_text}}}'
+        frame = f'{json_text(head)[:-1]},"now":{now_text}}}'
+        if made is not None and len(made) < KEPT:
+            made[key] = frame
+        return frame
 
 
 def drawn_row(row: SeriesRow) -> list[float | None]:
