@@ -36,6 +36,7 @@
         * ``ArchiveNameError``: a log or experiment that the folder of a page does not hold
         * ``JobNameError``: a job that the page does not know
         * ``TooLargeLogError``: a log that is too large for what keeps it in memory
+        * ``PageAccessError``: options of access to the page that do not go together
         * ``SeriesError``: a series for the report that does not fit together
         * ``FeasibilityError``: a map that cannot be made
         * ``NoSafeStartError``: a box of starts without a safe one

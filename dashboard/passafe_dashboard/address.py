@@ -1,9 +1,10 @@
-"""Listen on the page's address, and check beforehand that it is free."""
+"""Listen on the page's address, check beforehand that it is free, and tell whether others reach it."""
 
 import errno
 import socket
 from collections.abc import Iterator
 from contextlib import contextmanager
+from ipaddress import ip_address
 from typing import Final
 
 from passafe_dashboard.errors import PageAddressError, PagePortInUseError
@@ -41,3 +42,17 @@ def listening_socket(host: str, port: int) -> Iterator[socket.socket]:
         raise PageAddressError(host, port, error.strerror or str(error)) from error
     with listener:
         yield listener
+
+
+def is_address(host: str) -> bool:
+    """Return whether a host is a numeric address."""
+    try:
+        ip_address(host)
+    except ValueError:
+        return False
+    return True
+
+
+def is_loopback(host: str) -> bool:
+    """Return whether a host is a numeric address of loopback."""
+    return is_address(host) and ip_address(host).is_loopback

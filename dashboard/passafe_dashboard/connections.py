@@ -10,6 +10,7 @@ from typing import Final
 import h11
 from uvicorn.protocols.http.h11_impl import H11Protocol
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
+from websockets.protocol import State
 
 MAX_CONNECTIONS: Final = 256
 """Connections at a time, WebSockets included; any more are closed at once."""
@@ -64,6 +65,13 @@ class LimitedHttp(H11Protocol):
 
 class LimitedWebSocket(WebSocketsSansIOProtocol):
     """WebSocket that is dropped when the client does not answer a ping, whether or not it reads."""
+
+    def shutdown(self) -> None:
+        """End the connection with the server; one that is ending already is dropped, since uvicorn would raise."""
+        if self.handshake_complete and self.conn.state is not State.OPEN:
+            self.transport.abort()
+        else:
+            super().shutdown()
 
     def keepalive_timeout(self) -> None:
         """Report the timeout to the client, and drop it without waiting for it to read."""

@@ -27,6 +27,10 @@ class PagePortInUseError(PageAddressError):
         self.args = (f"dashboard port {port} on {host} is in use: {advice}",)
 
 
+class PageAccessError(NotAllowedError):
+    """Options of the page's access that do not go together, or a file that is none."""
+
+
 class SeriesError(NotAllowedError):
     """A series for the report that does not fit together."""
 

@@ -33,9 +33,10 @@ from passafe_dashboard.live.feed import Feed
 from passafe_dashboard.live.link_requests import LinkRequests
 from passafe_dashboard.live.session_requests import SessionRequests
 from passafe_dashboard.live.stop_requests import StopRequests
+from passafe_dashboard.page_access import PageAccess, ShownCertificate, shown_certificate
 from passafe_dashboard.routes.application import create_app
 from passafe_dashboard.routes.own_hosts import OwnHosts
-from passafe_dashboard.server import page_server
+from passafe_dashboard.server import PageServer, page_server
 
 NAME: Final = "dashboard"
 CHECK_PERIOD_S: Final = 0.05
@@ -49,6 +50,7 @@ def serve(
     *,
     host: str = LOOPBACK,
     names: Sequence[str] = (),
+    access: PageAccess | None = None,
     robot: str = DEFAULT_ROBOT,
     scenario: Scenario | None = None,
     epoch: int | None = None,
@@ -63,8 +65,9 @@ def serve(
     Args:
         endpoint: Where the router listens.
         port: TCP port of the page; 0 takes a free one, which is printed.
-        host: Address of the page; other than loopback, other hosts reach it too, without access control.
+        host: Address of the page; other than loopback, other hosts reach it too.
         names: Further names by which the page is reached; a browser that asks by any other is refused.
+        access: Token and certificate of the page; if not given, those that the address asks for are made.
         robot: Robot whose topics the page shows.
         scenario: Configuration until a ScenarioInfo arrives.
         epoch: Session number of the published messages; the wall clock in ns if not given.
@@ -80,8 +83,10 @@ def serve(
     Raises:
         PagePortInUseError: Another program listens on the port.
         PageAddressError: The address cannot be listened on for another reason.
+        PageAccessError: The page's certificate cannot be used.
         BusError: There is no router.
     """
+    access = access or PageAccess.of(host)
     with stop_requests(lifeline=lifeline) as stop, listening_socket(host, port) as listener:
         feed = Feed(scenario)
         with open_bus(endpoint, robot=robot) as bus:
@@ -101,10 +106,13 @@ def serve(
                 drives,
                 session=session,
                 hosts=hosts,
+                access=access,
                 bus_trouble=trouble,
                 archive=archive,
             )
-            asyncio.run(_run(app, broadcast, listener, stop))
+            with shown_certificate(access, [host, *names]) as shown:
+                server = page_server(app, shown)
+            asyncio.run(_run(app, server, broadcast, listener, stop, partial(_print_address, listener, access, shown)))
     return stop.reason
 
 
@@ -125,14 +133,20 @@ def _publish(outlet: Outlet, body: EmergencyStop | StopClear | Steer, now_ns: in
     outlet.publish(TOPIC_OF_BODY[type(body)], body, scheduled_ns=now_ns, started_ns=now_ns)
 
 
-async def _run(app: FastAPI, broadcast: Broadcast, listener: socket.socket, stop: Stop) -> None:
-    server = page_server(app)
+async def _run(
+    app: FastAPI,
+    server: PageServer,
+    broadcast: Broadcast,
+    listener: socket.socket,
+    stop: Stop,
+    print_address: Callable[[], None],
+) -> None:
     serving = asyncio.create_task(server.serve(sockets=[listener]))
     await _until(lambda: server.started or serving.done())
     if server.started:
         gc.collect()
         gc.freeze()  # the collector need not visit the objects that the charts were made from
-        _print_address(listener)
+        print_address()
         announce_ready(NAME)
         broadcasting: asyncio.Task[None] = app.state.broadcasting
         await _until(lambda: stop.reason is not None or broadcasting.done() or serving.done())
@@ -152,10 +166,11 @@ async def _until(condition: Callable[[], bool], timeout_s: float | None = None) 
         await asyncio.sleep(CHECK_PERIOD_S)
 
 
-def _print_address(listener: socket.socket) -> None:
+def _print_address(listener: socket.socket, access: PageAccess, shown: ShownCertificate | None) -> None:
     host, port = listener.getsockname()[:2]
-    shown = f"[{host}]" if ":" in host else host
-    sys.stdout.write(f"page at http://{shown}:{port}/\n")
+    sys.stdout.write(f"page at {access.address(host, port)}\n")
+    if shown is not None and shown.fingerprint:
+        sys.stdout.write(f"its certificate was made now; compare what the browser shows: SHA-256 {shown.fingerprint}\n")
     sys.stdout.flush()
 
 
@@ -166,6 +181,13 @@ def start(options: ProcessOptions) -> None:
         options.port,
         host=options.host,
         names=options.page_names,
+        access=PageAccess.of(
+            options.host,
+            token=options.page_token,
+            certificate=options.page_certificate,
+            key=options.page_key,
+            is_open=options.open_page,
+        ),
         robot=options.robot,
         scenario=options.scenario,
         epoch=options.epoch,

@@ -8,6 +8,8 @@ import uvicorn
 from fastapi import FastAPI
 
 from passafe_dashboard.connections import LimitedHttp, LimitedWebSocket
+from passafe_dashboard.errors import PageAccessError
+from passafe_dashboard.page_access import ShownCertificate
 
 MAX_BUSY: Final = 128
 """Connections from which on requests other than of a WebSocket are answered with 503."""
@@ -25,8 +27,16 @@ class PageServer(uvicorn.Server):
         yield
 
 
-def page_server(app: FastAPI) -> PageServer:
-    """Return a server for the application, not started yet."""
+def page_server(app: FastAPI, certificate: ShownCertificate | None = None) -> PageServer:
+    """Return a server for the application, not started yet.
+
+    Args:
+        app: The application.
+        certificate: Certificate to show; ``None``: without TLS.
+
+    Raises:
+        PageAccessError: The certificate cannot be used.
+    """
     config = uvicorn.Config(
         app,
         log_config=None,  # uvicorn would configure logging of the whole process
@@ -42,5 +52,12 @@ def page_server(app: FastAPI) -> PageServer:
         ws_ping_interval=PING_S,
         ws_ping_timeout=PING_S,
         timeout_graceful_shutdown=1,
+        ssl_certfile=None if certificate is None else certificate.certificate,
+        ssl_keyfile=None if certificate is None else certificate.key,
     )
+    try:
+        config.load()
+    except OSError as error:  # an ssl.SSLError is one
+        files = "" if certificate is None else f"{certificate.certificate} and {certificate.key}"
+        raise PageAccessError("--page-certificate", f"{files} ({error.strerror or error})", "PEM files") from error
     return PageServer(config)

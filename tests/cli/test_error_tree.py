@@ -12,7 +12,14 @@ import passafe_dashboard
 import passafe_protocol
 import passafe_services
 import pytest
-from passafe_dashboard.errors import LinkAnswerError, LinkUpdateError, PageAddressError, PagePortInUseError, SeriesError
+from passafe_dashboard.errors import (
+    LinkAnswerError,
+    LinkUpdateError,
+    PageAccessError,
+    PageAddressError,
+    PagePortInUseError,
+    SeriesError,
+)
 from passafe_protocol.errors import (
     ChecksumError,
     DecodeError,
@@ -66,6 +73,7 @@ ERRORS = [
     SeriesError("x", "1 rows", "2 or more"),
     PageAddressError("127.0.0.1", 80, "permission denied"),
     PagePortInUseError("127.0.0.1", 8080),
+    PageAccessError("--page-token", "3 characters", "16"),
     LinkUpdateError(("loss",), 2, "0 to 1"),
     LinkAnswerError("filter-to-plant", "plant", "no answer"),
 ]

@@ -21,6 +21,7 @@ from passafe_dashboard.live.drive_requests import DriveRequests
 from passafe_dashboard.live.feed import Feed
 from passafe_dashboard.live.link_requests import LinkRequests
 from passafe_dashboard.live.stop_requests import StopRequests
+from passafe_dashboard.page_access import PageAccess, shown_certificate
 from passafe_dashboard.routes.application import create_app
 from passafe_dashboard.server import page_server
 from passafe_protocol.messages import EmergencyStop, FilterTick, Header, PlantState, Received, Steer, StopClear
@@ -56,12 +57,12 @@ class FastRun:
         self._run_ns = 0.0
         self._run = ClosedFormRun(period_ms=10, scenario=feed.scenario)
 
-    def app(self, answer_s: float = 3.0) -> FastAPI:
+    def app(self, answer_s: float = 3.0, access: PageAccess | None = None) -> FastAPI:
         """Return the application that shows the run."""
         links = LinkRequests(self.broadcast, self.links.request, answer_s=answer_s)
         stops = StopRequests(self.broadcast, self.request_stop, epoch=1, answer_s=answer_s)
         drives = DriveRequests(self.broadcast, self.steer, lambda now_ns: (1, now_ns, 0))
-        return create_app(self.broadcast, links, stops, drives)
+        return create_app(self.broadcast, links, stops, drives, access=access)
 
     def steer(self, body: Steer, _now_ns: int) -> None:
         """Keep what is published."""
@@ -96,10 +97,10 @@ class FastRun:
 class ServedPage:
     """A running server and ways to talk to it."""
 
-    def __init__(self, port: int, loop: asyncio.AbstractEventLoop, client: httpx.Client) -> None:
+    def __init__(self, port: int, loop: asyncio.AbstractEventLoop, client: httpx.Client, scheme: str = "http") -> None:
         self._client = client
         self.host = f"127.0.0.1:{port}"
-        self.url = f"http://{self.host}"
+        self.url = f"{scheme}://{self.host}"
         self.port = port
         self._loop = loop
 
@@ -125,19 +126,24 @@ class ServedPage:
 
 
 @contextmanager
-def serve_page(run: FastRun, *, port: int = 0, answer_s: float = 30.0) -> Iterator[ServedPage]:
+def serve_page(
+    run: FastRun, *, port: int = 0, answer_s: float = 30.0, access: PageAccess | None = None
+) -> Iterator[ServedPage]:
     """Serve until the end of the block."""
     with listening_socket("127.0.0.1", port) as listener, httpx.Client(timeout=30, verify=False) as client:  # noqa: S501 - no TLS here
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 4096)  # so that a slow reader is felt soon
-        server = page_server(run.app(answer_s))
+        with shown_certificate(access or PageAccess(), ["127.0.0.1"]) as shown:
+            server = page_server(run.app(answer_s, access), shown)
         loop = asyncio.new_event_loop()
         thread = threading.Thread(target=_run, args=(loop, server.serve(sockets=[listener])))
         thread.start()
-        page = ServedPage(listener.getsockname()[1], loop, client)
+        scheme = "https" if access is not None and access.is_encrypted else "http"
+        page = ServedPage(listener.getsockname()[1], loop, client, scheme)
         page.get("/healthz")  # answered once the application has started
         try:
             yield page
         finally:
+            client.close()  # TLS waits for its end
             server.should_exit = True
             thread.join(30)
             assert not thread.is_alive()

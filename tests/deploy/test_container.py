@@ -5,7 +5,9 @@ import platform
 import shutil
 import signal
 import socket
+import ssl
 import time
+import urllib.error
 import urllib.request
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -28,6 +30,7 @@ CONTAINER_USER = 10_001
 PATIENCE_S = 120.0
 DRIVEN_S = 8.0
 RATE_HZ = 250.0
+PAGE_TOKEN = "token-of-the-container-tests"  # noqa: S105 - of this test alone
 """Low enough for two processors that other programs use, too."""
 
 
@@ -111,6 +114,7 @@ def deployment(host: PodmanHost, tmp_path_factory: pytest.TempPathFactory) -> It
     environment = {
         "PASSAFE_IMAGE": IMAGE,
         "PASSAFE_PAGE": f"127.0.0.1:{port}",
+        "PASSAFE_PAGE_TOKEN": PAGE_TOKEN,
         "PASSAFE_KEYS": str(keys),
         "PASSAFE_SCENARIOS": str(scenarios),
         "PASSAFE_SCENARIO": "/scenarios/mine.json",
@@ -150,7 +154,13 @@ def test_container_is_confined(deployment: Deployment, process: str) -> None:
 
 
 def test_page_answers_on_the_published_port(deployment: Deployment) -> None:
-    with urllib.request.urlopen(f"http://{deployment.environment['PASSAFE_PAGE']}/", timeout=10.0) as answer:
+    page = f"https://{deployment.environment['PASSAFE_PAGE']}/"
+    trusting = ssl.create_default_context()
+    trusting.check_hostname, trusting.verify_mode = False, ssl.CERT_NONE  # it was made when the dashboard started
+    with pytest.raises(urllib.error.HTTPError, match="401"):
+        urllib.request.urlopen(page, timeout=10.0, context=trusting)
+    asked = urllib.request.Request(page, headers={"Authorization": f"Bearer {PAGE_TOKEN}"})
+    with urllib.request.urlopen(asked, timeout=10.0, context=trusting) as answer:  # noqa: S310 - it is https
         assert answer.status == 200
         assert b"<html" in answer.read()
 

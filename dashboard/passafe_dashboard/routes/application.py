@@ -19,6 +19,7 @@ from passafe_dashboard.live.page import LivePage
 from passafe_dashboard.live.session_requests import SessionRequests
 from passafe_dashboard.live.stop_requests import StopRequests
 from passafe_dashboard.markup import STATIC
+from passafe_dashboard.page_access import PageAccess
 from passafe_dashboard.routes.archive_pages import archive_pages
 from passafe_dashboard.routes.drive import drive_routes
 from passafe_dashboard.routes.jobs import job_routes
@@ -26,6 +27,7 @@ from passafe_dashboard.routes.links import link_routes
 from passafe_dashboard.routes.logs import log_routes
 from passafe_dashboard.routes.own_hosts import OwnHosts, OwnHostsOnly
 from passafe_dashboard.routes.page import page_routes
+from passafe_dashboard.routes.page_token import TokenOnly
 from passafe_dashboard.routes.refusals import answer_invalid, answer_too_many, answer_unknown_name
 from passafe_dashboard.routes.run import run_routes
 from passafe_dashboard.routes.state import state_routes
@@ -54,6 +56,7 @@ def create_app(
     *,
     session: SessionRequests | None = None,
     hosts: OwnHosts | None = None,
+    access: PageAccess | None = None,
     bus_trouble: Callable[[], str] = str,
     window_s: float = 20.0,
     archive: Archive | None = None,
@@ -70,6 +73,7 @@ def create_app(
         drives: Lets pages drive.
         session: Starts and ends the runs of a demo; refuses if not given.
         hosts: Hosts by which the page may be asked for; those of loopback if not given.
+        access: Token that is asked for; none if not given.
         bus_trouble: Says why nothing can be read from the bus; empty if that is not so.
         window_s: Stretch of time that charts show.
         archive: Logs to show besides; it is closed at the end.
@@ -88,7 +92,7 @@ def create_app(
         if archive is not None:
             await archive.close()
 
-    app = _bare_app(lifespan, hosts)
+    app = _bare_app(lifespan, hosts, access)
     app.include_router(page_routes(page))
     app.include_router(state_routes(broadcast, bus_trouble))
     app.include_router(link_routes(links))
@@ -120,17 +124,19 @@ def create_browsing_app(archive: Archive, *, hosts: OwnHosts | None = None) -> F
     return app
 
 
-def _bare_app(lifespan: Lifespan[FastAPI], hosts: OwnHosts | None) -> FastAPI:
+def _bare_app(lifespan: Lifespan[FastAPI], hosts: OwnHosts | None, access: PageAccess | None = None) -> FastAPI:
     """Return an application that refuses what is not asked of it by its own pages, and has no routes yet."""
     app = FastAPI(
         title="passafe dashboard",
         lifespan=lifespan,
         docs_url=None,
         redoc_url=None,
-        openapi_url=None,
+        openapi_url="/openapi.json",
         max_body_size=MAX_BODY_BYTES,
     )
     app.add_exception_handler(RequestValidationError, answer_invalid)
+    if access is not None and access.token:
+        app.add_middleware(TokenOnly, token=access.token, is_encrypted=access.is_encrypted)
     app.add_middleware(OwnHostsOnly, hosts=hosts or OwnHosts())
     app.middleware("http")(_add_headers)
     return app

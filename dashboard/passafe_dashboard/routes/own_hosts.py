@@ -7,12 +7,13 @@ A browser sends the name that a page was opened with as ``Host``. A site whose n
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from ipaddress import ip_address
 from typing import Final, Self
 
 from starlette.datastructures import Headers
 from starlette.responses import PlainTextResponse
 from starlette.types import ASGIApp, Receive, Scope, Send
+
+from passafe_dashboard.address import is_address, is_loopback
 
 MISDIRECTED: Final = 421
 FORBIDDEN: Final = 403
@@ -44,7 +45,7 @@ class OwnHosts:
         """
         return cls(
             names=frozenset({"localhost", listening.lower(), *(name.lower() for name in names)}),
-            any_address=listening.lower() != "localhost" and not _is_loopback(listening),
+            any_address=listening.lower() != "localhost" and not is_loopback(listening),
         )
 
     def allow(self, header: str) -> bool:
@@ -53,7 +54,7 @@ class OwnHosts:
         if match is None:
             return False
         host = match["v6"] or match["name"].lower()
-        return host in self.names or _is_loopback(host) or (self.any_address and _is_address(host))
+        return host in self.names or is_loopback(host) or (self.any_address and is_address(host))
 
 
 class OwnHostsOnly:
@@ -86,15 +87,3 @@ class OwnHostsOnly:
                 "a page of another site may neither read the robot's state nor change a link", FORBIDDEN
             )
         return None
-
-
-def _is_address(host: str) -> bool:
-    try:
-        ip_address(host)
-    except ValueError:
-        return False
-    return True
-
-
-def _is_loopback(host: str) -> bool:
-    return _is_address(host) and ip_address(host).is_loopback

@@ -20,6 +20,7 @@ from passafe_services.cli.options import (
     RotateSOption,
     RunScenarioOption,
 )
+from passafe_services.cli.page_options import OpenPageOption, PageCertificateOption, PageKeyOption, PageTokenOption
 from passafe_services.loop.health_report import HealthReporter
 from passafe_services.loop.process_name import ProcessName
 from passafe_services.loop.process_options import Device, ProcessOptions
@@ -95,6 +96,10 @@ def run(
             help="Dashboard: folder of the logs and experiments that its page shows.",
         ),
     ] = None,
+    page_token: PageTokenOption = "",
+    page_certificate: PageCertificateOption = None,
+    page_key: PageKeyOption = None,
+    open_page: OpenPageOption = False,
     epoch: Annotated[
         int | None,
         typer.Option(
@@ -166,6 +171,10 @@ def run(
         health=HealthReporter(process, health_folder),
         page_names=tuple(page_name or ()),
         runs=runs,
+        page_token=page_token,
+        page_certificate=page_certificate,
+        page_key=page_key,
+        open_page=open_page,
         linked_routers=tuple(linked),
         control_channel=control_channel,
     )

@@ -33,6 +33,10 @@ class ProcessOptions:
         host: Dashboard, bridge: address of the same.
         page_names: Dashboard: further names by which its page is reached.
         runs: Dashboard: folder of the logs and experiments that its page shows; ``None``: none.
+        page_token: Dashboard: token that the page asks for; empty: one is made where one is needed.
+        page_certificate: Dashboard: certificate of the page, PEM; ``None``: one is made where one is needed.
+        page_key: Dashboard: its private key.
+        open_page: Dashboard: whether the page does without both wherever it listens.
         epoch: Epoch of its session, another than those of all earlier ones of this process.
         take_over: Operator: whether to take the lease over from the operator that holds it.
         start_stopped: Plant: whether its emergency stop is latched from the start.
@@ -59,5 +63,9 @@ class ProcessOptions:
     rotate_s: float | None = None
     page_names: tuple[str, ...] = ()
     runs: Path | None = None
+    page_token: str = ""
+    page_certificate: Path | None = None
+    page_key: Path | None = None
+    open_page: bool = False
     linked_routers: tuple[RouterEndpoint, ...] = ()
     control_channel: int | None = None
