@@ -2,11 +2,16 @@
 
 import asyncio
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from passafe_dashboard.archive.experiment_models import ExperimentList, ExperimentView
 from passafe_dashboard.archive.log_list import LogEntry, LogList, LogLister
 from passafe_dashboard.archive.runs_folder import RunsFolder
 from passafe_dashboard.jobs.job_board import JobBoard, PageJob
 from passafe_dashboard.jobs.job_request import AnyJobRequest, CellRunRequest, CompareRequest, WhatIfRequest
+
+if TYPE_CHECKING:
+    from passafe_dashboard.archive.experiments import Experiments
 
 
 class Archive:
@@ -21,6 +26,7 @@ class Archive:
         self.folder = RunsFolder(root)
         self.board = JobBoard(self.folder, beside_robot=beside_robot)
         self._lister = LogLister(self.folder)
+        self._experiments: Experiments | None = None
         self._reading = asyncio.Lock()  # one look at the disk at a time, however many pages ask
 
     async def logs(self) -> LogList:
@@ -37,6 +43,20 @@ class Archive:
         async with self._reading:
             return await asyncio.to_thread(self._lister.entry, name)
 
+    async def experiments(self) -> ExperimentList:
+        """Return the experiments, the newest first."""
+        async with self._reading:
+            return await asyncio.to_thread(lambda: self._known_experiments().newest())
+
+    async def experiment(self, name: str) -> ExperimentView:
+        """Return the map of an experiment, as far as it has come.
+
+        Raises:
+            ArchiveNameError: There is no such experiment in the folder, or its results cannot be read.
+        """
+        async with self._reading:
+            return await asyncio.to_thread(lambda: self._known_experiments().view(name))
+
     async def start(self, request: AnyJobRequest) -> PageJob:
         """Return the job for a request.
 
@@ -51,6 +71,13 @@ class Archive:
         entries = [await self.log(name) for name in names]
         stamp = None if isinstance(request, WhatIfRequest) else [(each.size_bytes, each.modified_s) for each in entries]
         return self.board.start(request, stamp)
+
+    def _known_experiments(self) -> "Experiments":
+        if self._experiments is None:
+            from passafe_dashboard.archive.experiments import Experiments  # noqa: PLC0415 - a second to load
+
+            self._experiments = Experiments(self.folder)
+        return self._experiments
 
     async def close(self) -> None:
         """End all jobs."""

@@ -3,7 +3,6 @@
 import re
 from typing import Annotated, Final, Literal
 
-from passafe_services.tools.what_if.rerun import Links
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, field_validator
 
 NameText = Annotated[str, Field(min_length=1, max_length=1024)]
@@ -64,7 +63,7 @@ class WhatIfRequest(JobRequest):
     log: NameText
     changes: Annotated[dict[str, ChangeValue], Field(max_length=MOST_CHANGES)] = Field(default_factory=dict)
     operator: Literal["recorded", "scenario"] = "recorded"
-    links: Links = "recorded"
+    links: Literal["recorded", "drawn"] = "recorded"
 
     @field_validator("changes")
     @classmethod

@@ -19,7 +19,7 @@ def do(order: JobOrder, report: Callable[[JobReport], object]) -> JobReport:
         PassafeError: It cannot be done.
         OSError: A file cannot be read or written.
     """
-    folder, progress, log = RunsFolder(order.root), JobProgress(report), ""
+    folder, progress, log, text = RunsFolder(order.root), JobProgress(report), "", "done"
     request, result = order.request, None
     if isinstance(request, ReviewRequest):
         result = review(request, folder, progress, processors=order.processors)
@@ -32,7 +32,7 @@ def do(order: JobOrder, report: Callable[[JobReport], object]) -> JobReport:
     else:
         from passafe_dashboard.jobs.cell_run_work import repeat  # noqa: PLC0415 - likewise
 
-        log = repeat(request, folder, progress)
+        log, text = repeat(request, folder, progress)
     with whole_output(order.result) as unfinished:
         unfinished.write_text(json_text({} if result is None else result._asdict()), encoding="utf-8")
-    return JobReport(event="done", share=1.0, text="done", log=log)
+    return JobReport(event="done", share=1.0, text=text, log=log)

@@ -22,6 +22,7 @@ from passafe_dashboard.markup import STATIC
 from passafe_dashboard.page_access import PageAccess
 from passafe_dashboard.routes.archive_pages import archive_pages
 from passafe_dashboard.routes.drive import drive_routes
+from passafe_dashboard.routes.experiments import experiment_routes
 from passafe_dashboard.routes.jobs import job_routes
 from passafe_dashboard.routes.links import link_routes
 from passafe_dashboard.routes.logs import log_routes
@@ -152,6 +153,7 @@ def _include_archive(app: FastAPI, archive: Archive, *, live: bool) -> None:
     app.add_exception_handler(TooManyJobsError, answer_too_many)
     app.include_router(log_routes(archive))
     app.include_router(job_routes(archive))
+    app.include_router(experiment_routes(archive))
     app.include_router(archive_pages(live=live))
 
 

@@ -1,4 +1,4 @@
-"""Serve the pages of logs, comparisons and jobs; their scripts ask the API for all that is in them."""
+"""Serve the pages of logs, comparisons, jobs and experiments; their scripts ask the API for all that is in them."""
 
 from typing import Any
 
@@ -35,6 +35,14 @@ def archive_pages(*, live: bool) -> APIRouter:
     @router.get("/jobs/{name}")
     async def job(name: str) -> HTMLResponse:
         return page("job.html", "logs", name=name)
+
+    @router.get("/experiments")
+    async def experiments() -> HTMLResponse:
+        return page("experiments.html", "experiments")
+
+    @router.get("/experiments/{name:path}")
+    async def experiment(name: str) -> HTMLResponse:
+        return page("experiment_map.html", "experiments", name=name)
 
     @router.get("/report.css")
     async def style() -> Response:

@@ -1,5 +1,7 @@
 """``passafe experiment``: sweep a scenario in virtual time."""
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import Annotated
@@ -24,6 +26,7 @@ from passafe_services.tools.experiment.run_result import RunResult, experiment_r
 from passafe_services.tools.experiment.schema import MOST_RUNS
 from passafe_services.tools.experiment.study_job import StudyJob, chunk_size
 from passafe_services.tools.experiment.summary import ExperimentSummary
+from passafe_services.tools.experiment.sweep_state import Stage, state_writer
 from passafe_services.tools.runs.results_file import ResultsFile
 from passafe_services.tools.runs.sweep import FixedPlan, sweep
 from passafe_services.tools.runs.workers import Workers
@@ -79,15 +82,20 @@ def experiment(
     results_file = experiment_results(folder / "results.jsonl", study)
     plan = Plan(study.experiment, results_file.results)
     console = Console(highlight=False, soft_wrap=True)
-    with stop_requests(lifeline=False) as stop:
+    note = state_writer(folder, study.experiment.seeds)
+    note("runs", plan.most_runs)
+    with _noting_an_interruption(note, plan), stop_requests(lifeline=False) as stop:
         with workers_for(StudyJob.of(study), workers, scheduler) as pool:
             _run(plan, results_file, pool, stop)
         exit_if_interrupted(stop, len(plan.results), folder, console)
+        note("logs", len(plan.results))
         kept = _keep(chosen(plan, keep, keep_most), study, folder, workers, stop)
         exit_if_interrupted(stop, len(plan.results), folder, console)
+    note("report", len(plan.results))
     agreement = live_beside_lockstep(plan, study, live, folder / "live", console) if live else []
     summary = ExperimentSummary.of(plan)
     write_report(plan, summary, kept, agreement, folder)
+    note("finished", len(plan.results))
     show(summary, study.experiment, console)
     show_kept(kept, console)
     if agreement:
@@ -95,6 +103,16 @@ def experiment(
     console.print(f"page      {folder / 'report.html'}")
     broken = summary.errors or any(log.differing for log in kept) or not all(one.agrees for one in agreement)
     raise typer.Exit(1 if broken else 0)
+
+
+@contextmanager
+def _noting_an_interruption(note: Callable[[Stage, int], None], plan: Plan) -> Iterator[None]:
+    """Write down that a sweep was interrupted if the block does not end."""
+    try:
+        yield
+    except BaseException:
+        note("interrupted", plan.most_runs)
+        raise
 
 
 def _study(file: str, seeds: int | None) -> Study:

@@ -1,12 +1,8 @@
 // Shows a job's progress, then the report that it made, in the page.
 
 import { openReport } from "../report/report.js";
+import { element } from "./page_parts.js";
 import { ask, followJob } from "./server.js";
-
-/** @param {string} id */
-function element(id) {
-  return /** @type {HTMLElement} */ (document.getElementById(id));
-}
 
 /** Shows why there is nothing to show.
  * @param {string} text */

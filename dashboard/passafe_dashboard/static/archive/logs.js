@@ -1,44 +1,24 @@
 // The list of logs, the newest first, kept current; two of them can be compared.
 
+import { element, sizeText, tableCell, timeAgo } from "./page_parts.js";
 import { ask, pathOf } from "./server.js";
 
 const REFRESH_MS = 3000;
 const body = /** @type {HTMLElement} */ (document.querySelector("#logs tbody"));
-const find = /** @type {HTMLInputElement} */ (document.getElementById("find"));
-const compare = /** @type {HTMLButtonElement} */ (document.getElementById("compare"));
+const find = /** @type {HTMLInputElement} */ (element("find"));
+const compare = /** @type {HTMLButtonElement} */ (element("compare"));
 /** @type {Map<string, HTMLTableRowElement>} */
 const rows = new Map();
 /** @type {string[]} */
 let chosen = [];
 let shown = "";
 
-/** @param {number} bytes */
-export function sizeText(bytes) {
-  if (bytes < 1e5) return `${(bytes / 1e3).toFixed(1)} kB`;
-  return bytes < 1e9 ? `${(bytes / 1e6).toFixed(1)} MB` : `${(bytes / 1e9).toFixed(2)} GB`;
-}
-
-/** @param {number} seconds Unix time */
-export function timeAgo(seconds, now = Date.now() / 1000) {
-  const ago = Math.max(0, now - seconds);
-  if (ago < 60) return "just now";
-  if (ago < 3600) return `${Math.floor(ago / 60)} min ago`;
-  if (ago < 86_400) return `${Math.floor(ago / 3600)} h ago`;
-  return new Date(seconds * 1000).toISOString().slice(0, 10);
-}
-
-/** @param {string} text
- * @param {string} className */
-function cell(text, className = "") {
-  return Object.assign(document.createElement("td"), { textContent: text, className });
-}
-
 function rowOf(log) {
   const row = document.createElement("tr");
   const box = Object.assign(document.createElement("input"), { type: "checkbox", checked: chosen.includes(log.name) });
   box.setAttribute("aria-label", `compare ${log.name}`);
   box.addEventListener("change", () => choose(log.name, box.checked));
-  const mark = cell("");
+  const mark = tableCell("");
   if (log.state !== "no log") mark.append(box);
   const name = Object.assign(document.createElement("th"), { scope: "row" });
   const link = Object.assign(document.createElement("a"), { href: `/logs/${pathOf(log.name)}`, textContent: log.name });
@@ -48,10 +28,10 @@ function rowOf(log) {
     name.append(Object.assign(document.createElement("div"), { className: "note", textContent: text }));
   }
   const files = log.files > 1 ? `, ${log.files} files` : "";
-  const state = cell(log.state, log.state === "finished" ? "quiet" : `state ${log.state.replace(" ", "-")}`);
-  const changed = cell(timeAgo(log.modified_s));
+  const state = tableCell(log.state, log.state === "finished" ? "quiet" : `state ${log.state.replace(" ", "-")}`);
+  const changed = tableCell(timeAgo(log.modified_s));
   changed.title = new Date(log.modified_s * 1000).toISOString();
-  row.append(mark, name, cell(log.scenario), cell(log.mode), state, cell(sizeText(log.size_bytes) + files, "right"), changed);
+  row.append(mark, name, tableCell(log.scenario), tableCell(log.mode), state, tableCell(sizeText(log.size_bytes) + files, "right"), changed);
   return row;
 }
 
@@ -63,7 +43,7 @@ function choose(name, on) {
   }
   compare.disabled = chosen.length !== 2;
   const words = ["Mark two logs to compare them.", `${chosen[0]}: mark another one.`, chosen.join(" and ")];
-  document.getElementById("chosen").textContent = words[chosen.length];
+  element("chosen").textContent = words[chosen.length];
 }
 
 function filter() {
@@ -74,13 +54,13 @@ function filter() {
     row.hidden = !wanted.every((word) => text.includes(word));
     if (!row.hidden) left += 1;
   }
-  const none = document.getElementById("none");
+  const none = element("none");
   none.hidden = left > 0;
   none.textContent = rows.size ? "No log fits." : "No logs yet: a run that is recorded appears here.";
 }
 
 function show(list) {
-  document.getElementById("folder").textContent = list.folder;
+  element("folder").textContent = list.folder;
   const text = JSON.stringify(list.logs.map((log) => [log, timeAgo(log.modified_s)]));
   if (text !== shown) {
     shown = text;
@@ -92,7 +72,7 @@ function show(list) {
     body.replaceChildren(...rows.values());
     if (held) /** @type {HTMLElement} */ (rows.get(held)?.querySelector(kind))?.focus();
   }
-  const left = document.getElementById("left-out");
+  const left = element("left-out");
   left.hidden = !list.left_out;
   left.textContent = `${list.left_out} older ones are not listed.`;
   filter();
@@ -103,7 +83,7 @@ async function refresh() {
     show(await ask("/api/logs"));
     document.body.dataset.ready = "true";
   } catch (error) {
-    const none = document.getElementById("none");
+    const none = element("none");
     none.hidden = false;
     none.textContent = error.message;
   }

@@ -9,6 +9,7 @@ from typing import Literal, NamedTuple, Self
 from passafe_services.log.log_writer import LogWriter, run_metadata
 from passafe_services.recorder.lockstep_log import LockstepLog
 from passafe_services.scenarios.info import versions
+from passafe_services.tools.experiment.cells import RunKey
 from passafe_services.tools.experiment.load import Study
 from passafe_services.tools.experiment.plan import Plan
 from passafe_services.tools.experiment.run_result import RunResult
@@ -99,12 +100,16 @@ class LogJob:
         return lambda results: [write_log(runner, result, self.folder) for result in results]
 
 
+def log_name_of(key: RunKey) -> str:
+    """Return the name of the log of a run."""
+    at = "" if key.probe is None else f"-at-{key.probe:.6g}"
+    return f"cell-{key.cell}{at}-seed-{key.seed}.mcap"
+
+
 def write_log(runner: StudyRunner, result: RunResult, folder: Path) -> KeptLog:
     """Repeat a run with a recorder, and compare the metrics of its log with those of the sweep."""
-    run = result.run
-    scenario = runner.scenario_of(run)
-    at = "" if run.probe is None else f"-at-{run.probe:.6g}"
-    path = folder / f"cell-{run.cell}{at}-seed-{run.seed}.mcap"
+    scenario = runner.scenario_of(result.run)
+    path = folder / log_name_of(result.run.key)
     metadata = run_metadata(scenario_json=scenario.model_dump_json(), versions=versions(), driver="lockstep")
     with LogWriter(path, metadata) as log:
         runner.trace(scenario, LockstepLog(log))

@@ -1,0 +1,23 @@
+"""Serve the experiments in the runs folder: ``GET /api/experiments``, and one with ``GET /api/experiments/{name}``."""
+
+from fastapi import APIRouter
+
+from passafe_dashboard.archive.archive import Archive
+from passafe_dashboard.archive.experiment_models import ExperimentList, ExperimentView
+
+
+def experiment_routes(archive: Archive) -> APIRouter:
+    """Return the routes that show experiments."""
+    router = APIRouter(tags=["experiments"])
+
+    @router.get("/api/experiments")
+    async def experiments() -> ExperimentList:
+        """List the experiments, the newest first."""
+        return await archive.experiments()
+
+    @router.get("/api/experiments/{name:path}")
+    async def experiment(name: str) -> ExperimentView:
+        """Return the map of an experiment, as far as it has come."""
+        return await archive.experiment(name)
+
+    return router
