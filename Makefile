@@ -9,7 +9,7 @@ DEMO ?=
 PYTHONS ?= python3.12 python3.13
 CAMPAIGN ?= $(basename $(notdir $(wildcard services/passafe_services/scenarios/*.toml)))
 
-.PHONY: help demo test check fast proto lock docs site pictures bench campaign generated-campaign atlas delay-atlas worker-kills resumes faults recovery mutation wheel wheel-test container-test network-test fuzz soak clean golden what-if-pairs
+.PHONY: help demo test check fast proto lock docs site pictures screenshots bench campaign generated-campaign atlas delay-atlas worker-kills resumes faults recovery mutation wheel wheel-test container-test network-test fuzz soak clean golden what-if-pairs
 
 help:  ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 13
@@ -60,6 +60,9 @@ pictures: $(STAMP)  ## the pictures of README and docs, from runs
 	$(BIN)/python docs_build/moving_picture.py docs/pictures/four-modes.gif
 	$(BIN)/python -m passafe_dashboard.pictures docs/pictures
 	$(BIN)/python docs_build/report_picture.py docs/pictures/report.png
+
+screenshots: $(STAMP)  ## .build/screenshots: the live page of every shipped scenario, four widths, light and dark; some minutes
+	$(BIN)/python docs_build/page_pictures.py .build/screenshots
 
 bench: $(STAMP)  ## docs/benchmarks.md: ratios of every benchmark; some 10 minutes on an idle machine
 	$(BIN)/python benchmarks/write_page.py

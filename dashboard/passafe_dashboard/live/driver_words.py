@@ -166,7 +166,7 @@ def _row_words(name: str) -> str:
 
 def _with_distance(now: Situation, gap: Gap) -> str:
     if gap.unit == "m" and abs(gap.distance) < TOUCHING_M:
-        return f"{_named(now, gap)}, right at it"
+        return f"{_named(now, gap)}, touching it"
     where = "away" if gap.unit in ("m", "rad") else "left"
     past = " beyond" if gap.distance < 0 else f" {where}"
     return f"{_named(now, gap)}, {distance_text(gap.distance, gap.unit)}{past}"

@@ -6,7 +6,7 @@ const RETRY_MS = 1000;
 
 /** @typedef {{you: boolean, driver: import("./types.js").Driver, reason: string}} DriverNews */
 
-/** x.
+/** The server's clock as last received, and when.
  * @typedef {{server_ms: number, received_ms: number}} Clock */
 
 /** Returns a command for the server. It carries the newest clock of the server that it was made under and the time

@@ -26,7 +26,7 @@ export function leaseText(lease) {
 
 /** @param {Now} now */
 export function recordingText(now) {
-  if (now.session) return now.session.recording ? `on, ${now.session.log ?? "log is being opened"}` : "off";
+  if (now.session) return now.session.recording ? `on, ${now.session.log ?? "the log is being opened"}` : "off";
   const recorder = now.processes.find((each) => each.process === "recorder");
   return recorder?.state === "ok" ? "on" : recorder?.state === "silent" ? "the recorder is silent" : "off";
 }
@@ -37,5 +37,7 @@ export function recordingText(now) {
 export function showDriver(now, you, script) {
   setText(byId("driver"), driverText(now.drive?.driver, you, script));
   setText(byId("lease"), leaseText(now.drive?.lease ?? now.lease));
-  setText(byId("recording"), recordingText(now));
+  const recording = byId("recording");
+  setText(recording, recordingText(now));
+  recording.title = recording.textContent ?? "";
 }

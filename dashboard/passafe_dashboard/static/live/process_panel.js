@@ -25,14 +25,15 @@ export class ProcessPanel {
 
   /** @param {Now} now */
   show(now) {
-    const may = Boolean(now.session?.can.includes("processes"));
-    setText(this.note, may ? "" : "Processes can be killed and restarted here in a demo that offers it.");
+    const offered = now.session?.processes ?? {};
+    setText(this.note, now.session ? "" : "This system was not started by a demo: its processes are not controlled from here.");
     for (const process of now.processes) {
       const row = this.rows.get(process.process) ?? this.add(process.process);
       setText(row.state, processText(process));
       row.state.classList.toggle("bad", process.state === "silent");
-      const controlled = may && process.process !== "dashboard";
-      row.kill.disabled = row.restart.disabled = !controlled;
+      const can = offered[process.process]?.can ?? [];
+      row.kill.disabled = !can.includes("kill");
+      row.restart.disabled = !can.includes("restart");
     }
   }
 

@@ -11,7 +11,7 @@ export const MODES = { off: "filter off", safe: "safe", passive: "passive", both
  * @param {Session["last"]} last */
 export function lastText(last) {
   if (!last) return "";
-  return `Last run: ${last.words ?? last.verdict ?? last.outcome}`;
+  return `Run ${last.run}: ${last.words || (last.log ? "its log is being judged" : last.detail)}`;
 }
 
 export class RunPanel {
@@ -24,6 +24,7 @@ export class RunPanel {
     this.scenario = document.createElement("select");
     this.scenario.name = "scenario";
     this.prediction = checkbox("prediction");
+    this.guard = checkbox("guard");
     this.recording = checkbox("recording");
     this.go = button("Start", "submit");
     this.end = button("End the run", "button");
@@ -31,7 +32,7 @@ export class RunPanel {
     this.last = element("p", "run-note");
     const label = element("label", "", "Scenario ");
     label.append(this.scenario);
-    this.form.append(label, modeChoices(), this.prediction.label, this.recording.label, this.go, this.end, this.note, this.last);
+    this.form.append(label, modeChoices(), this.prediction.label, this.guard.label, this.recording.label, this.go, this.end, this.note, this.last);
     this.panel.replaceChildren(this.form);
     this.listen();
   }
@@ -53,6 +54,7 @@ export class RunPanel {
       scenario: chosen.get("scenario"),
       mode: chosen.get("mode"),
       prediction: this.prediction.box.checked,
+      gatekeeper: this.guard.box.checked,
       recording: this.recording.box.checked,
     };
     setText(this.answer, "starting …");
@@ -94,6 +96,7 @@ export class RunPanel {
       /** @type {HTMLInputElement} */ (radio).checked = /** @type {HTMLInputElement} */ (radio).value === session.mode;
     }
     this.prediction.box.checked = session.prediction;
+    this.guard.box.checked = session.gatekeeper;
     this.recording.box.checked = session.recording;
   }
 
@@ -105,8 +108,8 @@ export class RunPanel {
     this.last.replaceChildren(text);
     if (!last?.log) return;
     const link = document.createElement("a");
-    link.href = `/logs/${encodeURIComponent(last.log)}`;
-    link.textContent = "look at it, worst moment first";
+    link.href = `/logs/${encodeURIComponent(last.log)}#worst`;
+    link.textContent = "see its worst moment";
     this.last.append(" – ", link);
   }
 }

@@ -30,9 +30,12 @@
 
 /** @typedef {{page: string | null, device: string, since_ms?: number} | null} Driver */
 
-/** @typedef {{state: string, run: number, scenario: string, mode: string, prediction: boolean, recording: boolean,
- *   log: string | null, can: string[], scenarios: string[], last: {log: string, words?: string, verdict?: string,
- *   outcome: string} | null, trouble: string}} Session */
+/** @typedef {{run: number, log: string | null, detail: string, outcome: string, words: string}} EndedRun */
+
+/** @typedef {{state: string, run: number, scenario: string, mode: string, prediction: boolean, gatekeeper: boolean,
+ *   rate_hz: number, recording: boolean,
+ *   log: string | null, can: string[], scenarios: string[],
+ *   processes: Record<string, {state: string, can: string[]}>, last: EndedRun | null, trouble: string}} Session */
 
 /** @typedef {{liveness: {state: string, text: string}, server_ms: number, words: Words, ages?: Ages, gaps: Gap[],
  *   held: Held[], energy: any, run: number, scenario: any, filter: any, plant: any, worst: any, verdict: any,

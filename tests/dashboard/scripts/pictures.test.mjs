@@ -1,0 +1,178 @@
+// What the page draws and writes: view of the plane, held-back directions, bars, sliders, texts, rows that wait.
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+const live = "../../../dashboard/passafe_dashboard/static/live";
+const { Camera, MARGIN_PX, widened } = await import(`${live}/camera.js`);
+const { DialScale, askedAndAllowed, cuts } = await import(`${live}/input_dial.js`);
+const { barSpan, shownGaps } = await import(`${live}/gap_bars.js`);
+const { QUANTITIES, settingText, sliderOf, valueOf } = await import(`${live}/network_panel.js`);
+const { ageText } = await import(`${live}/delays_panel.js`);
+const { driverText, leaseText, recordingText } = await import(`${live}/driver_panel.js`);
+const { heldShare } = await import(`${live}/feel.js`);
+const { FrameQueue } = await import(`${live}/frame_queue.js`);
+const { LiveTable } = await import(`${live}/live_table.js`);
+const { certificateText } = await import(`${live}/engineer_sheet.js`);
+const { number } = await import(`${live}/number_table.js`);
+const { refusalText } = await import(`${live}/requests.js`);
+const { jointRange } = await import(`${live}/joint_scene.js`);
+const { processText } = await import(`${live}/process_panel.js`);
+const { lastText } = await import(`${live}/run_panel.js`);
+const { otherEffects } = await import(`${live}/link_rows.js`);
+
+test("a view holds its bounds with room for a dial, in the middle and to scale", () => {
+  const camera = new Camera([[-3, -2], [3, 2]]);
+  assert.equal(camera.aim(600 + 2 * MARGIN_PX, 400 + 2 * MARGIN_PX, []), true);
+  assert.deepEqual(camera.pixel(0, 0), [300 + MARGIN_PX, 200 + MARGIN_PX]);
+  assert.deepEqual(camera.pixel(-3, 2), [MARGIN_PX, MARGIN_PX]);
+  assert.equal(camera.aim(600 + 2 * MARGIN_PX, 400 + 2 * MARGIN_PX, [[1, 1]]), false);
+});
+
+test("a view widens step by step for a robot that leaves it", () => {
+  const camera = new Camera([[-1, -1], [1, 1]]);
+  camera.aim(500, 500, []);
+  const before = camera.scale;
+  assert.equal(camera.aim(500, 500, [[9, 0]]), true);
+  assert.ok(camera.scale < before && camera.scale > before / 5);
+  for (let i = 0; i < 100; i += 1) camera.aim(500, 500, [[9, 0]]);
+  assert.ok(camera.pixel(9, 0)[0] < 500 - MARGIN_PX + 1);
+  assert.deepEqual(widened([[-1, -1], [1, 1]], [[9, 0]]), [[-1, -1], [9, 1]]);
+});
+
+test("what was allowed is the operator's part of the decision", () => {
+  const filter = { u_h: [4, 0], u_nominal: [14, 1], u: [11, 1] };
+  assert.deepEqual(askedAndAllowed(filter, [0, 1]), { asked: [4, 0], allowed: [1, 0] });
+});
+
+test("a barrier cuts off the directions beyond its margin", () => {
+  const held = { name: "wall", point: 0, towards: [1, 0], margin: 3 };
+  const [cut] = cuts([held], [2, 0], 10);
+  assert.equal(cut.angle, 0);
+  assert.ok(Math.abs(Math.cos(cut.half) - 0.5) < 1e-12);
+  assert.deepEqual(cuts([{ ...held, margin: 9 }], [2, 0], 10), []);
+  assert.equal(cuts([{ ...held, margin: 0 }], [-20, 0], 10)[0].half, Math.PI);
+});
+
+test("a dial grows at once with what is asked and shrinks slowly", () => {
+  const scale = new DialScale(10);
+  assert.equal(scale.follow(14), 14);
+  assert.ok(scale.follow(1) > 13);
+  assert.equal(new DialScale(10).follow(3), 10);
+});
+
+test("bars begin at zero, and a violated one goes to the other side", () => {
+  const gap = { name: "a", distance: 0.02, unit: "m", text: "", h: 0, lowest_h: 0, nearest: true };
+  const near = barSpan(gap, 0.15);
+  assert.equal(near.begin, 0.15);
+  assert.ok(Math.abs(near.length - 0.085) < 1e-9);
+  assert.equal(barSpan({ ...gap, distance: 100 }, 0.15).length, 0.85);
+  const beyond = barSpan({ ...gap, distance: -0.1 }, 0.15);
+  assert.ok(beyond.begin < 0.15 && Math.abs(beyond.begin + beyond.length - 0.15) < 1e-12);
+});
+
+test("of very many barriers the nearest are shown, in the scenario's order", () => {
+  const gaps = [5, 1, 4, 2].map((distance) => ({ name: `${distance}`, distance }));
+  assert.deepEqual(shownGaps(gaps, 2).map(({ name }) => name), ["1", "2"]);
+  assert.equal(shownGaps(gaps, 4), gaps);
+});
+
+test("sliders are finer where values are small, and name what they set", () => {
+  assert.equal(valueOf(0, 1000), 0);
+  assert.equal(valueOf(100, 1000), 1000);
+  assert.equal(valueOf(sliderOf(250, 1000), 1000), 250);
+  assert.equal(valueOf(10, 1000), 10);
+  assert.equal(settingText(0.25, QUANTITIES.delay_s), "250 ms");
+  assert.equal(settingText(0.0125, QUANTITIES.loss), "1.3 %");
+});
+
+test("ages are written as people read them", () => {
+  assert.deepEqual([null, undefined, 0.2, 1.6, 250.4, 1500].map(ageText), ["–", "–", "< 1 ms", "2 ms", "250 ms", "1.5 s"]);
+});
+
+test("who drives is said in words", () => {
+  assert.equal(driverText(null, false, "lag"), "nobody");
+  assert.equal(driverText({ page: "3", device: "page" }, false, "lag"), "page 3");
+  assert.equal(driverText({ page: "3", device: "page" }, true, "lag"), "you, from this page");
+  assert.equal(driverText({ page: null, device: "lag" }, false, "lag"), "the script (lag)");
+  assert.equal(driverText({ page: null, device: "keyboard" }, false, "lag"), "the keyboard");
+  assert.equal(leaseText({ holder: null, refused: null }), "free");
+  assert.equal(leaseText({ holder: "1", device: "page", heartbeat_ms: 900, refused: "2" }), "held by page, silent for 0.9 s; another session is refused");
+});
+
+test("recording is what the session says, or else the recorder", () => {
+  assert.equal(recordingText({ session: { recording: true, log: "a.mcap" }, processes: [] }), "on, a.mcap");
+  assert.equal(recordingText({ session: null, processes: [{ process: "recorder", state: "silent" }] }), "the recorder is silent");
+  assert.equal(recordingText({ processes: [] }), "off");
+});
+
+test("the held share is of what was asked, and nothing is held of no request", () => {
+  assert.equal(heldShare({ u_h: [3, 4], override: { held_back_norm: 2.5 } }), 0.5);
+  assert.equal(heldShare({ u_h: [0, 0], override: { held_back_norm: 7 } }), 0);
+  assert.equal(heldShare(null), 0);
+});
+
+/** Returns a frame with one row. */
+function frame(value, restart = false) {
+  return { layout: "a", restart, lost: 1, tables: { ticks: [[value]], states: [] }, now: { server_ms: value } };
+}
+
+test("frames that wait become one with the newest state and all rows", () => {
+  const queue = new FrameQueue(2);
+  assert.equal(queue.take(), null);
+  for (const value of [1, 2, 3]) queue.add(frame(value));
+  const waiting = queue.take();
+  assert.deepEqual(waiting.tables.ticks, [[2], [3]]);
+  assert.deepEqual([waiting.now.server_ms, waiting.lost, waiting.restart], [3, 3, false]);
+  queue.add(frame(4));
+  queue.add(frame(5, true));
+  assert.deepEqual(queue.take().tables.ticks, [[5]]);
+});
+
+test("a table keeps the newest rows and finds values by time", () => {
+  const table = new LiveTable(["start_s", "time_s", "h"], 3);
+  table.push([[0, 0.1, 5], [0.1, 0.2, 6], [0.2, 0.3, 7], [0.3, 0.4, null]]);
+  assert.deepEqual([...table.start], [0.1, 0.2, 0.3]);
+  assert.equal(table.newest, 0.4);
+  assert.equal(table.has("h"), true);
+  assert.equal(table.value("h", 0.1), 6);
+  assert.ok(Math.abs(table.value("h", 0.15) - 6.5) < 1e-9);
+  assert.deepEqual(table.range("h", 0.25), [7, 7]);
+  assert.equal(table.range("h", 0.35), null);
+  table.clear();
+  assert.ok(Number.isNaN(table.newest));
+});
+
+test("numbers of the size of rounding errors are 0, and no program needs no certificate", () => {
+  assert.equal(number(-4.39e-14), "0");
+  assert.equal(number(null), "–");
+  assert.equal(number(-1.40171), "−1.402");
+  const none = { solver: "none", accepted: false, primal_residual: 9.77e-299, dual_residual: 0, gap: 0 };
+  assert.equal(certificateText(none), "no program was needed");
+  assert.equal(certificateText({ ...none, solver: "" }), "no program was needed");
+  assert.equal(certificateText({ ...none, solver: "piqp", accepted: true }), "piqp accepted: primal 0, dual 0, gap 0");
+});
+
+test("refusals are sentences", () => {
+  assert.equal(refusalText([{ loc: ["body", "loss"], msg: "too large" }]), "loss too large");
+  assert.equal(refusalText("no demo"), "no demo");
+  assert.equal(refusalText(undefined), "no reason was given");
+});
+
+test("a joint is shown between its limits, wider while it is beyond them", () => {
+  const [low, high] = jointRange({ low: -1, high: 1 }, 1.5);
+  assert.ok(low < -1 && high > 1.5);
+  const [from, to] = jointRange({ low: null, high: null }, 0);
+  assert.ok(from < -Math.PI && to > Math.PI);
+});
+
+test("processes, the last run and effects of links are said in words", () => {
+  assert.equal(processText({ state: "no report" }), "not running, or no report yet");
+  assert.equal(processText({ state: "silent", age_s: 3.21 }), "silent for 3.2 s");
+  assert.equal(processText({ state: "ok", rate_hz: 499.9 }), "500 steps a second");
+  assert.equal(lastText(null), "");
+  assert.equal(lastText({ run: 2, log: "a.mcap", detail: "", outcome: "holds", words: "holds" }), "Run 2: holds");
+  assert.equal(lastText({ run: 2, log: null, detail: "ended on request", outcome: "", words: "" }), "Run 2: ended on request");
+  const settings = { distribution: "uniform", reorder: true, burst_enter: 0, outages: [], duplicate: 0.02, network: "lte-driving" };
+  assert.equal(otherEffects(settings), "copies 2 %, lte-driving");
+});
