@@ -6,11 +6,12 @@ sampled plant's own step; between samples h is bounded from below by
     h(τ) ≥ min(h(0), h(T)) − T²/8·sup|ḧ|   for 0 ≤ τ ≤ T,
 
 the error of linear interpolation, with ḧ enclosed over the tube that is reachable within the period. So what is found
-to be kept is kept between samples too, up to the integration error that the step estimates.
+to be kept is kept between samples too, up to the integration error that the step estimates. Where ḧ has no bound, the
+least value of the cubic through h and ḣ at both ends stands in: an estimate, on which no proof rests.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import reduce
 from math import inf, isnan
 from typing import Final
@@ -19,6 +20,7 @@ import casadi as ca
 import numpy as np
 
 from passafe.barrier_chain import BarrierChain
+from passafe.course import CHUNK, Course
 from passafe.design import FilterDesign
 from passafe.enclosure import enclose
 from passafe.reachable_tube import reachable_tube
@@ -26,21 +28,11 @@ from passafe.sampled_plant import held_flow
 from passafe.settling import Settling
 from passafe.workspace import Array, BlockLayout, Workspace
 
-CHUNK: Final = 32
-"""Periods that one call rolls out."""
-
 LONGEST: Final = 2048
 """Periods after which a rollout ends where the robot has not come to rest."""
 
 AT_REST: Final = 1e-9
 """Change of the state over a chunk, relative to 1 + |x|, below which the robot counts as at rest."""
-
-
-EQUAL: Final = 1e-3
-"""Difference of two violations, relative to them, that counts as none."""
-
-ROUNDING: Final = 1e-9
-"""Value below zero that counts as zero where two courses are compared."""
 
 SMALL_ERROR: Final = 1e-6
 """Sum of the estimated integration errors that is neglected; by what is beyond, h counts as smaller."""
@@ -50,50 +42,6 @@ LARGEST_ERROR: Final = 1e-3
 
 GUESSES: Final = 2
 """How often a tube is guessed: a course is followed where no row may be kept any more, and states change fast."""
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Course:
-    """Outcome of one rollout.
-
-    Attributes:
-        kept_periods: Periods from the first on in which every barrier is kept; infinite where it is to the end.
-        lowest: Smallest lower bound of all h.
-        lowest_at: Period in which it is.
-        is_proven: Whether the bounds between samples and the integration are known all along.
-        comes_to_rest: Whether the robot came to rest, or where no barrier falls any more, before the rollout ended.
-    """
-
-    kept_periods: float
-    lowest: float
-    lowest_at: int
-    is_proven: bool
-    comes_to_rest: bool
-
-    @property
-    def is_safe(self) -> bool:
-        """True if every barrier is proven to be kept until the robot rests."""
-        return self.is_proven and self.comes_to_rest and self.lowest >= 0.0
-
-    def is_no_worse_than(self, other: "Course") -> bool:
-        """Return whether no barrier is lost earlier than on another course, nor by more than rounding and ``EQUAL``."""
-        deepest = min(other.lowest, 0.0) * (1 + EQUAL) - ROUNDING
-        return self.kept_periods >= other.kept_periods and self.lowest >= deepest
-
-    def or_worse(self, other: "Course") -> "Course":
-        """Return what is certain of a course that may be this one or another."""
-        lower = min(self, other, key=lambda course: course.lowest)
-        return Course(
-            kept_periods=min(self.kept_periods, other.kept_periods),
-            lowest=lower.lowest,
-            lowest_at=lower.lowest_at,
-            is_proven=self.is_proven and other.is_proven,
-            comes_to_rest=self.comes_to_rest and other.comes_to_rest,
-        )
-
-
-KEPT: Final = Course(kept_periods=inf, lowest=0.0, lowest_at=0, is_proven=True, comes_to_rest=True)
-"""A course on which every barrier is kept."""
 
 
 class BackupRollout:
@@ -173,6 +121,7 @@ class _CourseRecord:
     def __init__(self) -> None:
         self._periods = 0
         self._kept_periods, self._lowest, self._lowest_at = inf, inf, 0
+        self._soon = inf
         self._errors, self._is_known = 0.0, True
 
     def add(self, seen: Array) -> None:
@@ -187,11 +136,13 @@ class _CourseRecord:
         if sums[-1] > SMALL_ERROR:
             bounds = bounds - slopes * np.maximum(sums - SMALL_ERROR, 0.0)
         place = int(bounds.argmin())  # that of the first NaN, if there is one
-        lowest = float(bounds[place])
+        lowest = -inf if isnan(bounds[place]) else float(bounds[place])
         if not lowest >= 0.0 and self._kept_periods == inf:
             self._kept_periods = float(self._periods + np.argmin(bounds >= 0.0))
-        if not lowest >= self._lowest:
-            self._lowest, self._lowest_at = (-inf if isnan(lowest) else lowest), self._periods + place
+        if self._periods < self._kept_periods + CHUNK:
+            self._soon = min(self._soon, lowest)
+        if lowest < self._lowest:
+            self._lowest, self._lowest_at = lowest, self._periods + place
         self._errors = float(sums[-1])
         self._is_known = self._is_known and bool((known > 0).all())
         self._periods += CHUNK
@@ -221,6 +172,7 @@ class _CourseRecord:
         return Course(
             kept_periods=self._kept_periods,
             lowest=self._lowest,
+            soon=self._soon,
             lowest_at=self._lowest_at,
             is_proven=self._is_known and self._errors <= LARGEST_ERROR,
             comes_to_rest=rests,
@@ -255,10 +207,23 @@ def _lower_bounds(design: FilterDesign, chains: Sequence[BarrierChain], x_next: 
     for chain in chains:
         bounds = []
         for h in (branch.psi[0] for branch in chain.branches):
-            ball = enclose(system.rate(system.rate(h)), moving, reach)
+            rate = system.rate(h)
+            ball = enclose(system.rate(rate), moving, reach)
             sag = dt_s**2 / 8 * (ca.fabs(ball.centre) + ball.radius)
-            end = ca.substitute(h, moving, ca.vertcat(x_next, system.t + dt_s))
-            bounds.append(ca.fmin(h, end) - ca.if_else(tube.known * ball.known, sag, 0))
+            end, end_rate = (ca.substitute(each, moving, ca.vertcat(x_next, system.t + dt_s)) for each in (h, rate))
+            between = least_of_cubic(h, end, dt_s * rate, dt_s * end_rate)
+            bounds.append(ca.if_else(tube.known * ball.known, ca.fmin(h, end) - sag, between))
             known *= ball.known
         lowest = ca.fmin(lowest, reduce(ca.fmax, bounds))
     return lowest, known
+
+
+def least_of_cubic(begin: ca.SX, end: ca.SX, begin_slope: ca.SX, end_slope: ca.SX) -> ca.SX:
+    """Return the least value on [0, 1] of the cubic with given values and slopes at both ends, scalars."""
+    a = 3 * (end - begin) - 2 * begin_slope - end_slope
+    b = begin_slope + end_slope - 2 * (end - begin)
+    # The root of begin_slope + 2as + 3bs² at which the cubic is curved upwards
+    below = a + ca.sqrt(ca.fmax(a**2 - 3 * b * begin_slope, 0))
+    is_inside = ca.logic_and(begin_slope < 0, below > -begin_slope)
+    s = ca.if_else(is_inside, -begin_slope / ca.if_else(is_inside, below, 1), 0)
+    return ca.fmin(ca.fmin(begin, end), begin + s * (begin_slope + s * (a + s * b)))

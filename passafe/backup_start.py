@@ -4,7 +4,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from passafe.backup_rollout import LONGEST, BackupRollout, Course
+from passafe.backup_rollout import LONGEST, BackupRollout
+from passafe.course import Course
 from passafe.design import Law
 from passafe.filter import SafetyPassivityFilter
 from passafe.finding import Finding, Severity

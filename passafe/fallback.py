@@ -15,8 +15,9 @@ from dataclasses import dataclass
 from math import ceil
 from typing import Final
 
-from passafe.backup_rollout import CHUNK, KEPT, LONGEST, BackupRollout, Course
+from passafe.backup_rollout import LONGEST, BackupRollout
 from passafe.barrier_chain import BarrierChain
+from passafe.course import CHUNK, KEPT, Course
 from passafe.design import FilterDesign
 from passafe.workspace import Array
 

@@ -7,9 +7,10 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from passafe.backup_rollout import KEPT, BackupRollout, Course
+from passafe.backup_rollout import BackupRollout, least_of_cubic
 from passafe.barrier_chain import Barrier, derive_chains
 from passafe.class_k import Linear
+from passafe.course import KEPT, Course
 from passafe.design import FilterDesign, Mode
 from passafe.fallback import Fallback, between
 from passafe.filter import BETWEEN, SafetyPassivityFilter
@@ -96,9 +97,47 @@ def test_a_course_that_is_already_worse_is_not_followed() -> None:
 
 
 def test_the_worse_of_two_courses_has_the_worst_of_each() -> None:
-    other = Course(kept_periods=3.0, lowest=-0.5, lowest_at=7, is_proven=False, comes_to_rest=True)
+    other = Course(kept_periods=3.0, lowest=-0.5, soon=-0.5, lowest_at=7, is_proven=False, comes_to_rest=True)
 
     assert KEPT.or_worse(other) == other.or_worse(KEPT) == other
+
+
+@pytest.mark.parametrize(
+    ("begin", "end", "slopes", "expected"),
+    [
+        (0.0, 0.0, (-1.0, 1.0), -0.25),  # s² − s
+        (0.0, 0.0, (-1.0, 2.0), -2 / (3 * 3**0.5)),  # s³ − s
+        (0.0, 0.0, (-1.0, -1.0), -(3**0.5) / 18),  # −2s³ + 3s² − s
+        (0.0, 1.0, (1.0, 1.0), 0.0),  # s
+        (1.0, 0.0, (-1.0, -1.0), 0.0),  # 1 − s
+        (0.0, -1.0, (1.0, -3.0), -1.0),  # s − 2s²
+        (0.0, 0.0, (0.0, 0.0), 0.0),
+    ],
+)
+def test_a_cubic_is_least_at_an_end_or_in_between(
+    begin: float, end: float, slopes: tuple[float, float], expected: float
+) -> None:
+    assert float(least_of_cubic(ca.SX(begin), ca.SX(end), *map(ca.SX, slopes))) == pytest.approx(expected, abs=1e-12)
+
+
+def test_a_loss_between_samples_counts_without_a_bound() -> None:
+    """A pendulum with ωT = 2 swings to −0.3 and back within a period: too far for the tube, past the wall at −0.25."""
+    x, u = ca.SX.sym("x", 2), ca.SX.sym("u")
+    design = coaster(
+        system=System(x=x, u=u, f=ca.vertcat(x[1], u - 400 * ca.sin(x[0])), y=x[1]),
+        barriers=(Barrier(name="wall", h=x[0] + 0.25, class_k=(Linear(gain=1.0),) * 3),),
+        passivity=Passivity(V=x[1] ** 2 / 2),
+        dt_s=0.1,
+    )
+    chains = [chain for barrier in design.barriers for chain in derive_chains(design.system, barrier)]
+    start = np.array([-0.3 * np.cos(1.0), -0.3 * 20 * np.sin(1.0)])
+
+    course = BackupRollout(design, chains).course(start, 0.0, np.zeros(1), 0)
+
+    assert not course.is_proven
+    assert course.kept_periods == 0
+    after = SampledPlant(design.system, design.passivity.V, design.dt_s).advance(start, ZERO)
+    assert min(start[0], after.x[0]) > -0.2, "at the samples nothing is lost"
 
 
 def test_a_course_that_blows_up_keeps_nothing() -> None:

@@ -6,9 +6,10 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from passafe.backup_rollout import BackupRollout, Course
+from passafe.backup_rollout import BackupRollout
 from passafe.barrier_chain import Barrier, derive_chains
 from passafe.class_k import Linear
+from passafe.course import Course
 from passafe.design import FilterDesign, Mode
 from passafe.passivity import Passivity
 from passafe.settling import Settling
