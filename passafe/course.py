@@ -1,4 +1,4 @@
-"""What is kept on a course of the robot, and when one course is no worse than another."""
+"""A course of the robot: what is kept on it, and when it is no worse than another."""
 
 from dataclasses import dataclass
 from math import inf
