@@ -30,10 +30,18 @@ def browse(root: Path, port: int, *, on_ready: Callable[[str], object]) -> None:
         PageAddressError: The address cannot be listened on for another reason.
     """
     with stop_requests(lifeline=False) as stop, listening_socket(LOOPBACK, port) as listener:
-        asyncio.run(_serve(root, listener, stop, on_ready))
+        asyncio.run(serve_archive(root, listener, stop, on_ready))
 
 
-async def _serve(root: Path, listener: socket.socket, stop: Stop, on_ready: Callable[[str], object]) -> None:
+async def serve_archive(root: Path, listener: socket.socket, stop: Stop, on_ready: Callable[[str], object]) -> None:
+    """Serve the logs in a folder until asked to stop.
+
+    Args:
+        root: The runs folder.
+        listener: Socket that listens on loopback.
+        stop: The request to stop.
+        on_ready: Called with the page's address.
+    """
     archive = Archive(root, beside_robot=False)
     server = page_server(create_browsing_app(archive, hosts=OwnHosts.of(LOOPBACK)))
     serving = asyncio.create_task(server.serve(sockets=[listener]))
@@ -43,5 +51,6 @@ async def _serve(root: Path, listener: socket.socket, stop: Stop, on_ready: Call
             ready = True
             on_ready(f"http://{LOOPBACK}:{listener.getsockname()[1]}/logs")
         await asyncio.sleep(CHECK_PERIOD_S)
+    await archive.close()  # answers requests that wait for a job
     server.should_exit = True
     await serving

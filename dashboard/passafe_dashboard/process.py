@@ -153,6 +153,9 @@ async def _run(
         if not broadcasting.done():
             broadcast.finish("The run has ended. The page shows its last state.")
             await _until(lambda: not broadcast.clients, timeout_s=LAST_FRAME_TIMEOUT_S)
+    archive: Archive | None = app.state.archive
+    if archive is not None:
+        await archive.close()  # answers requests that wait for a job
     server.should_exit = True
     await serving
     if server.started and broadcasting.done() and not broadcasting.cancelled():

@@ -1,17 +1,17 @@
 """The pages of logs behind their real web server, in a thread of the test's process."""
 
 import asyncio
-import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from queue import Queue
+from threading import Thread
 from typing import Any
 
 import httpx
 from passafe_dashboard.address import listening_socket
-from passafe_dashboard.archive.archive import Archive
-from passafe_dashboard.routes.application import create_browsing_app
-from passafe_dashboard.server import page_server
+from passafe_dashboard.browsing import serve_archive
+from passafe_services.loop.stop import Stop, StopReason
 
 OVER = ("done", "failed", "cancelled")
 
@@ -19,9 +19,8 @@ OVER = ("done", "failed", "cancelled")
 class BrowsedArchive:
     """A running server and ways to talk to it."""
 
-    def __init__(self, url: str, client: httpx.Client, archive: Archive) -> None:
+    def __init__(self, url: str, client: httpx.Client) -> None:
         self.url = url
-        self.archive = archive
         self._client = client
 
     def get(self, path: str) -> httpx.Response:
@@ -53,25 +52,14 @@ class BrowsedArchive:
 @contextmanager
 def browse_folder(root: Path) -> Iterator[BrowsedArchive]:
     """Serve the logs of a folder until the end of the block."""
+    stop = Stop()
+    addresses: Queue[str] = Queue()
     with listening_socket("127.0.0.1", 0) as listener, httpx.Client(timeout=30, verify=False) as client:  # noqa: S501 - no TLS here
-        made: list[Archive] = []
-        ready = threading.Event()
-        servers: list[Any] = []
-
-        async def serve() -> None:
-            made.append(Archive(root, beside_robot=False))
-            servers.append(page_server(create_browsing_app(made[0])))
-            ready.set()
-            await servers[0].serve(sockets=[listener])
-
-        thread = threading.Thread(target=lambda: asyncio.run(serve()))
+        thread = Thread(target=lambda: asyncio.run(serve_archive(root, listener, stop, addresses.put)))
         thread.start()
-        ready.wait(30)
-        page = BrowsedArchive(f"http://127.0.0.1:{listener.getsockname()[1]}", client, made[0])
-        page.get("/api/jobs")  # answered once the application has started
         try:
-            yield page
+            yield BrowsedArchive(addresses.get(timeout=30).removesuffix("/logs"), client)
         finally:
-            servers[0].should_exit = True
+            stop.request(StopReason.SIGNAL)
             thread.join(30)
             assert not thread.is_alive()

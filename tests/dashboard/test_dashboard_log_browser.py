@@ -58,8 +58,17 @@ def test_a_log_is_opened_from_the_list_and_played(watched: Watched, archive: Bro
     assert watched.page.locator("#report canvas").count() == 13
     watched.page.get_by_role("button", name="plant in its fail-safe").click()
     watched.page.wait_for_selector("[data-part=time]:text-is('0.200 s')")
+    watched.page.select_option("[data-part=speed]", "2")
     watched.page.get_by_role("button", name="Play").click()
     watched.wait_for("parseFloat(document.querySelector('[data-part=time]').textContent) > 0.25")
+    watched.page.get_by_role("button", name="Pause").click()
+    watched.page.keyboard.press("w")  # the worst moment: nothing is violated, so that of the lowest h
+    worst = watched.page.get_attribute("[data-part=worst]", "data-jump")
+    watched.wait_for(f"Math.abs(parseFloat(document.querySelector('[data-part=time]').textContent) - {worst}) < 1e-3")
+    for _ in range(5):
+        watched.page.keyboard.press("p")
+    watched.page.keyboard.press("n")
+    watched.wait_for("document.querySelectorAll('[data-jump][aria-current]').length === 1")
     assert all(url.startswith((archive.url, "data:")) for url in watched.requests)
 
 

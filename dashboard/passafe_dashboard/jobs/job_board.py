@@ -106,6 +106,7 @@ class JobBoard:
         self._numbers = count(1)
         self._turn = asyncio.Semaphore(MOST_AT_A_TIME)
         self._results: TemporaryDirectory[str] | None = None
+        self._is_closed = False
 
     @property
     def jobs(self) -> Mapping[str, PageJob]:
@@ -130,14 +131,14 @@ class JobBoard:
             stamp: State of the files that it is about; with another the work is done again. ``None``: always anew.
 
         Raises:
-            TooManyJobsError: Too many are open.
+            TooManyJobsError: Too many are open, or the server is ending.
         """
         if stamp is not None:
             for job in self._jobs.values():
                 if job.request == request and job.stamp == stamp and job.state in (*OPEN, "done"):
                     return job
         is_open = sum(job.state in OPEN for job in self._jobs.values())
-        if is_open >= MOST_OPEN:
+        if is_open >= MOST_OPEN or self._is_closed:
             raise TooManyJobsError(is_open)
         name = str(next(self._numbers))
         if self._results is None:
@@ -161,7 +162,8 @@ class JobBoard:
         return job
 
     async def close(self) -> None:
-        """End every job and remove the results."""
+        """End every job, for good, and remove the results."""
+        self._is_closed = True
         tasks = [job.task for job in self._jobs.values() if job.task is not None and not job.task.done()]
         for task in tasks:
             task.cancel()
@@ -169,6 +171,7 @@ class JobBoard:
             await asyncio.wait(tasks)
         if self._results is not None:
             await asyncio.to_thread(self._results.cleanup)
+            self._results = None
 
     async def _run(self, job: PageJob) -> None:
         try:

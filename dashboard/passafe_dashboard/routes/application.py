@@ -100,6 +100,7 @@ def create_app(
     app.include_router(stop_routes(stops))
     app.include_router(drive_routes(broadcast, drives))
     app.include_router(run_routes(runs, broadcast.feed))
+    app.state.archive = archive
     if archive is not None:
         _include_archive(app, archive, live=True)
     app.mount("/static", StaticFiles(directory=STATIC), name="static")

@@ -17,6 +17,9 @@ export class Toolbar {
     this.play.addEventListener("click", () => this.toggle());
     const actions = { in: () => view.zoom(0.5), out: () => view.zoom(2), all: () => view.showAll() };
     for (const [name, action] of Object.entries(actions)) part(name).addEventListener("click", action);
+    this.speed = part("speed");
+    this.parts = part;
+    for (const [name, way] of [["previous", -1], ["next", 1]]) part(name)?.addEventListener("click", () => this.toEvent(way));
     document.addEventListener("keydown", (event) => this.press(event));
     this.read();
   }
@@ -36,7 +39,7 @@ export class Toolbar {
 
   press(event) {
     const { view } = this;
-    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest?.("select, textarea")) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest?.("select, textarea, input:not([type=range])")) return;
     const step = (view.to - view.from) / 200;
     const actions = {
       "+": () => view.zoom(0.5),
@@ -46,6 +49,10 @@ export class Toolbar {
       "]": () => view.pan(0.5),
       ",": () => view.moveCursor(view.cursor - step),
       ".": () => view.moveCursor(view.cursor + step),
+      n: () => this.toEvent(1),
+      p: () => this.toEvent(-1),
+      w: () => this.parts("worst")?.click(),
+      k: () => this.toggle(),
     };
     const action = actions[event.key];
     if (!action) return;
@@ -54,25 +61,40 @@ export class Toolbar {
     event.preventDefault();
   }
 
+  /** Goes to the nearest event or place to look at, in one direction of time.
+   * @param {1 | -1} way */
+  toEvent(way) {
+    const { view } = this;
+    const buttons = [...document.querySelectorAll("[data-jump]:not([data-part])")];
+    const apart = (button) => way * (Number(button.dataset.jump) - view.cursor);
+    const ahead = buttons.filter((button) => apart(button) > 1e-6);
+    const nearest = ahead.reduce((best, button) => (best && apart(best) <= apart(button) ? best : button), null);
+    nearest?.click();
+    nearest?.scrollIntoView({ block: "nearest" });
+  }
+
   toggle() {
     this.playing = !this.playing;
     this.play.setAttribute("aria-pressed", String(this.playing));
     this.play.textContent = this.playing ? "Pause" : "Play";
     if (!this.playing) return;
-    if (this.view.cursor >= this.view.to) this.view.moveCursor(this.view.from);
+    if (this.view.cursor >= this.view.end) this.view.moveCursor(this.view.start);
+    this.follow();
     this.last = performance.now();
     requestAnimationFrame((now) => this.advance(now));
   }
 
-  /** Plays at the speed of the run, or what is in view in `PLAY_S` seconds if that is faster. */
+  /** Plays at the speed that is chosen; fitting is that of the run, or what is in view in `PLAY_S` seconds if faster. */
   advance(now) {
     if (!this.playing) return;
     const { view } = this;
-    const speed = Math.max(1, (view.to - view.from) / PLAY_S);
+    const speed = Number(this.speed?.value) || Math.max(1, (view.to - view.from) / PLAY_S);
     view.moveCursor(view.cursor + ((now - this.last) / 1000) * speed);
     this.last = now;
-    if (view.cursor >= view.to) this.toggle();
-    else requestAnimationFrame((later) => this.advance(later));
+    if (view.cursor >= view.end) this.toggle();
+    else if (view.cursor >= view.to) view.show(view.cursor, view.cursor + view.to - view.from);
+    if (!this.playing) return;
+    requestAnimationFrame((later) => this.advance(later));
   }
 
   read() {
