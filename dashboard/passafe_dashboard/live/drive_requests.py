@@ -91,7 +91,7 @@ class DriveRequests:
         self._numbered += 1
         page = self._pages[self._numbered] = DrivingPage(self._numbered)
         self._seat.pages = len(self._pages)
-        page.send(self._driver_message(page))
+        page.send(self._driver_message(page, ""))
         return page
 
     def leave(self, page: DrivingPage) -> None:
@@ -159,13 +159,13 @@ class DriveRequests:
         if is_new_turn:
             self._send()
         for page in self._pages.values():
-            page.send(self._driver_message(page))
+            page.send(self._driver_message(page, self._seat.reason))
 
-    def _driver_message(self, page: DrivingPage, refusal: str = "") -> dict[str, Any]:
+    def _driver_message(self, page: DrivingPage, reason: str) -> dict[str, Any]:
         return {
             "type": "driver",
             "page": str(page.number),
             "you": self._seat.page == page.number,
             "driver": driver_json(self._broadcast.feed),
-            "reason": refusal or self._seat.reason,
+            "reason": reason,
         }
