@@ -5,25 +5,65 @@ from typing import Any, Final
 from fastapi import APIRouter, HTTPException, Response
 from fastapi.exceptions import RequestValidationError
 from passafe_protocol.topics import LINKS
+from pydantic import BaseModel
 
 from passafe_dashboard.errors import LinkAnswerError, LinkUpdateError
 from passafe_dashboard.json_text import json_text
 from passafe_dashboard.live.link_requests import LinkRequests, LinkUpdate
 
+OK: Final = 200
 NOT_FOUND: Final = 404
 GATEWAY_TIMEOUT: Final = 504
 
 
+class LinkAnswer(BaseModel):
+    """An injected link; null until its state was received.
+
+    Attributes:
+        link: Its name.
+        topic: Topic whose messages it carries.
+        reader: Process at whose inlet it sits.
+        age_s: Time since its state was received.
+        settings: Settings in force, by the names of ``LinkParameters`` on the wire, and the opportunities of a trace.
+        counts: Messages by what became of them.
+    """
+
+    link: str
+    topic: str
+    reader: str
+    age_s: float | None
+    settings: dict[str, Any] | None
+    counts: dict[str, int] | None
+
+
+class LinkList(BaseModel):
+    """Every injected link.
+
+    Attributes:
+        links: They.
+    """
+
+    links: list[LinkAnswer]
+
+
 def link_routes(links: LinkRequests) -> APIRouter:
     """Return the routes that read and change links."""
-    router = APIRouter()
+    router = APIRouter(tags=["links"])
 
-    @router.get("/api/links")
+    @router.get("/api/links", responses={OK: {"model": LinkList}})
     async def states() -> Response:
+        """Return every link."""
         return _json({"links": links.states()})
 
-    @router.put("/api/links/{name}")
+    answers: dict[int | str, dict[str, Any]] = {
+        OK: {"model": LinkAnswer},
+        NOT_FOUND: {"description": "No such link"},
+        GATEWAY_TIMEOUT: {"description": "The process that reads it did not answer"},
+    }
+
+    @router.put("/api/links/{name}", responses=answers)
     async def change(name: str, update: LinkUpdate) -> Response:
+        """Change settings of a link; answered with those in force. Settings that are not given keep their value."""
         if name not in LINKS:
             raise HTTPException(NOT_FOUND, f"link: got {name!r}, allowed {', '.join(LINKS)}")
         try:

@@ -22,16 +22,18 @@ def state_routes(broadcast: Broadcast, bus_trouble: Callable[[], str]) -> APIRou
         broadcast: Source of the state and of the frames.
         bus_trouble: Says why nothing can be read from the bus; empty if that is not so.
     """
-    router = APIRouter()
+    router = APIRouter(tags=["state"])
     served: set[WebSocket] = set()
 
     @router.get("/api/status")
     async def status() -> Response:
+        """Return the state of the page, which each frame of ``/live`` has as ``now``."""
         text = json_text(page_state(broadcast.feed, broadcast.clock()))
         return Response(text, media_type="application/json")
 
     @router.get("/healthz")
     async def healthz(request: Request) -> Response:
+        """Return whether the dashboard reads the bus, and how current what it shows is."""
         broadcasting: asyncio.Task[None] = request.app.state.broadcasting
         trouble = "reading the bus has failed" if broadcasting.done() else bus_trouble()
         feed = liveness(broadcast.feed, broadcast.clock())

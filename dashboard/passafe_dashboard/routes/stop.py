@@ -1,11 +1,11 @@
 """Serve the emergency stop: press it with ``PUT /api/stop``, clear one by its id with ``PUT /api/clear/{stop}``."""
 
-from typing import Annotated, Any, Final
+from typing import Annotated, Final
 
-from fastapi import APIRouter, HTTPException, Path, Response
+from fastapi import APIRouter, HTTPException, Path
+from pydantic import BaseModel
 
 from passafe_dashboard.errors import StopAnswerError, StopNameError
-from passafe_dashboard.json_text import json_text
 from passafe_dashboard.live.stop_requests import StopRequests
 
 CONFLICT: Final = 409
@@ -14,28 +14,39 @@ GATEWAY_TIMEOUT: Final = 504
 StopId = Annotated[int, Path(ge=1, lt=2**64)]
 
 
+class LatchedStop(BaseModel):
+    """Emergency stop that the plant has latched.
+
+    Attributes:
+        id: Its id, as text; null: none is latched.
+        source: Process that pressed it.
+    """
+
+    id: str | None
+    source: str | None
+
+
 def stop_routes(stops: StopRequests) -> APIRouter:
     """Return the routes that press and clear the emergency stop."""
-    router = APIRouter()
+    silent = {"description": "The plant did not answer"}
+    router = APIRouter(tags=["emergency stop"], responses={GATEWAY_TIMEOUT: silent})
 
     @router.put("/api/stop")
-    async def press() -> Response:
+    async def press() -> LatchedStop:
+        """Press the emergency stop; answered when the plant has latched it."""
         try:
-            return _json(await stops.press())
+            return LatchedStop(**await stops.press())
         except StopAnswerError as error:
             raise HTTPException(GATEWAY_TIMEOUT, str(error)) from error
 
-    @router.put("/api/clear/{stop}")
-    async def clear(stop: StopId) -> Response:
+    @router.put("/api/clear/{stop}", responses={CONFLICT: {"description": "Another stop is latched, or none"}})
+    async def clear(stop: StopId) -> LatchedStop:
+        """Clear the stop of this id; answered when the plant has done so."""
         try:
-            return _json(await stops.clear(stop))
+            return LatchedStop(**await stops.clear(stop))
         except StopNameError as error:
             raise HTTPException(CONFLICT, str(error)) from error
         except StopAnswerError as error:
             raise HTTPException(GATEWAY_TIMEOUT, str(error)) from error
 
     return router
-
-
-def _json(value: dict[str, Any]) -> Response:
-    return Response(json_text(value), media_type="application/json")
