@@ -1,5 +1,6 @@
 """One decision of the filter, the attempts that lead to it, and the evidence for it."""
 
+from collections.abc import Iterable
 from enum import IntEnum
 from typing import Final
 
@@ -60,6 +61,20 @@ CERTIFIED: Final = (*ANSWERS, Status.INFEASIBLE)
 """Outcomes in which a program's answer passed the certificate, with hard rows relaxed or not."""
 
 
+_MEANINGS: Final = {
+    Status.PASSED: "nothing stood in the way",
+    Status.MODIFIED: "changed so that every row is kept",
+    Status.RELAXED: "every hard row is kept, the passivity row is relaxed by the slack",
+    Status.UNCERTIFIED: "no answer was certified, the fail-safe law's input is sent: a fallback",
+    Status.INFEASIBLE: "proven that no input within the limits keeps the hard rows: a fallback",
+    Status.AT_SAMPLES: "the hard rows can be kept at the sample, for the whole period it is not known: a fallback",
+    Status.BACKUP: "judged by the course of the backup law instead of by rows",
+}
+
+_NEGLIGIBLE: Final = 1e-9
+"""Size below which a number is printed as 0."""
+
+
 class Attempt(Struct, frozen=True, eq=False, gc=False):
     """Outcome of one quadratic program.
 
@@ -97,6 +112,25 @@ class Decision(Struct, frozen=True, eq=False):
     solver: str
     assessment: Assessment[float]
     u: tuple[float, ...]
+
+    def __str__(self) -> str:
+        """Return the decision as a person reads it: outcome, input, and what it was closest to."""
+        enforced = self.part("eps").size
+        barriers = f"lowest ψ {_number(self.assessment.lowest_psi)}" if enforced else "none enforced"
+        asked = f"nominal {_numbers(self.u_nominal)}, operator {_numbers(self.request.u_h)}"
+        return "\n".join(
+            [
+                f"{self.status.name}: {_MEANINGS[self.status]}",
+                f"  input     {_numbers(self.u)} ({asked})",
+                f"  barriers  {barriers}",
+                f"  power     margin {_number(self.power_margin)} W, slack {_number(self.slack)} W",
+                f"  solver    {self.solver}",
+            ]
+        )
+
+    def __repr__(self) -> str:
+        """Return the decision in one line; its numbers are in ``part`` and ``view``."""
+        return f"Decision(status={self.status.name}, u={self.u}, solver={self.solver!r})"
 
     def part(self, name: str) -> Array:
         """Return a part by name, flat: see ``passafe.decision_schema`` for the names and shapes."""
@@ -180,3 +214,11 @@ class Decision(Struct, frozen=True, eq=False):
     def gap(self) -> float:
         """Duality gap, relative to 1 + ‖z‖²."""
         return self.assessment.gap
+
+
+def _numbers(values: Iterable[float]) -> str:
+    return f"({', '.join(map(_number, values))})"
+
+
+def _number(value: float) -> str:
+    return "0" if abs(value) < _NEGLIGIBLE else f"{value:.4g}"
