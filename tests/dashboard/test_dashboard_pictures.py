@@ -169,6 +169,32 @@ def test_least_ordinate_is_in_view_and_limit_is_drawn() -> None:
     assert in_legend(axes) == ["both", "not tried beyond"]
 
 
+@pytest.mark.parametrize(
+    ("limit", "low", "scale"),
+    [(0.0, 1.3e-5, "symlog"), (0.0, -0.1, "linear"), (0.25, 1.3e-5, "linear"), (None, 1.3e-5, "linear")],
+)
+def test_values_just_above_a_limit_of_0_are_seen(limit: float | None, low: float, scale: str) -> None:
+    axes = Figure().add_subplot()
+    curves = (
+        Curve(label="off", style=0, x=(0.0, 1.0), y=(-0.95, -0.93)),
+        Curve(label="both", style=1, x=(0.0, 1.0), y=(low, low)),
+    )
+    draw_chart(axes, LineChart(x_label="x", y_label="h_min", curves=curves, limit=limit))
+
+    assert axes.get_yscale() == scale
+    height = abs(axes.transAxes.inverted().transform(axes.transData.transform((0.0, low)))[1])
+    at_limit = abs(axes.transAxes.inverted().transform(axes.transData.transform((0.0, 0.0)))[1])
+    assert (abs(height - at_limit) > 0.02) == (scale == "symlog" or low == -0.1)
+
+
+def test_curves_on_the_limit_alone_have_a_linear_axis() -> None:
+    axes = Figure().add_subplot()
+    curve = Curve(label="both", style=1, x=(0.0, 1.0), y=(0.0, 0.0))
+    draw_chart(axes, LineChart(x_label="x", y_label="y", curves=(curve,), limit=0.0))
+
+    assert axes.get_yscale() == "linear"
+
+
 def test_marks_are_hollow_where_open_and_square_where_doubtful() -> None:
     axes = Figure().add_subplot()
     curve = Curve(label="both", style=0, x=(0.0, 1.0, 2.0), y=(2.0, 3.0, 4.0), open_at=(1,), doubtful_at=(2,))

@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -58,7 +59,7 @@ def test_tables_page_and_logs_are_written(small: Path) -> None:
     assert parquet.read_table(out / "runs.parquet").num_rows == 8
     assert parquet.read_table(out / "cells.parquet").num_rows == 4
     assert json.loads((out / "summary.json").read_text(encoding="utf-8"))["runs"] == 8
-    logs = sorted((out / "logs").iterdir())
+    logs = sorted((out / "logs").glob("*.mcap"))
     assert len(logs) == 2
     reviewed = subprocess.run(
         [sys.executable, "-P", "-m", "passafe_services.cli", "review", str(logs[0]), "--json"],
@@ -89,6 +90,26 @@ def test_the_same_command_runs_nothing_again(small: Path) -> None:
 
     assert done.returncode == 0
     assert (small / "out" / "results.jsonl").read_text(encoding="utf-8") == before
+
+
+@pytest.mark.live
+def test_finished_experiment_says_so_and_does_nothing_twice(small: Path, tmp_path: Path) -> None:
+    out = shutil.copytree(small / "out", tmp_path / "out")
+    command = str(small / "small.toml"), "--out", str(out), "--keep-most", "2"
+    experiment(*command)  # another test may have kept no logs
+    files = (out / "report.html", out / "kept.jsonl", *(out / "logs").iterdir())
+    before = {path: path.stat().st_mtime_ns for path in files}
+
+    done = experiment(*command)
+
+    assert done.returncode == 0, done.stderr
+    assert f"finished before: all 8 runs of small are in {out}" in done.stdout
+    assert "2 of 2" in done.stdout
+    assert "logs      2 in" in done.stdout
+    assert {path: path.stat().st_mtime_ns for path in before} == before
+    more = experiment(*command[:-1], "3")
+    assert "finished before" not in more.stdout
+    assert {path.name for path in files if path.stat().st_mtime_ns != before[path]} == {"report.html", "kept.jsonl"}
 
 
 @pytest.mark.live

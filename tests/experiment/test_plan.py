@@ -57,6 +57,19 @@ def test_a_grid_wants_every_run_once_and_nothing_more() -> None:
     assert [plan.after(result(run)) for run in runs] == [[]] * 12
 
 
+def test_plan_is_complete_once_nothing_is_wanted() -> None:
+    experiment = bisected()
+    plan = Plan(experiment)
+    assert not plan.is_complete
+
+    work(plan, lambda _waiting: None)
+
+    assert plan.is_complete
+    assert Plan(experiment, plan.results).is_complete
+    more = experiment.model_copy(update={"seeds": experiment.seeds.model_copy(update={"count": 4})})
+    assert not Plan(more, plan.results).is_complete
+
+
 def test_runs_that_share_a_reference_follow_one_another() -> None:
     experiment = study(axes=[DELAY], seeds={"count": 2}, variants={"b": {}, "a": {}}).experiment
 

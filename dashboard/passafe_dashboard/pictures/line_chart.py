@@ -22,6 +22,12 @@ RING: Final = 2.0
 
 LEGEND_COLUMNS: Final = 3
 
+MOST_LINEAR: Final = 100.0
+"""Ratio of ordinates above which small ones would lie on a limit of 0: the axis is then symmetric logarithmic."""
+
+MOST_DECADES: Final = 1e6
+"""Largest ratio of ordinates that such an axis shows."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Curve:
@@ -110,7 +116,21 @@ def draw_chart(axes: Axes, chart: LineChart) -> None:
         axes.update_datalim([(abscissae[0], chart.least)])
     axes.margins(x=0.04)
     axes.set(xlabel=chart.x_label, ylabel=chart.y_label)
+    linear_up_to = _linear_up_to(chart)
+    if linear_up_to is not None:
+        axes.set_yscale("symlog", linthresh=linear_up_to, linscale=0.5)
+        axes.set_ylabel(f"{chart.y_label} (log on either side of 0)")
     add_legend(axes, columns=LEGEND_COLUMNS)
+
+
+def _linear_up_to(chart: LineChart) -> float | None:
+    """Return the ordinate below which a symmetric logarithmic axis is linear; ``None``: a linear axis shows all."""
+    if chart.limit != 0.0:
+        return None
+    sizes = [abs(y) for curve in chart.curves for y in (*curve.y, *curve.low, *curve.high) if y != 0.0]
+    if not sizes or max(sizes) <= MOST_LINEAR * min(sizes):
+        return None
+    return max(min(sizes), max(sizes) / MOST_DECADES)
 
 
 def _draw_points(axes: Axes, curve: Curve) -> None:

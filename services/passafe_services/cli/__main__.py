@@ -3,7 +3,7 @@
 import os
 import sys
 
-from passafe_services.cli.failure import refuse, refuse_missing_module
+from passafe_services.cli.failure import INTERRUPTED, refuse, refuse_missing_module
 from passafe_services.cli.version import version_text
 
 
@@ -17,6 +17,14 @@ def main() -> None:
         sys.stdout.write(f"{version_text()}\n")
         return
     os.environ["PYTHONSAFEPATH"] = "1"
+    try:
+        _run_commands()
+    except KeyboardInterrupt:  # while modules are loaded
+        sys.stderr.write("interrupted\n")
+        sys.exit(INTERRUPTED)
+
+
+def _run_commands() -> None:
     try:
         if sys.argv[1:2] in (["stop"], ["clear"]):
             from passafe_services.cli.stop import main as run_commands  # noqa: PLC0415 - loads a third of the others

@@ -19,6 +19,7 @@ from passafe_services.loop.realtime import available_processors
 from passafe_services.loop.stop import Stop, stop_requests
 from passafe_services.tools.experiment.cells import Run, RunKey, cells_of
 from passafe_services.tools.experiment.check import check
+from passafe_services.tools.experiment.kept_list import KeptList
 from passafe_services.tools.experiment.kept_logs import Keep, KeptLog, LogJob, chosen
 from passafe_services.tools.experiment.load import Study, load_study
 from passafe_services.tools.experiment.plan import Plan
@@ -52,7 +53,7 @@ def experiment(
     keep: Annotated[Keep, typer.Option("--keep", help="Runs of which a log is written.")] = "worst",
     keep_most: Annotated[
         int, typer.Option("--keep-most", metavar="N", min=0, help="Largest number of logs; the worst runs come first.")
-    ] = 20,
+    ] = 6,
     live: Annotated[
         int, typer.Option("--live", metavar="N", min=0, help="Cells to run as real processes too, for comparison.")
     ] = 0,
@@ -65,28 +66,35 @@ def experiment(
     runs, cells and boundaries as CSV and Parquet, an HTML report, and logs of the worst runs. Exits with 0 if every
     run could be run, whatever it showed, and live runs agree with lockstep.
 
+    Nothing is done twice: a finished experiment started again shows its table and ends; more seeds or more logs add
+    what is missing.
+
     Examples:
     - `passafe experiment delay --seeds 2 --out runs/delay`
     - `passafe experiment ./mine.toml --workers 8 --keep none --out runs/mine`
     """
     from passafe_services.cli.experiment_report import (  # noqa: PLC0415 - passafe[run] lacks its packages
+        is_reported,
         show,
         show_kept,
         write_report,
     )
 
     study = _study(file, seeds)
-    check(study)
-    warn_at_load(study.scenario_with({}))
     folder = writable_folder(out)
     results_file = experiment_results(folder / "results.jsonl", study)
     plan = Plan(study.experiment, results_file.results)
     console = Console(highlight=False, soft_wrap=True)
     note = state_writer(folder, study.experiment.seeds)
-    note("runs", plan.most_runs)
+    was_complete = plan.is_complete
+    if not was_complete:
+        check(study)
+        warn_at_load(study.scenario_with({}))
+        note("runs", plan.most_runs)
     with _noting_an_interruption(note, plan), stop_requests(lifeline=False) as stop:
-        with workers_for(StudyJob.of(study), workers, scheduler) as pool:
-            _run(plan, results_file, pool, stop)
+        if not was_complete:
+            with workers_for(StudyJob.of(study), workers, scheduler) as pool:
+                _run(plan, results_file, pool, stop)
         exit_if_interrupted(stop, len(plan.results), folder, console)
         note("logs", len(plan.results))
         kept = _keep(chosen(plan, keep, keep_most), study, folder, workers, stop)
@@ -94,7 +102,10 @@ def experiment(
     note("report", len(plan.results))
     agreement = live_beside_lockstep(plan, study, live, folder / "live", console) if live else []
     summary = ExperimentSummary.of(plan)
-    write_report(plan, summary, kept, agreement, folder)
+    if live or not is_reported(folder):
+        write_report(plan, summary, kept, agreement, folder)
+    elif was_complete:
+        console.print(f"finished before: all {len(plan.results)} runs of {study.experiment.name} are in {folder}")
     note("finished", len(plan.results))
     show(summary, study.experiment, console)
     show_kept(kept, console)
@@ -154,11 +165,19 @@ def _error_text(errors: int) -> str:
 
 
 def _keep(wanted: list[RunResult], study: Study, folder: Path, workers: int, stop: Stop) -> list[KeptLog]:
-    """Write the logs of the wanted runs, in processes of this machine; return them in the order of ``wanted``."""
+    """Write the logs of the wanted runs that have none yet; return those of all in the order of ``wanted``."""
     if not wanted:
         return []
-    kept: dict[RunKey, KeptLog] = {}
     job = LogJob.of(study, writable_folder(folder / "logs"))
+    known = KeptList(folder)
+    missing = [result for result in wanted if known.find(result) is None]
+    if missing:
+        _write_logs(missing, job, workers, stop, known)
+    return [log for result in wanted if (log := known.find(result)) is not None]
+
+
+def _write_logs(wanted: list[RunResult], job: LogJob, workers: int, stop: Stop, known: KeptList) -> None:
+    """Write logs in processes of this machine, display the progress, and note each log that is whole."""
     processes = min(workers or available_processors(), len(wanted))
     with (
         Progress(*Progress.get_default_columns()[:3], console=Console(stderr=True), transient=True) as bar,
@@ -166,6 +185,5 @@ def _keep(wanted: list[RunResult], study: Study, folder: Path, workers: int, sto
     ):
         task = bar.add_task("logs", total=len(wanted))
         for logs in sweep(FixedPlan(wanted), pool, lambda _: 1, stop.is_requested):
-            kept |= {log.result.run.key: log for log in logs}
+            known.add(logs)
             bar.advance(task, len(logs))
-    return [kept[result.run.key] for result in wanted if result.run.key in kept]

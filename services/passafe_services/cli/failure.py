@@ -9,6 +9,9 @@ from passafe.errors import PassafeError
 REFUSED: Final = 2
 """Exit code for input that cannot be used, and for whatever keeps a command from its work."""
 
+INTERRUPTED: Final = 130
+"""Exit code after Ctrl-C, as shells have it."""
+
 
 def run_reporting_errors(command: Callable[[], object]) -> None:
     """Run a command; print an error of passafe on standard error and exit, let any other end in its traceback."""

@@ -3,11 +3,12 @@
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
-from typing import Final, TypeVar
+from typing import TypeVar
 
 import typer
 from rich.console import Console
 
+from passafe_services.cli.failure import INTERRUPTED
 from passafe_services.loop.realtime import available_processors
 from passafe_services.loop.stop import Stop
 from passafe_services.tools.runs.dask_workers import dask_workers
@@ -17,9 +18,6 @@ from passafe_services.tools.runs.workers import Workers
 
 Task = TypeVar("Task")
 R = TypeVar("R")
-
-INTERRUPTED: Final = 130
-"""Exit code after Ctrl-C, as shells have it."""
 
 
 @contextmanager

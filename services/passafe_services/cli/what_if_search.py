@@ -12,7 +12,7 @@ from rich.table import Table
 
 from passafe.errors import PassafeError
 from passafe_services.cli.errors import OptionError
-from passafe_services.cli.sweep import INTERRUPTED
+from passafe_services.cli.failure import INTERRUPTED
 from passafe_services.cli.what_if_options import Interval
 from passafe_services.simulation import CompiledScenario
 from passafe_services.tools.review.core_evaluator import CoreEvaluator

@@ -63,6 +63,11 @@ class Plan:
             for number, found in self._of_cell.items()
         )
 
+    @property
+    def is_complete(self) -> bool:
+        """True if no run is wanted any more."""
+        return not any(self._missing(cell) for cell in self.cells)
+
     def holds(self, cell: Cell) -> dict[str, dict[float, bool]]:
         """Return for every criterion whether it holds in all runs of a cell, by value of the bisected axis.
 
@@ -79,16 +84,20 @@ class Plan:
         }
 
     def _wanted(self, cell: Cell) -> list[Run]:
-        wanted = [
+        wanted = self._missing(cell)
+        self._asked |= {run.key for run in wanted}
+        self._open[cell.number] = len(wanted)
+        return wanted
+
+    def _missing(self, cell: Cell) -> list[Run]:
+        """Return the runs of a cell that are neither known nor asked for."""
+        return [
             run_of(self.experiment, cell, seed, probe)
             for probe in self._probes(cell)
             for seed in self.experiment.seeds.all
             if RunKey(cell.number, probe, seed) not in self.results
             and RunKey(cell.number, probe, seed) not in self._asked
         ]
-        self._asked |= {run.key for run in wanted}
-        self._open[cell.number] = len(wanted)
-        return wanted
 
     def _probes(self, cell: Cell) -> Iterable[float | None]:
         axis = self.experiment.bisected
