@@ -42,5 +42,9 @@ def test_types_of_the_live_page_are_right() -> None:
     assert not wrong, "\n".join(wrong)
 
 
-CHECKED = ("passafe_dashboard/static/live/", "passafe_dashboard/static/stop_button.js")
+CHECKED = (
+    "passafe_dashboard/static/archive/",
+    "passafe_dashboard/static/live/",
+    "passafe_dashboard/static/stop_button.js",
+)
 """Scripts that are held to strict types."""

@@ -1,6 +1,7 @@
 // The page of two runs over one another.
 
 import { showReport, showTrouble, watchJob } from "./job_view.js";
+import { element, reason } from "./page_parts.js";
 import { startJob } from "./server.js";
 
 const asked = new URLSearchParams(location.search);
@@ -14,11 +15,11 @@ select.addEventListener("change", () => {
   asked.set("align", select.value);
   location.search = asked.toString();
 });
-document.getElementById("name").textContent = logs.join(" and ");
+element("name").textContent = logs.join(" and ");
 
 async function open() {
   const done = await watchJob(await startJob({ kind: "compare", logs, align }));
   if (done) await showReport(done);
 }
 
-open().catch((error) => showTrouble(error.message));
+open().catch((error) => showTrouble(reason(error)));

@@ -1,7 +1,7 @@
 // The page of one experiment: its map fills in while it runs; a cell leads to its worst run.
 
 import { numberText } from "../report/number_text.js";
-import { element, tableCell, tableHead } from "./page_parts.js";
+import { element, reason, tableCell, tableHead } from "./page_parts.js";
 import { ask, followJob, pathOf, startJob } from "./server.js";
 import { acrossOf, cellText, rowsOf, shareWord } from "./sweep_map.js";
 
@@ -135,7 +135,7 @@ async function repeat(button, request) {
     if (over.state !== "done") throw new Error(over.text);
     location.href = `/logs/${pathOf(over.log)}`;
   } catch (error) {
-    answer.textContent = /** @type {Error} */ (error).message;
+    answer.textContent = reason(error);
     button.disabled = false;
   }
 }
@@ -156,7 +156,7 @@ async function refresh() {
     document.body.dataset.ready = "true";
   } catch (error) {
     trouble.hidden = false;
-    /** @type {HTMLElement} */ (trouble.firstElementChild).textContent = /** @type {Error} */ (error).message;
+    /** @type {HTMLElement} */ (trouble.firstElementChild).textContent = reason(error);
     document.body.dataset.ready = "trouble";
   }
   const runs = RUNNING.includes(view?.entry.stage) || view?.is_behind;

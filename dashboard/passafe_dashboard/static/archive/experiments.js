@@ -1,7 +1,7 @@
 // The list of experiments, kept current.
 
+import { element, reason, tableCell, timeAgo } from "./page_parts.js";
 import { ask, pathOf } from "./server.js";
-import { element, tableCell, timeAgo } from "./page_parts.js";
 
 const REFRESH_MS = 2000;
 let shown = "";
@@ -35,7 +35,7 @@ async function refresh() {
     document.body.dataset.ready = "true";
   } catch (error) {
     none.hidden = false;
-    none.textContent = /** @type {Error} */ (error).message;
+    none.textContent = reason(error);
   }
   setTimeout(refresh, REFRESH_MS);
 }

@@ -1,7 +1,7 @@
 // Shows a job's progress, then the report that it made, in the page.
 
 import { openReport } from "../report/report.js";
-import { element } from "./page_parts.js";
+import { element, reason } from "./page_parts.js";
 import { ask, followJob } from "./server.js";
 
 /** Shows why there is nothing to show.
@@ -18,7 +18,7 @@ export function showTrouble(text) {
  * @param {any} job routes/jobs.py */
 export async function watchJob(job) {
   const cancel = element("job-cancel");
-  cancel.onclick = () => ask(`/api/jobs/${job.job}`, { method: "DELETE" }).catch((error) => showTrouble(error.message));
+  cancel.onclick = () => ask(`/api/jobs/${job.job}`, { method: "DELETE" }).catch((error) => showTrouble(reason(error)));
   const over = await followJob(job.job, ({ share, text }) => {
     /** @type {HTMLProgressElement} */ (element("job-share")).value = share;
     element("job-text").textContent = text;

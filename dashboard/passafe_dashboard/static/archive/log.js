@@ -1,10 +1,12 @@
 // The page of one log: its review, drawn when it is made, and what if something had been different.
 
 import { showReport, showTrouble, watchJob } from "./job_view.js";
+import { element, reason } from "./page_parts.js";
 import { ask, pathOf, startJob } from "./server.js";
 import { offerWhatIf } from "./what_if.js";
 
-const name = document.getElementById("name").textContent;
+const name = element("name").textContent ?? "";
+/** @type {Record<string, string>} */
 const STATES = {
   finished: "",
   recording: "is being recorded: this is the run up to now",
@@ -14,11 +16,11 @@ const STATES = {
 
 async function open() {
   const entry = await ask(`/api/logs/${pathOf(name)}`);
-  document.getElementById("state").textContent = STATES[entry.state] ?? "";
+  element("state").textContent = STATES[entry.state] ?? "";
   const done = await watchJob(await startJob({ kind: "review", log: name }));
   if (!done) return;
   await showReport(done);
   offerWhatIf(name);
 }
 
-open().catch((error) => showTrouble(error.message));
+open().catch((error) => showTrouble(reason(error)));

@@ -1,6 +1,6 @@
 // The list of logs, the newest first, kept current; two of them can be compared.
 
-import { element, sizeText, tableCell, timeAgo } from "./page_parts.js";
+import { element, reason, sizeText, tableCell, timeAgo } from "./page_parts.js";
 import { ask, pathOf } from "./server.js";
 
 const REFRESH_MS = 3000;
@@ -13,6 +13,7 @@ const rows = new Map();
 let chosen = [];
 let shown = "";
 
+/** @param {any} log archive/log_list.py */
 function rowOf(log) {
   const row = document.createElement("tr");
   const box = Object.assign(document.createElement("input"), { type: "checkbox", checked: chosen.includes(log.name) });
@@ -35,6 +36,8 @@ function rowOf(log) {
   return row;
 }
 
+/** @param {string} name
+ * @param {boolean} on */
 function choose(name, on) {
   chosen = on ? [...chosen.filter((other) => other !== name), name].slice(-2) : chosen.filter((other) => other !== name);
   for (const [other, row] of rows) {
@@ -59,9 +62,10 @@ function filter() {
   none.textContent = rows.size ? "No log fits." : "No logs yet: a run that is recorded appears here.";
 }
 
+/** @param {any} list archive/log_list.py */
 function show(list) {
   element("folder").textContent = list.folder;
-  const text = JSON.stringify(list.logs.map((log) => [log, timeAgo(log.modified_s)]));
+  const text = JSON.stringify(list.logs.map((/** @type {any} */ log) => [log, timeAgo(log.modified_s)]));
   if (text !== shown) {
     shown = text;
     const focused = document.activeElement?.closest("tr");
@@ -85,7 +89,7 @@ async function refresh() {
   } catch (error) {
     const none = element("none");
     none.hidden = false;
-    none.textContent = error.message;
+    none.textContent = reason(error);
   }
   setTimeout(refresh, REFRESH_MS);
 }

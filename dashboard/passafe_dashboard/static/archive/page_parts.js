@@ -18,6 +18,12 @@ export function tableHead(text, scope) {
   return Object.assign(document.createElement("th"), { textContent: text, scope });
 }
 
+/** Returns what an error says.
+ * @param {unknown} error */
+export function reason(error) {
+  return error instanceof Error ? error.message : String(error);
+}
+
 /** @param {number} bytes */
 export function sizeText(bytes) {
   if (bytes < 1e5) return `${(bytes / 1e3).toFixed(1)} kB`;

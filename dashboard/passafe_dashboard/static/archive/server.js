@@ -1,5 +1,7 @@
 // Asks the server, and follows jobs until they are over.
 
+import { reason } from "./page_parts.js";
+
 /** Returns the answer's JSON; an error carries what the server said.
  * @param {string} path
  * @param {RequestInit} [options]
@@ -9,7 +11,7 @@ export async function ask(path, options = {}) {
   try {
     response = await fetch(path, options);
   } catch (error) {
-    throw new Error(`The server does not answer (${error.message}).`);
+    throw new Error(`The server does not answer (${reason(error)}).`);
   }
   const body = await response.json().catch(() => null);
   if (!response.ok) throw new Error(refusal(body?.detail, response.status));

@@ -1,25 +1,33 @@
 // Asks for a run to be made again with something changed.
 
+import { element, reason } from "./page_parts.js";
 import { startJob } from "./server.js";
 
-const LINK_FIELDS = { delay_ms: ["delay_s", 1e-3], jitter_ms: ["jitter_s", 1e-3], loss_percent: ["loss", 1e-2] };
+/** Fields of the form for one link: the name in a scenario, and what a unit of the field is there. */
+const LINK_FIELDS = [
+  { field: "delay_ms", name: "delay_s", unit: 1e-3 },
+  { field: "jitter_ms", name: "jitter_s", unit: 1e-3 },
+  { field: "loss_percent", name: "loss", unit: 1e-2 },
+];
 export const LINKS = ["operator-to-filter", "filter-to-plant", "plant-to-filter", "plant-to-operator"];
 const CHANGED = ["filter", "plant", "links"];
 
 /** Returns the changes of a form as values of a scenario, by dotted name.
- * @param {FormData} form */
+ * @param {{get: (name: string) => FormDataEntryValue | null | undefined}} form
+ * @returns {Record<string, unknown>} */
 export function changesOf(form) {
+  /** @param {string} name */
+  const typed = (name) => String(form.get(name) ?? "").trim();
+  /** @type {Record<string, unknown>} */
   const changes = {};
-  const link = form.get("link");
-  for (const [field, [name, factor]] of Object.entries(LINK_FIELDS)) {
-    const text = String(form.get(field) ?? "").trim();
-    if (!text) continue;
-    if (!link) throw new Error("Which link is to be changed?");
-    changes[`links.${link}.${name}`] = Number(text) * factor;
+  for (const { field, name, unit } of LINK_FIELDS) {
+    if (!typed(field)) continue;
+    if (!typed("link")) throw new Error("Which link is to be changed?");
+    changes[`links.${typed("link")}.${name}`] = Number((Number(typed(field)) * unit).toPrecision(12));
   }
-  for (const name of ["mode", "law"]) if (form.get(name)) changes[`filter.${name}`] = form.get(name);
-  const key = String(form.get("key") ?? "").trim();
-  if (key) changes[key] = valueOf(String(form.get("value") ?? "").trim());
+  for (const name of ["mode", "law"]) if (typed(name)) changes[`filter.${name}`] = typed(name);
+  if (typed("value") && !typed("key")) throw new Error("Which key has this value?");
+  if (typed("key")) changes[typed("key")] = valueOf(typed("value"));
   return changes;
 }
 
@@ -48,23 +56,23 @@ export function numbersOf(value, path = "") {
 /** Shows the form below the log's name.
  * @param {string} log */
 export function offerWhatIf(log) {
-  const box = /** @type {HTMLDetailsElement} */ (document.getElementById("what-if"));
-  const form = /** @type {HTMLFormElement} */ (document.getElementById("what-if-form"));
-  const answer = document.getElementById("what-if-answer");
-  form.elements.namedItem("link").append(...LINKS.map((link) => new Option(link, link)));
+  const form = /** @type {HTMLFormElement} */ (element("what-if-form"));
+  const link = /** @type {HTMLSelectElement} */ (form.elements.namedItem("link"));
+  link.append(...LINKS.map((name) => new Option(name, name)));
   const scenario = JSON.parse(document.querySelector("#report pre")?.textContent || "{}");
-  document.getElementById("keys").append(...numbersOf(scenario).map((key) => new Option(key, key)));
+  element("keys").append(...numbersOf(scenario).map((key) => new Option(key, key)));
   form.addEventListener("submit", async (event) => {
     event.preventDefault();
+    const answer = element("what-if-answer");
     answer.textContent = "";
     try {
       const asked = new FormData(form);
-      const request = { kind: "what-if", log, changes: changesOf(asked), operator: asked.get("operator"), links: asked.get("links") };
-      const { job } = await startJob(request);
+      const [operator, links] = [asked.get("operator"), asked.get("links")];
+      const { job } = await startJob({ kind: "what-if", log, changes: changesOf(asked), operator, links });
       location.href = `/jobs/${job}`;
     } catch (error) {
-      answer.textContent = error.message;
+      answer.textContent = reason(error);
     }
   });
-  box.hidden = false;
+  element("what-if").hidden = false;
 }
