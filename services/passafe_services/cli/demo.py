@@ -91,6 +91,10 @@ def demo(
     Its messages are encrypted, and the router lets each process do what its role permits, by keys that are made for
     this run and that `passafe run` and `passafe link` find on this host; `--keys` takes those of a deployment.
 
+    The page starts, ends and changes runs: scenario, mode, prediction, rate, recording. Router and page stay; every run
+    has a log of its own, and the worst verdict decides the exit code. With `--duration` the first run that lasts so
+    long ends the demo.
+
     With a page on two processors there are at most 500 ticks a second, so that a browser has time to draw; `--rate`
     overrides this.
 
