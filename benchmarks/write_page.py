@@ -33,6 +33,7 @@ BENCHMARKS: Final = {
     "human_input": "errors of estimates of the operator's input and its rate, RMS of φ; least and most over signals",
     "log_rate": "a message on the recorder's way to the disk, processor time",
     "live_latency": "the path from operator to plant in a live system, play-out time included, median",
+    "live_page": "the filter's loop beside ten pages that watch, beside none, by turns, median",
     "live_tls": "one way from filter to plant with TLS and access control, beside one without, by turns, median",
 }
 """Benchmarks that measure ratios, with what they are of."""

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 FOLDER = Path(__file__).parents[2] / "benchmarks"
-LIVE = ("live_flood", "live_kills", "live_latency", "live_stops", "live_tls")
+LIVE = ("live_flood", "live_kills", "live_latency", "live_page", "live_stops", "live_tls")
 OTHERS = (
     "campaign_speed",
     "experiment_speed",
