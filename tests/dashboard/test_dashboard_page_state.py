@@ -1,5 +1,6 @@
 import json
 from math import inf
+from typing import Any
 
 import pytest
 from closed_form import MS, ClosedFormRun, h, header, health, paper_scenario, state, tick
@@ -161,3 +162,33 @@ def test_non_finite_numbers_become_null_in_json() -> None:
     assert shown["plant"]["h"][0]["value"] is None
     assert shown["plant"]["x"][0] == 1e200
     assert json.loads(json_text({"a": [inf, (1.0, -inf)]})) == {"a": [None, [1.0, None]]}
+
+
+@pytest.mark.parametrize(
+    ("session", "text"),
+    [
+        ({"state": "starting"}, "Run 2 is starting."),
+        ({"state": "stopping"}, "Run 2 is stopping."),
+        ({"state": "stopped"}, "No run is going on: run 2 has ended. Start another one."),
+        ({"state": "stopped", "trouble": "plant died"}, "No run is going on: plant died. Start another one."),
+        ({"state": "running", "processes": {"filter": {"state": "down"}}}, "filter is down until restarted."),
+        (
+            {"state": "running", "processes": {name: {"state": "down"} for name in ("filter", "plant")}},
+            "filter and plant are down until restarted.",
+        ),
+        ({"state": "running", "processes": {"filter": {"state": "running"}}}, "No message from filter and plant yet."),
+    ],
+)
+def test_session_says_why_nothing_arrives(session: dict[str, Any], text: str) -> None:
+    feed = Feed()
+    feed.session = {"run": 2, "trouble": "", "processes": {}} | session
+
+    assert liveness(feed, 0) == {"state": "waiting", "text": text}
+
+
+def test_session_says_why_nothing_arrives_any_more() -> None:
+    feed = feed_after(2_000 * MS)
+    feed.session = {"state": "stopped", "run": 2, "trouble": "", "processes": {}}
+
+    assert liveness(feed, 4_000 * MS)["text"] == "No run is going on: run 2 has ended. Start another one."
+    assert liveness(feed, 2_000 * MS)["state"] == "live"

@@ -22,6 +22,7 @@ from passafe_dashboard.live.command_words import command_words
 from passafe_dashboard.live.drive_state import NS_PER_MS, drive_json
 from passafe_dashboard.live.drive_view import drive_view
 from passafe_dashboard.live.feed import Feed, ReceivedEvent
+from passafe_dashboard.live.session_words import silence_words
 from passafe_dashboard.live.topic_monitor import TopicMonitor
 from passafe_dashboard.palette import PHASE_MEANINGS, STATUS_STYLES
 
@@ -85,13 +86,14 @@ def liveness(feed: Feed, now_ns: int) -> Json:
         for source, topic in (("filter", TICK), ("plant", STATE))
     }
     missing = [source for source, age_s in ages.items() if age_s is None]
+    words = silence_words(feed.session)
     if missing:
-        return {"state": "waiting", "text": f"No message from {' and '.join(missing)} yet."}
+        return {"state": "waiting", "text": words or f"No message from {' and '.join(missing)} yet."}
     silent = [f"{source} for {age_s:.1f} s" for source, age_s in ages.items() if age_s and age_s > SILENT_S]
     if silent:
         return {
             "state": "silent",
-            "text": f"No message from {' and '.join(silent)}: the page shows the last state received.",
+            "text": words or f"No message from {' and '.join(silent)}: the page shows the last state received.",
         }
     return {"state": "live", "text": "Messages are arriving."}
 
