@@ -58,6 +58,8 @@ def test_gap_between_two_robots_is_the_way_left_to_the_first() -> None:
     found = gaps(load_scenario("two-robots"), -1.0, 0.0, 1.0, 0.0, *[0.0] * 4)
     assert found["apart"].distance == pytest.approx(1.4)
     assert found["apart"].towards == pytest.approx((1.0, 0.0))
+    assert found["apart"].pulls[0] == pytest.approx((0.5**0.5, 0.0))
+    assert found["apart"].pulls[1] == pytest.approx((-(0.5**0.5), 0.0))
     assert [found[f"room {i} left"].point for i in (1, 2)] == [0, 1]
     assert found["room 2 right"].distance == pytest.approx(2.0)
 

@@ -34,5 +34,5 @@ def test_distances_are_written_as_people_read_them(distance: float, unit: str, t
     ],
 )
 def test_barriers_are_called_as_people_do(towards: tuple[float, float], kind: str, unit: str, words: str) -> None:
-    gap = Gap(name="table", distance=1.0, unit=unit, towards=towards, point=0)
+    gap = Gap(name="table", distance=1.0, unit=unit, towards=towards, point=0, pulls=(towards,))
     assert barrier_words(gap, kind) == words

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import hypot
 from typing import Final
 
 import casadi as ca
@@ -12,6 +13,9 @@ from passafe.models.robot import Robot
 
 _TINY: Final = 1e-12
 """Square of a slope of h below which the barrier has no direction."""
+
+LEAST_PULL: Final = 1e-6
+"""Part of a slope below which a point does not count."""
 
 POSITION: Final = "position"
 VELOCITY: Final = "velocity"
@@ -27,6 +31,8 @@ class Gap:
         unit: Its unit: m, m/s, rad or rad/s; empty where the barrier is of neither position nor velocity alone.
         towards: Unit vector of the plane in which position or velocity comes nearer to the barrier; zero without one.
         point: Number of the point that it is about, from 0.
+        pulls: For each point of the plane, its part of the unit vector along which h falls fastest; (0, 0) for the
+            points that it is not about, and for joints.
     """
 
     name: str
@@ -34,6 +40,7 @@ class Gap:
     unit: str
     towards: tuple[float, float]
     point: int
+    pulls: tuple[tuple[float, float], ...]
 
 
 class BarrierGaps:
@@ -54,12 +61,14 @@ class BarrierGaps:
         robot = robot_of(scenario)
         unit = scenario.plant.robot_model.position_unit
         self._states = robot.system.x.numel()
+        self._points = robot.points
         parts, self._about = [], []
         for single, barrier in zip(scenario.barriers, barriers_of(scenario, robot), strict=True):
-            quantity, point, coordinates = _coordinates(robot, barrier.h)
+            quantity, point, places = _quantity(robot, barrier.h)
             units = {POSITION: unit, VELOCITY: f"{unit}/s", "": ""}
             self._about.append((single.name, units[quantity], point))
-            parts.append(_gap(barrier.h, coordinates, planar=robot.points > 0))
+            parts.append(_distance(barrier.h, robot.system.x[_of_point(robot, point, places)]))
+            parts.append(_pulls(barrier.h, robot.system.x[places], 2 * robot.points))
         stacked = ca.vertcat(ca.SX(0, 1), *parts)
         self._function = ca.Function("gaps", [robot.system.x, robot.system.t], [ca.densify(stacked)])
 
@@ -73,44 +82,47 @@ class BarrierGaps:
         if not self._about:
             return []
         values: list[float] = self._function(list(x[: self._states]), t_s).elements()
-        return [
-            Gap(
-                name=name,
-                distance=values[3 * i],
-                unit=unit,
-                towards=(values[3 * i + 1], values[3 * i + 2]),
-                point=point,
-            )
-            for i, (name, unit, point) in enumerate(self._about)
-        ]
+        width = 1 + 2 * self._points
+        return [self._gap(about, values[i * width : (i + 1) * width]) for i, about in enumerate(self._about)]
+
+    def _gap(self, about: tuple[str, str, int], values: Sequence[float]) -> Gap:
+        name, unit, point = about
+        pulls = tuple((values[1 + 2 * i], values[2 + 2 * i]) for i in range(self._points))
+        along = pulls[point] if pulls else (0.0, 0.0)
+        size = hypot(*along)
+        towards = (along[0] / size, along[1] / size) if size > LEAST_PULL else (0.0, 0.0)
+        return Gap(name=name, distance=values[0], unit=unit, towards=towards, point=point, pulls=pulls)
 
 
-def _coordinates(robot: Robot, h: ca.SX) -> tuple[str, int, ca.SX]:
-    """Return the quantity that h is about, the point, and its coordinates in x; of two points the first."""
+def _quantity(robot: Robot, h: ca.SX) -> tuple[str, int, list[int]]:
+    """Return the quantity that h is about, its first point, and the places of all coordinates of the quantity in x."""
     x = robot.system.x
     used = {i for i in range(x.numel()) if ca.depends_on(h, x[i])}
     for quantity, expression in ((POSITION, robot.position), (VELOCITY, robot.velocity)):
         places = [i for i in range(x.numel()) if ca.depends_on(expression, x[i])]
-        if not used or not used <= set(places):
-            continue
-        if not robot.points:
-            return quantity, 0, x[sorted(used)]
-        point = places.index(min(used)) // 2
-        return quantity, point, x[places[2 * point : 2 * point + 2]]
-    return "", 0, x
+        if used and used <= set(places):
+            return quantity, places.index(min(used)) // 2 if robot.points else 0, places
+    return "", 0, list(range(robot.position.numel()))
 
 
-def _gap(h: ca.SX, coordinates: ca.SX, *, planar: bool) -> ca.SX:
-    """Return distance and direction towards the barrier, shape (3, 1)."""
+def _of_point(robot: Robot, point: int, places: list[int]) -> list[int]:
+    return places[2 * point : 2 * point + 2] if robot.points else places
+
+
+def _distance(h: ca.SX, coordinates: ca.SX) -> ca.SX:
+    """Return the way along the slope of h to h = 0, to second order."""
     bend, slope = ca.hessian(h, coordinates)
     bend, slope = ca.densify(bend), ca.densify(slope)
     square = ca.dot(slope, slope)
     # Where h is flat, as at the centre of a disk, the mean bend decides instead of that along the slope.
     mean = ca.trace(bend) / coordinates.numel()
     along = (ca.bilin(bend, slope, slope) + _TINY * mean) / (square + _TINY)
-    steepness = ca.sqrt(square)
     root = ca.sqrt(ca.fmax(square - 2 * along * h, 0))
-    distance = 2 * h / (steepness + root + _TINY)
-    if not planar or coordinates.numel() != 2:  # noqa: PLR2004 - the plane has two dimensions
-        return ca.vertcat(distance, 0, 0)
-    return ca.vertcat(distance, -slope / (steepness + _TINY))
+    return 2 * h / (ca.sqrt(square) + root + _TINY)
+
+
+def _pulls(h: ca.SX, coordinates: ca.SX, count: int) -> ca.SX:
+    """Return the unit vector along which h falls fastest, its first ``count`` numbers."""
+    slope = ca.densify(ca.gradient(h, coordinates))
+    unit = -slope / (ca.norm_2(slope) + _TINY)
+    return unit[:count]

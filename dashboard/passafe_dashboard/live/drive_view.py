@@ -5,12 +5,13 @@ decided for.
 """
 
 from collections.abc import Mapping, Sequence
+from math import hypot
 from typing import Any, TypeAlias
 
 from passafe_protocol.messages import FilterTick
 
 from passafe_dashboard.columns import measured_h
-from passafe_dashboard.live.barrier_gaps import Gap
+from passafe_dashboard.live.barrier_gaps import LEAST_PULL, Gap
 from passafe_dashboard.live.driver_words import Situation, driver_words
 from passafe_dashboard.live.feed import Feed
 from passafe_dashboard.live.gap_text import distance_text
@@ -54,12 +55,18 @@ def _gaps(feed: Feed, gaps: Sequence[Gap], h: Sequence[float]) -> list[Json]:
 
 
 def _held_directions(feed: Feed, tick: FilterTick) -> list[Json]:
-    """Return for each barrier the direction towards it and how far the decision may still go that way, units of u."""
+    """Return, by barrier and point, the direction towards it and how far the decision may go that way, units of u."""
     margins = {row.name: row.margin for row in tick.rows}
     return [
-        {"name": gap.name, "point": gap.point, "towards": gap.towards, "margin": margins[gap.name]}
+        {
+            "name": gap.name,
+            "point": point,
+            "towards": (pull[0] / size, pull[1] / size),
+            "margin": margins[gap.name] / size,  # while the other points do as decided
+        }
         for gap in feed.gaps(tick.x_hat, tick.effective_plant_ns)
-        if gap.name in margins and gap.towards != (0.0, 0.0)
+        for point, pull in enumerate(gap.pulls)
+        if gap.name in margins and (size := hypot(*pull)) > LEAST_PULL
     ]
 
 

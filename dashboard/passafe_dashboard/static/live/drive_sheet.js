@@ -11,11 +11,11 @@ import { PlaneScene } from "./plane_scene.js";
 import { ProcessPanel } from "./process_panel.js";
 import { RunPanel } from "./run_panel.js";
 import { connectTabs } from "./tabs.js";
-import { WordsPanel } from "./words_panel.js";
+import { showWords } from "./words_panel.js";
 
 /** @typedef {import("./types.js").Now} Now */
 
-const NUMBERS_EVERY_MS = 100;
+const NUMBERS_EVERY_MS = 200;
 const PANELS_EVERY_MS = 250;
 
 export class DriveSheet {
@@ -31,7 +31,6 @@ export class DriveSheet {
       setup.scene?.kind === "joints"
         ? new JointScene(ground, canvas, setup.scene, full)
         : new PlaneScene(ground, canvas, /** @type {import("./types.js").Plane} */ (setup.scene), tables.states, full);
-    this.words = new WordsPanel();
     this.gaps = new GapBars();
     this.energy = new EnergyMeter();
     this.network = new NetworkPanel(setup);
@@ -39,6 +38,7 @@ export class DriveSheet {
     this.processes = new ProcessPanel();
     connectTabs(/** @type {HTMLElement} */ (document.querySelector(".tabs")));
     steering.build(setup);
+    this.tone = "";
     this.numbersAt = -Infinity;
     this.panelsAt = -Infinity;
   }
@@ -50,9 +50,10 @@ export class DriveSheet {
   draw(now, theme, at, restyled) {
     this.scene.draw(now, theme, restyled);
     this.steering.draw(now, theme);
-    this.words.show(now.words, at);
-    if (at - this.numbersAt >= NUMBERS_EVERY_MS || now.liveness.state === "ended") {
+    // Words and numbers of one state, at a rate that can be read; a change of tone is shown at once.
+    if (at - this.numbersAt >= NUMBERS_EVERY_MS || now.words.tone !== this.tone || now.liveness.state === "ended") {
       this.numbersAt = at;
+      this.tone = now.words.tone;
       this.showNumbers(now);
     }
     if (at - this.panelsAt >= PANELS_EVERY_MS) {
@@ -65,6 +66,7 @@ export class DriveSheet {
 
   /** @param {Now} now */
   showNumbers(now) {
+    showWords(now.words);
     this.gaps.show(now.gaps);
     this.energy.show(now.energy, this.setup.tolerances.power_margin_w);
     showDelays(now.ages);

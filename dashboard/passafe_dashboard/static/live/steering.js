@@ -49,7 +49,7 @@ export class Steering {
     if (drive) this.socket.open();
     this.script = script;
     const pairs = drive?.pairs ?? [];
-    const size = pairs.length > 1 ? 118 : 150;
+    const size = pairs.length > 1 ? 104 : 150;
     this.pads = pairs.map((axes, i) => new Pad(i, pairs.length > 1 ? `Stick ${i + 1}` : "Stick", axes, size, () => this.send()));
     this.keys = new SteeringKeys(Math.max(pairs.length, 1));
     byId("pads").replaceChildren(...this.pads.map(({ canvas }) => canvas));
