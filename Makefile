@@ -60,6 +60,7 @@ pictures: $(STAMP)  ## the pictures of README and docs, from runs
 	$(BIN)/python docs_build/moving_picture.py docs/pictures/four-modes.gif
 	$(BIN)/python -m passafe_dashboard.pictures docs/pictures
 	$(BIN)/python docs_build/report_picture.py docs/pictures/report.png
+	$(BIN)/python docs_build/drive_picture.py docs/pictures
 
 screenshots: $(STAMP)  ## .build/screenshots: the live page of every shipped scenario, four widths, light and dark; some minutes
 	$(BIN)/python docs_build/page_pictures.py .build/screenshots

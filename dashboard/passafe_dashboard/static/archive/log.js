@@ -20,6 +20,8 @@ async function open() {
   const done = await watchJob(await startJob({ kind: "review", log: name }));
   if (!done) return;
   await showReport(done);
+  // The first mark is the worst moment: a violated property, or the lowest barrier.
+  if (location.hash === "#worst") document.querySelector(".marks [data-jump]")?.click();
   offerWhatIf(name);
 }
 

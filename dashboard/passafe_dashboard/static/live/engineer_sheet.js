@@ -45,6 +45,7 @@ export class EngineerSheet {
     if (at - this.numbersAt < NUMBERS_EVERY_MS && now.liveness.state !== "ended") return;
     this.numbersAt = at;
     if (now.filter) this.showFilter(now.filter);
+    this.markViolated(now);
     if (now.plant) this.showPlant(now.plant);
     setText(byId("verdict"), now.verdict?.words ?? "–");
     byId("verdict").dataset.outcome = now.verdict?.outcome ?? "";
@@ -70,6 +71,16 @@ export class EngineerSheet {
     setText(byId("certificate"), certificateText(filter.certificate));
     const rows = filter.rows.map((/** @type {any} */ row) => [row.name, row.active ? "active" : "no", number(row.margin), number(row.dual), percent(row.share)]);
     fill(byId("rows"), rows, (row, r) => row.classList.toggle("bad", filter.rows[r].margin < -this.tolerances.certificate));
+  }
+
+  /** A barrier that does not hold wins over whatever the solver says of itself.
+   * @param {Now} now */
+  markViolated(now) {
+    const violated = now.gaps.filter(({ h }) => h < -this.tolerances.h).map(({ name }) => name);
+    if (!violated.length) return;
+    const chip = byId("status");
+    Object.assign(chip.style, { background: "var(--bad)", color: "var(--paper)" });
+    setText(chip, `${now.filter?.status ?? "no tick"}, violated: ${violated.join(", ")}`);
   }
 
   /** Shows what was held back; the percentage is rounded down, so that the filter passes at least what is shown.
