@@ -21,7 +21,7 @@ async function open() {
   if (!done) return;
   await showReport(done);
   // The first mark is the worst moment: a violated property, or the lowest barrier.
-  if (location.hash === "#worst") document.querySelector(".marks [data-jump]")?.click();
+  if (location.hash === "#worst") /** @type {HTMLElement | null} */ (document.querySelector(".marks [data-jump]"))?.click();
   offerWhatIf(name);
 }
 
