@@ -118,3 +118,14 @@ def test_restart_frees_it() -> None:
     assert leases.pop_events() == []
     assert admit(leases, 2, 1) is GRANTED
     assert reported(leases, 1).number == 1
+
+
+def test_another_device_of_the_holder_is_reported_at_once() -> None:
+    leases = OperatorLeases()
+    admit(leases, 5, 0)
+    assert reported(leases, 1).device == "device 5"
+    body = OperatorCommand((0.0,), (), enabled=True, device="page")
+    leases.admit(Received(Header("operator", 5, 1, 0, 0, 0, 0), body, 2 * MS), body)
+
+    assert reported(leases, 3) == OperatorLease(1, 5, "page", MS)
+    assert leases.pop_events() == []

@@ -45,8 +45,9 @@ def drive_routes(broadcast: Broadcast, drives: DriveRequests) -> APIRouter:
             await websocket.accept()
             async with asyncio.TaskGroup() as tasks:
                 sending = tasks.create_task(_send(websocket, page))
-                await DriveConnection(websocket, page, drives, broadcast).read()
+                reason = await DriveConnection(websocket, page, drives, broadcast).read()
                 sending.cancel()
+            await websocket.close(POLICY_VIOLATION, reason)
         except* WebSocketDisconnect:
             pass  # the page was closed
         finally:
@@ -81,22 +82,20 @@ class DriveConnection:
         self._allowance = MESSAGES_PER_S
         self._before_ns = drives.now_ns()
 
-    async def read(self) -> None:
-        """Read messages until the page leaves or has to."""
+    async def read(self) -> str:
+        """Read messages until the page leaves, which raises WebSocketDisconnect, or has to; return why."""
         while True:
             message = await self._websocket.receive()
             if message["type"] == "websocket.disconnect":
                 raise WebSocketDisconnect(message.get("code", 1006))
             if not self._is_in_rate():
-                await self._websocket.close(POLICY_VIOLATION, f"more than {MESSAGES_PER_S:g} messages a second")
-                return
+                return f"more than {MESSAGES_PER_S:g} messages a second"
             answer = self.answer(message.get("text"))
             if answer is not None:
                 self._refused += 1
                 self._page.send(answer)
             if self._refused >= MAX_REFUSED:
-                await self._websocket.close(POLICY_VIOLATION, f"{MAX_REFUSED} messages were refused")
-                return
+                return f"{MAX_REFUSED} messages were refused"
 
     def answer(self, text: str | None) -> dict[str, object] | None:
         """Act on a message; return the answer if it is refused."""
