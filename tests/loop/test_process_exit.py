@@ -8,6 +8,9 @@ def ended(returncode: int, *, requested: bool = True, killed: bool = False) -> E
     return Exit(name="plant", returncode=returncode, requested=requested, killed=killed)
 
 
+ON_REQUEST = Exit(name="plant", returncode=-9, requested=True, killed=True, ended_on_request=True)
+
+
 @pytest.mark.parametrize(
     ("returncode", "description"),
     [
@@ -28,6 +31,9 @@ def test_an_end_in_words(returncode: int, description: str) -> None:
         (ExitCause.DURATION, ended(0), True),
         (ExitCause.SIGNAL, ended(0), True),
         (ExitCause.LEFT, ended(0, requested=False), True),
+        (ExitCause.REQUESTED, ended(0), True),
+        (ExitCause.REQUESTED, ended(1), False),
+        (ExitCause.SIGNAL, ON_REQUEST, True),
         (ExitCause.DIED, ended(0), False),
         (ExitCause.NOT_READY, ended(0), False),
         (ExitCause.NOT_STARTED, ended(0), False),

@@ -50,7 +50,11 @@ def run_routes(session: SessionRequests, feed: Feed) -> APIRouter:
         session: Asks the supervisor of the demo.
         feed: Where the state of the session is.
     """
-    router = APIRouter(tags=["runs"], responses={CONFLICT: {"description": "Not possible now, or no demo"}})
+    answers: dict[int | str, dict[str, Any]] = {
+        CONFLICT: {"description": "Not possible now, or no demo"},
+        GATEWAY_TIMEOUT: {"description": "No answer from the demo's supervisor"},
+    }
+    router = APIRouter(tags=["runs"], responses=answers)
 
     @router.get("/api/run")
     async def state() -> SessionState | None:

@@ -128,7 +128,7 @@ class ChildProcess(asyncio.SubprocessProtocol):
             killed=self._killed,
             restarted=self.restarted,
             ready=self.ready.is_set(),
-            killed_on_request=self.intent is not Intent.RUN,
+            ended_on_request=self.intent is not Intent.RUN,
         )
 
     def prioritize_startup(self) -> None:

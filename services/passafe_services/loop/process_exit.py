@@ -43,7 +43,7 @@ class Exit:
         killed: Whether the supervisor had to kill it.
         restarted: Whether the supervisor restarted it.
         ready: Whether it had ever reported that it was ready.
-        killed_on_request: Whether the caller had it killed, as no run's end.
+        ended_on_request: Whether the caller had it killed or restarted while the run went on.
     """
 
     name: str
@@ -52,12 +52,12 @@ class Exit:
     killed: bool
     restarted: bool = False
     ready: bool = True
-    killed_on_request: bool = False
+    ended_on_request: bool = False
 
     @property
     def clean(self) -> bool:
-        """True for exit code 0 or a kill on request; before it is ready, a process may also end by SIGTERM."""
-        if self.killed_on_request:
+        """True for exit code 0 or an end on request; before it is ready, a process may also end by SIGTERM."""
+        if self.ended_on_request:
             return True
         if self.requested and not self.killed and not self.ready and self.returncode == -signal.SIGTERM:
             return True
@@ -103,7 +103,7 @@ class RunOutcome:
     @property
     def killed_on_request(self) -> Mapping[str, int]:
         """Number of kills on request by process name; processes without any are omitted."""
-        return Counter(end.name for end in self.exits if end.killed_on_request and end.killed)
+        return Counter(end.name for end in self.exits if end.ended_on_request and end.killed)
 
     @property
     def clean(self) -> bool:
