@@ -14,6 +14,7 @@ from passafe_dashboard.archive.runs_folder import RESULTS, RunsFolder
 from passafe_dashboard.errors import ArchiveNameError
 from passafe_dashboard.jobs.job_progress import JobProgress
 from passafe_dashboard.jobs.job_request import CellRunRequest
+from passafe_dashboard.jobs.unfinished_log import unfinished_folder
 
 
 def repeat(request: CellRunRequest, folder: RunsFolder, progress: JobProgress) -> tuple[str, str]:
@@ -31,9 +32,11 @@ def repeat(request: CellRunRequest, folder: RunsFolder, progress: JobProgress) -
     logs = place / "logs"
     logs.mkdir(exist_ok=True)
     progress.part("running it again", 0.3, 0.9)
-    kept = write_log(StudyRunner(study), result, logs)
+    with unfinished_folder(logs, progress.report) as unfinished:
+        kept = write_log(StudyRunner(study), result, unfinished)
+        path = kept.path.replace(logs / kept.path.name)
     text = f"it is another run than that of the sweep: {', '.join(kept.differing)} differ" if kept.differing else "done"
-    return folder.name_of(kept.path), text
+    return folder.name_of(path), text
 
 
 def _found(path: Path, key: RunKey) -> tuple[Study, RunResult | None]:

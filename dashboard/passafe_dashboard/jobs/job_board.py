@@ -2,6 +2,7 @@
 
 import asyncio
 import os
+import shutil
 import signal
 import sys
 from asyncio.subprocess import PIPE, Process
@@ -52,6 +53,7 @@ class PageJob:
         share: Share of the work that is done.
         text: What it does now, or why it failed.
         log: Log that it has written, by its name; empty for none.
+        unfinished: Folder to remove if its process does not end by itself.
         changes: How often any of these has changed.
         task: Follows its process.
         changed: Set at the next change.
@@ -65,6 +67,7 @@ class PageJob:
     share: float = 0.0
     text: str = "waiting for its turn"
     log: str = ""
+    unfinished: Path | None = None
     changes: int = 0
     task: asyncio.Task[None] | None = field(default=None, repr=False)
     changed: asyncio.Event = field(default_factory=asyncio.Event, repr=False)
@@ -78,10 +81,11 @@ class PageJob:
 
     def note(self, report: JobReport) -> None:
         """Take a line of its process."""
+        self.unfinished = report.unfinished or self.unfinished
         self.share = max(self.share, report.share)
         self.log = report.log or self.log
         states: dict[str, JobState] = {"done": "done", "refused": "failed"}
-        self.become(states.get(report.event, "running"), report.text)
+        self.become(states.get(report.event, "running"), report.text or self.text)
 
     async def change_after(self, seen: int, timeout_s: float) -> None:
         """Wait until it has changed more often than ``seen`` times, or is over; no longer than ``timeout_s``."""
@@ -203,6 +207,8 @@ class JobBoard:
         finally:
             _kill(process)
             await process.wait()
+            if job.unfinished is not None:
+                await asyncio.to_thread(shutil.rmtree, job.unfinished, ignore_errors=True)
         if job.state == "running":
             code = process.returncode or 0
             reason = f"signal {-code}" if code < 0 else f"code {code}"

@@ -34,6 +34,7 @@ class JobReport(BaseModel):
         share: Share of the work that is done.
         text: What it does now, or why it cannot.
         log: Log that it has written, by its name in the runs folder.
+        unfinished: Folder to remove should the job not end by itself.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -42,3 +43,4 @@ class JobReport(BaseModel):
     share: Annotated[float, Field(ge=0, le=1)] = 0.0
     text: str = ""
     log: str = ""
+    unfinished: Path | None = None

@@ -14,10 +14,13 @@ class JobProgress:
 
     Args:
         report: Takes the lines.
+
+    Attributes:
+        report: The same.
     """
 
     def __init__(self, report: Callable[[JobReport], object]) -> None:
-        self._report = report
+        self.report = report
         self._last = -1.0
 
     def part(self, text: str, low: float, high: float) -> Callable[[int, int], None]:
@@ -33,7 +36,7 @@ class JobProgress:
             share = low + (high - low) * min(1.0, done / max(number, 1))
             if share - self._last >= LEAST_STEP or done == 0:
                 self._last = share
-                self._report(JobReport(event="progress", share=share, text=text))
+                self.report(JobReport(event="progress", share=share, text=text))
 
         step(0, 1)
         return step

@@ -1,8 +1,6 @@
 """Run a log again with something changed, for the page."""
 
 import json
-from itertools import count
-from pathlib import Path
 
 from passafe_services.scenarios.load import scenario_from
 from passafe_services.tools.compare.comparison import Comparison
@@ -16,6 +14,7 @@ from passafe_dashboard.archive.runs_folder import RunsFolder
 from passafe_dashboard.jobs.job_progress import JobProgress
 from passafe_dashboard.jobs.job_request import WhatIfRequest
 from passafe_dashboard.jobs.review_work import compared, log_for_memory
+from passafe_dashboard.jobs.unfinished_log import put_beside, unfinished_folder
 from passafe_dashboard.reports.run_page import ReportParts
 
 OWN_SOURCE = "the scenario's own source"
@@ -34,38 +33,14 @@ def rerun(request: WhatIfRequest, folder: RunsFolder, progress: JobProgress) -> 
     scenario = scenario_from(json.loads(logged.model_dump_json()), logged.name, request.changes)
     acts = request.operator == "scenario"
     conditions = Conditions(scenario=scenario, operator_acts=acts, links=request.links)
-    out = _new_log(path)
-    whole = False
-    try:
-        result = question.answer(
-            conditions,
-            out,
-            operator=OWN_SOURCE if acts else "",
-            progress=progress.part("running again", 0.2, 0.7),
-        )
-        whole = True
-    finally:
-        if not whole:
-            out.unlink(missing_ok=True)
+    with unfinished_folder(path.parent, progress.report) as unfinished:
+        made = unfinished / path.name
+        step = progress.part("running again", 0.2, 0.7)
+        result = question.answer(conditions, made, operator=OWN_SOURCE if acts else "", progress=step)
+        out = put_beside(made, path, "what-if")
     progress.part("comparing", 0.72, 0.9)
     reviewed = [ReviewedRun.of(question.log), ReviewedRun.of(RunLog.read(out))]
     notes = [f"{what}: {words}" for what, words in notes_of(result)]
     title = f"{logged.title}: what if"
     parts = compared(reviewed, Comparison.of(reviewed), ["log", "what if"], title=title, notes=notes)
     return parts, folder.name_of(out)
-
-
-def _new_log(path: Path) -> Path:
-    """Create an empty file for the log of a re-run beside the log, under a name that nothing has yet.
-
-    Raises:
-        OSError: The folder cannot be written.
-    """
-    for number in count(1):
-        out = path.with_name(f"{path.stem}-what-if-{number}{path.suffix}")
-        try:
-            out.touch(exist_ok=False)
-        except FileExistsError:
-            continue
-        return out
-    raise AssertionError("numbers end")

@@ -22,7 +22,7 @@ export async function ask(path, options = {}) {
  * @param {number} status */
 function refusal(detail, status) {
   if (typeof detail === "string") return detail;
-  if (Array.isArray(detail)) return detail.map(({ loc, msg }) => `${loc.slice(1).join(".")}: ${msg}`).join("; ");
+  if (Array.isArray(detail)) return detail.map(({ loc, msg }) => `${loc.at(-1)}: ${msg.replace(/^Value error, /, "")}`).join("; ");
   return `The server refused it (${status}).`;
 }
 
