@@ -22,7 +22,7 @@ SMALL = {
 }
 """Commands that tests run, and what makes them short; the last value of an option counts."""
 
-LONG = {"demo", "run", "experiment", "kill", "stop", "clear"}
+LONG = {"browse", "demo", "run", "experiment", "kill", "stop", "clear"}
 """Commands that start or need processes, or take minutes: here their options are checked, in other tests their work."""
 
 
