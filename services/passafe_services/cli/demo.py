@@ -84,9 +84,9 @@ def demo(
 ) -> None:
     """Run router, recorder, dashboard, operator, filter and plant, each as a process.
 
-    Open the address that is printed, drive with `passafe run operator --device keyboard --take-over` in another
-    terminal, and end with Ctrl-C. The log is then judged as by `passafe review`. Exits with 0 only if every required
-    property holds and every process ended in order, with 3 if a process died.
+    Open the address that is printed and drive there, or with `passafe run operator --device keyboard --take-over` in
+    another terminal, and end with Ctrl-C. The log is then judged as by `passafe review`. Exits with 0 only if every
+    required property holds and every process ended in order, with 3 if a process died.
 
     Its messages are encrypted, and the router lets each process do what its role permits, by keys that are made for
     this run and that `passafe run` and `passafe link` find on this host; `--keys` takes those of a deployment.
