@@ -37,9 +37,20 @@ OVERFLOWS: Final = """() => {
 
 
 @contextmanager
-def demo(scenario: str, out: Path) -> Iterator[str]:
+def demo(scenario: str, out: Path, *options: str) -> Iterator[str]:
     """Run a demo and yield the address of its page."""
-    command = [sys.executable, "-m", "passafe_services.cli", "demo", "--scenario", scenario, "--out", str(out), *PORTS]
+    command = [
+        sys.executable,
+        "-m",
+        "passafe_services.cli",
+        "demo",
+        "--scenario",
+        scenario,
+        "--out",
+        str(out),
+        *PORTS,
+        *options,
+    ]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)  # noqa: S603 - ours
     assert process.stdout is not None  # noqa: S101 - it was asked for
     try:
