@@ -1,4 +1,4 @@
-"""What waits for a page that reads slowly is bounded: the newest messages, and one clock."""
+"""The messages that wait for a page that reads slowly are bounded: the newest ones, and one clock."""
 
 import asyncio
 import json

@@ -106,7 +106,7 @@ def _socket(page: ServedPage) -> socket.socket:
     return socket.create_connection(("127.0.0.1", page.port), 30)
 
 
-def test_the_browser_runs_nothing_from_elsewhere_or_in_the_markup(page: ServedPage) -> None:
+def test_the_browser_runs_nothing_inline_or_from_elsewhere(page: ServedPage) -> None:
     policy = page.get("/").headers["content-security-policy"]
     assert policy.startswith("default-src 'none'; script-src 'self'; connect-src 'self'")
     assert "unsafe" not in policy
