@@ -114,6 +114,17 @@ def test_dip_of_one_tick_is_shown_on_the_page(watched: Watched, served: ServedPa
     assert watched.complaints == []
 
 
+def test_colours_follow_what_is_required(watched: Watched) -> None:
+    run = FastRun(Feed(load_scenario("moving-disk")), speed=3.0, frame_hz=30.0)  # its tank is required, no power margin
+    with serve_page(run) as served:
+        watched.page.goto(f"{served.url}/#engineer")
+        watched.wait_for("document.getElementById('tank-worst').textContent.endsWith(' J')")
+        run.next_tick = {"power_margin": -3.5}
+        watched.wait_for(is_text("power-margin-worst", "−3.500 W"))
+        assert watched.text("#power-tolerance") == "none: the tank is required"
+        assert "negative" not in str(watched.page.get_attribute("#power-margin-worst", "class"))
+
+
 def test_a_link_is_changed_by_its_slider(watched: Watched, served: ServedPage, run: FastRun) -> None:
     watched.page.goto(served.url)
     slider = "input[aria-label='delay robot → filter']"
