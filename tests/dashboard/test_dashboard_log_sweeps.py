@@ -7,7 +7,12 @@ import pytest
 from browsed_archive import browse_folder
 from passafe_dashboard.archive.experiment_models import ExperimentView
 from passafe_dashboard.archive.experiment_view import entry_of, view_of
+from passafe_dashboard.archive.runs_folder import RunsFolder
 from passafe_dashboard.archive.sweep_reader import SweepReader
+from passafe_dashboard.errors import ArchiveNameError
+from passafe_dashboard.jobs.cell_run_work import repeat
+from passafe_dashboard.jobs.job_progress import JobProgress
+from passafe_dashboard.jobs.job_request import CellRunRequest
 from passafe_services.tools.experiment.load import Study
 from passafe_services.tools.experiment.plan import Plan
 from passafe_services.tools.experiment.run_result import RunResult
@@ -140,6 +145,11 @@ def test_a_cell_leads_to_its_worst_run(tmp_path: Path, study: Study, results: li
         assert job["log"] == f"small/logs/cell-1-seed-{seed}.mcap"
         assert page.get("/api/experiments/small").json()["cells"][1]["probes"][0]["log"] == job["log"]
         assert page.get(f"/api/logs/{job['log']}").json()["mode"] == "off"
-        unknown = page.finished(request | {"seed": 99})
-        assert (unknown["state"], "cell 1, seed 99" in unknown["text"]) == ("failed", True)
         assert page.post(request | {"experiment": "../small"}).status_code == 404
+
+
+def test_a_run_that_there_is_not_is_refused(tmp_path: Path, study: Study, results: list[RunResult]) -> None:
+    write_results(tmp_path / "small", study, results)
+    request = CellRunRequest(kind="cell-run", experiment="small", cell=1, seed=99)
+    with pytest.raises(ArchiveNameError, match="cell 1, seed 99"):
+        repeat(request, RunsFolder(tmp_path), JobProgress(lambda _: None))

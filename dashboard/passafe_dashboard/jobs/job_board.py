@@ -28,8 +28,8 @@ MOST_OPEN: Final = 8
 MOST_KEPT: Final = 24
 """Jobs that are over and whose results are kept."""
 
-NICENESS: Final = 10
-"""Niceness of jobs beside a robot: a tenth of the share of an ordinary process."""
+NICENESS: Final = 5
+"""Niceness of jobs beside a robot: a third of the share of an ordinary process."""
 
 LONGEST_LINE_BYTES: Final = 1 << 20
 LONGEST_ERROR_BYTES: Final = 4096
