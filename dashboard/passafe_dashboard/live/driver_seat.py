@@ -8,11 +8,14 @@ from passafe_protocol.messages import OperatorLease, Steer, Vector, WhoDrives
 DEVICE: Final = "page"
 """Device of the operator's commands while a page drives."""
 
-SILENT_NS: Final = 250_000_000
-"""Time without a fresh command after which the page that drives loses the seat."""
+FRESH_NS: Final = 250_000_000
+"""Age from which a command of a page no longer drives."""
 
-FIRST_NS: Final = 1_000_000_000
-"""Time for the first command of a page that took the seat, which has to learn of it first."""
+SILENT_NS: Final = 2_000_000_000
+"""Time without a fresh command after which the page that drives loses the seat.
+
+A busy machine delays a page by more than ``FRESH_NS`` now and then; it need not take the wheel anew each time.
+"""
 
 ANSWER_NS: Final = 2_000_000_000
 """Time for the operator to follow a page that took the seat."""
@@ -85,7 +88,7 @@ class DriverSeat:
 
     def steer(self, page: int, command: PageCommand, now_ns: int) -> bool:
         """Keep a command of a page; return whether it counts: the page has the seat, and the command is fresh."""
-        if page != self.page or now_ns - command.made_ns > SILENT_NS or self.expire(now_ns):
+        if page != self.page or now_ns - command.made_ns > FRESH_NS or self.expire(now_ns):
             return False
         self._command, self._fresh_ns = command, command.made_ns
         return True
@@ -143,4 +146,4 @@ class DriverSeat:
         self.who, self.page, self.since_ns, self.reason = who, page, now_ns, reason
         self.turn += 1
         self._takes_over = self._followed = False
-        self._command, self._fresh_ns = None, now_ns + FIRST_NS - SILENT_NS
+        self._command, self._fresh_ns = None, now_ns

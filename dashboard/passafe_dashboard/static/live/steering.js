@@ -13,6 +13,7 @@ import { axisShares, firstEngaged } from "./shares.js";
  * @typedef {import("./types.js").Pair} Pair */
 
 const PERIOD_MS = 16;
+const STALL_MS = 250; // then the operator counts the command no more, until the dead-man was let go
 const HINT = "Drag the stick, or hold the arrow keys. Gamepad: hold R1.";
 
 export class Steering {
@@ -109,6 +110,7 @@ export class Steering {
   /** Reads the hands and sends what they ask for. */
   step() {
     const now = performance.now();
+    if (this.you && this.engaged && now - this.steppedAt > STALL_MS) this.say("This page stalled: let go once, then drive on.");
     const dt_s = Math.min((now - this.steppedAt) / 1000, 0.1);
     this.steppedAt = now;
     this.keys.step(dt_s, this.isClutched);
