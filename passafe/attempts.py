@@ -7,6 +7,7 @@ or tangents were made for another input.
 """
 
 from collections.abc import Callable
+from math import inf
 from typing import Final
 
 import numpy as np
@@ -194,14 +195,19 @@ class Attempts:
         Rows that conflict with a margin for a wide trust region, or with tangents far from the answer, need not
         conflict with nearer ones: then the trust region is narrowed, down to its least radius, and the tangents move
         half-way back. So do margins that are not known. Slack that the program did not count matters to none but the
-        passivity row, which may have it.
+        passivity row, which may have it: where nothing else is left to settle, the answer that takes the least is as
+        good, and far better than one with the margin of every input.
         """
         linearization, least = self._block.linearization, self._least_trust
+        least_slack, best = inf, (least, least, least[:1])
         u_lin, trust, u_plus = linearization.u_lin, linearization.trust_asked, self._block.evaluation.u_plus
         trust[:], before, answers = self._block.program.trust, u_lin.copy(), FixedPoint()
         for k in range(ATTEMPTS):
             if attempt.status is _UNCERTIFIED:
                 return attempt
+            if attempt.assessment.slack < least_slack and _settled_but_for_slack(attempt):
+                least_slack = attempt.assessment.slack
+                best = (u_lin.copy(), trust.copy(), linearization.tightening.copy())
             if attempt.status is _INFEASIBLE or attempt.assessment.unknown_margins > 0.0:
                 trust[:], answers = np.maximum(NARROWER * trust, least), FixedPoint()
                 u_lin += (before - u_lin) / 2
@@ -211,7 +217,9 @@ class Attempts:
                     linearization.tightening[:] += 2 * max(attempt.assessment.shortfall, 0.0)
                 u_lin[:] = answers.next(before, u_plus) if k >= PLAIN_STEPS else u_plus
                 trust[:] = CLOSER * np.abs(u_plus - before).max() + least
-            if k == ATTEMPTS - 1 and attempt.status is not _INFEASIBLE:
+            if k == ATTEMPTS - 1 and least_slack < inf:
+                u_lin[:], trust[:], linearization.tightening[:] = best
+            elif k == ATTEMPTS - 1 and attempt.status is not _INFEASIBLE:
                 trust[:] = self._reach
             attempt = self.first(self._functions.prepare)
             gave_up = attempt.status is _INFEASIBLE and (trust <= least).all()
@@ -234,3 +242,10 @@ class Attempts:
         linearization.u_lin[:], linearization.trust_asked[:] = u_lin, trust
         linearization.tightening[:] = self._first_tightening if with_margins else 0.0
         linearization.with_margins[:] = with_margins
+
+
+def _settled_but_for_slack(attempt: Attempt) -> bool:
+    """Return whether hard rows are kept, with margins that are valid for the answer."""
+    assessment = attempt.assessment
+    worst = max(assessment.shortfall, assessment.outside_trust_region, assessment.unknown_margins)
+    return attempt.status in ANSWERS and worst <= 0.0
