@@ -1,3 +1,5 @@
+import pickle
+
 import pytest
 
 from passafe.errors import DesignError, IntegrationError, PassafeError, RelativeDegreeError, ShapeError
@@ -31,3 +33,11 @@ def test_integration_errors_carry_their_values() -> None:
 
     assert (error.error, error.tolerance, error.substeps) == (2.5e-9, 1e-10, 256)
     assert str(error) == "integration error: got 2.5e-09 with 256 substeps, allowed 1e-10"
+
+
+def test_an_error_survives_the_way_from_a_worker() -> None:
+    error = ShapeError("x", (1.0,), "4 numbers")
+    arrived = pickle.loads(pickle.dumps(error))  # noqa: S301 - our own bytes
+
+    assert type(arrived) is ShapeError
+    assert (str(arrived), vars(arrived)) == (str(error), vars(error))

@@ -34,3 +34,11 @@ def test_enum_values_are_those_of_the_proto_file(enum: type[IntEnum]) -> None:
     in_proto = passafe_pb2.DESCRIPTOR.enum_types_by_name[enum.__name__].values
 
     assert {member.name: member.value for member in enum} == {v.name: v.number for v in in_proto if v.number}
+
+
+def test_fallbacks_are_the_most_severe_statuses() -> None:
+    by_severity = sorted(FilterStatus, key=lambda status: status.severity)
+    assert by_severity[0] is FilterStatus.PASSED
+    assert [status.severity for status in by_severity] == list(range(1, len(FilterStatus) + 1))
+    first = next(k for k, status in enumerate(by_severity) if status.is_fallback)
+    assert all(status.is_fallback for status in by_severity[first:])
