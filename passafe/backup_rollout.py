@@ -6,15 +6,17 @@ sampled plant's own step; between samples h is bounded from below by
     h(τ) ≥ min(h(0), h(T)) − T²/8·sup|ḧ|   for 0 ≤ τ ≤ T,
 
 the error of linear interpolation, with ḧ enclosed over the tube that is reachable within the period. So what is found
-to be kept is kept between samples too, up to the integration error that the step estimates. Where ḧ has no bound, the
-least value of the cubic through h and ḣ at both ends stands in: an estimate, on which no proof rests.
+to be kept is kept between samples too, up to the integration error that the step estimates.
+
+Courses are compared by an estimate that is sharper than the bound, and known everywhere: the least value of the cubic
+through h and ḣ at both ends of a period. By the bound, standing still would seem better than to drive away from a wall.
 """
 
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import reduce
 from math import inf, isnan
-from typing import Final
+from typing import Final, NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -62,7 +64,7 @@ class BackupRollout:
             "state": roll.size1_in(0),
             "held": CHUNK,
             "states": (roll.size1_in(0), CHUNK),
-            "seen": (4, CHUNK),
+            "seen": (5, CHUNK),
         }
         space = Workspace(BlockLayout.of(stages))
         self._state, self._states = space.part("state"), space.view("states")
@@ -78,10 +80,12 @@ class BackupRollout:
         held_periods: int,
         than: Course | None = None,
         until: int = LONGEST,
+        *,
+        to_prove: bool = False,
     ) -> Course:
         """Return the course under an input that is held for some periods, and the backup law from then on.
 
-        It ends early where it has become worse than another one.
+        It ends early where it has become worse than another one, or cannot be proven to be safe any more.
 
         Args:
             x: State, shape (n,).
@@ -89,12 +93,14 @@ class BackupRollout:
             u: The input, shape (m,); the one before where nothing is held.
             held_periods: Number of periods, 0 or more.
             than: The other one; ``None`` to follow the course to its end.
-            until: Number of periods after the hold at which the course ends at the latest.
+            until: Number of periods after which the course ends, but not before ``CHUNK`` of the backup law. Courses
+                that do not come to rest are compared over the same time.
+            to_prove: Whether the course is of use only if it is proven to be safe.
         """
         state, record, rests = self._state, _CourseRecord(), False
         state[:] = (*x, t_s, *u)
         look = held_periods
-        for begins in range(0, held_periods + until, CHUNK):
+        for begins in range(0, max(until, held_periods + CHUNK), CHUNK):
             self._held[:] = np.arange(begins, begins + CHUNK) < held_periods
             self._roll()
             record.add(self._seen)
@@ -102,6 +108,8 @@ class BackupRollout:
             change = np.abs(after[: self._n] - state[: self._n])
             state[:] = after
             if than is not None and not record.course(rests=False).is_no_worse_than(than):
+                break
+            if to_prove and not record.is_kept:
                 break
             if not np.isfinite(state).all():
                 break
@@ -121,28 +129,30 @@ class _CourseRecord:
     def __init__(self) -> None:
         self._periods = 0
         self._kept_periods, self._lowest, self._lowest_at = inf, inf, 0
-        self._soon = inf
+        self._soon = self._proven = inf
         self._errors, self._is_known = 0.0, True
 
     def add(self, seen: Array) -> None:
         """Take the next periods into account.
 
         Args:
-            seen: Lower bound of h, largest slope of an h, estimated integration error and whether the bound is known,
-                shape (4, CHUNK).
+            seen: Least h by estimate, its lower bound, largest slope of an h, estimated integration error and whether
+                the bound is known, shape (5, CHUNK).
         """
-        bounds, slopes, errors, known = seen
+        estimates, bounds, slopes, errors, known = seen
         sums = self._errors + errors.cumsum()
         if sums[-1] > SMALL_ERROR:
-            bounds = bounds - slopes * np.maximum(sums - SMALL_ERROR, 0.0)
-        place = int(bounds.argmin())  # that of the first NaN, if there is one
-        lowest = -inf if isnan(bounds[place]) else float(bounds[place])
+            lost = slopes * np.maximum(sums - SMALL_ERROR, 0.0)
+            estimates, bounds = estimates - lost, bounds - lost
+        place = int(estimates.argmin())  # that of the first NaN, if there is one
+        lowest = _or_nothing(estimates[place])
         if not lowest >= 0.0 and self._kept_periods == inf:
-            self._kept_periods = float(self._periods + np.argmin(bounds >= 0.0))
+            self._kept_periods = float(self._periods + np.argmin(estimates >= 0.0))
         if self._periods < self._kept_periods + CHUNK:
             self._soon = min(self._soon, lowest)
         if lowest < self._lowest:
             self._lowest, self._lowest_at = lowest, self._periods + place
+        self._proven = min(self._proven, _or_nothing(bounds.min()))
         self._errors = float(sums[-1])
         self._is_known = self._is_known and bool((known > 0).all())
         self._periods += CHUNK
@@ -160,7 +170,7 @@ class _CourseRecord:
         """
         if lowest < 0:
             return False
-        self._lowest = min(self._lowest, lowest)
+        self._lowest, self._proven = min(self._lowest, lowest), min(self._proven, lowest)
         return True
 
     def course(self, *, rests: bool) -> Course:
@@ -172,6 +182,7 @@ class _CourseRecord:
         return Course(
             kept_periods=self._kept_periods,
             lowest=self._lowest,
+            proven=self._proven,
             soon=self._soon,
             lowest_at=self._lowest_at,
             is_proven=self._is_known and self._errors <= LARGEST_ERROR,
@@ -188,9 +199,10 @@ def _step(design: FilterDesign, chains: Sequence[BarrierChain]) -> tuple[ca.Func
     x_next, _, error = held_flow(
         replace(system, y=ca.SX.zeros(system.m), port_y=ca.SX(0, 0), port_u=ca.SX(0, 0)), design.dt_s
     )
-    bound, known = _lower_bounds(design, chains, x_next)
+    least = _least_h(design, chains, x_next)
     slopes = (ca.norm_2(ca.gradient(b.psi[0], system.x)) for chain in chains for b in chain.branches)
-    seen = ca.densify(ca.vertcat(bound, reduce(ca.fmax, slopes, ca.SX(0)), error, known))
+    slope = reduce(ca.fmax, slopes, ca.SX(0))
+    seen = ca.densify(ca.vertcat(least.estimate, least.bound, slope, error, least.known))
     end = ca.densify(ca.vertcat(x_next, system.t + design.dt_s, system.u))
     period = ca.Function("period", [ca.vertcat(system.x, system.t), system.u], [end, seen])
     state, held = ca.vertcat(system.x, system.t, system.u), ca.SX.sym("held")
@@ -198,24 +210,42 @@ def _step(design: FilterDesign, chains: Sequence[BarrierChain]) -> tuple[ca.Func
     return ca.Function("step", [state, held], [after, observed]), law
 
 
-def _lower_bounds(design: FilterDesign, chains: Sequence[BarrierChain], x_next: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Return the lower bound of the smallest h over a period, scalar, and 1 where all bounds are known, else 0."""
+class _LeastH(NamedTuple):
+    """Least h of all barriers over a period.
+
+    Attributes:
+        estimate: By the cubic, expression.
+        bound: Lower bound, expression; means nothing where it is not known.
+        known: 1 where it is, else 0, expression.
+    """
+
+    estimate: ca.SX
+    bound: ca.SX
+    known: ca.SX
+
+
+def _least_h(design: FilterDesign, chains: Sequence[BarrierChain], x_next: ca.SX) -> _LeastH:
     system, dt_s = design.system, design.dt_s
     tube = reachable_tube(system, dt_s, ca.SX.zeros(system.m), guesses=GUESSES)
     moving, reach = ca.vertcat(system.x, system.t), ca.vertcat(tube.radius, dt_s)
-    lowest, known = ca.SX(inf), tube.known
+    estimate, bound, known = ca.SX(inf), ca.SX(inf), tube.known
     for chain in chains:
-        bounds = []
+        estimates, bounds = [], []
         for h in (branch.psi[0] for branch in chain.branches):
             rate = system.rate(h)
             ball = enclose(system.rate(rate), moving, reach)
             sag = dt_s**2 / 8 * (ca.fabs(ball.centre) + ball.radius)
             end, end_rate = (ca.substitute(each, moving, ca.vertcat(x_next, system.t + dt_s)) for each in (h, rate))
-            between = least_of_cubic(h, end, dt_s * rate, dt_s * end_rate)
-            bounds.append(ca.if_else(tube.known * ball.known, ca.fmin(h, end) - sag, between))
+            estimates.append(least_of_cubic(h, end, dt_s * rate, dt_s * end_rate))
+            bounds.append(ca.fmin(h, end) - sag)
             known *= ball.known
-        lowest = ca.fmin(lowest, reduce(ca.fmax, bounds))
-    return lowest, known
+        estimate, bound = ca.fmin(estimate, reduce(ca.fmax, estimates)), ca.fmin(bound, reduce(ca.fmax, bounds))
+    return _LeastH(estimate, bound, known)
+
+
+def _or_nothing(value: float) -> float:
+    """Return a value, or −∞ for no number."""
+    return -inf if isnan(value) else float(value)
 
 
 def least_of_cubic(begin: ca.SX, end: ca.SX, begin_slope: ca.SX, end_slope: ca.SX) -> ca.SX:

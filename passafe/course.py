@@ -20,8 +20,9 @@ class Course:
 
     Attributes:
         kept_periods: Periods from the first on in which every barrier is kept; infinite where it is to the end.
-        lowest: Smallest lower bound of all h.
-        soon: The same until ``CHUNK`` periods after a barrier is lost, to compare courses without end.
+        lowest: Least of all h, by estimate between samples.
+        proven: Lower bound of all h, where ``is_proven``.
+        soon: ``lowest`` until ``CHUNK`` periods after a barrier is lost, to compare courses without end.
         lowest_at: Period in which it is.
         is_proven: Whether the bounds between samples and the integration are known all along.
         comes_to_rest: Whether the robot came to rest, or where no barrier falls any more, before the rollout ended.
@@ -29,6 +30,7 @@ class Course:
 
     kept_periods: float
     lowest: float
+    proven: float
     soon: float
     lowest_at: int
     is_proven: bool
@@ -37,7 +39,7 @@ class Course:
     @property
     def is_safe(self) -> bool:
         """True if every barrier is proven to be kept until the robot rests."""
-        return self.is_proven and self.comes_to_rest and self.lowest >= 0.0
+        return self.is_proven and self.comes_to_rest and self.proven >= 0.0
 
     def is_no_worse_than(self, other: "Course") -> bool:
         """Return whether no barrier is lost earlier than on another course, nor by more than rounding and ``EQUAL``.
@@ -56,6 +58,7 @@ class Course:
         return Course(
             kept_periods=min(self.kept_periods, other.kept_periods),
             lowest=lower.lowest,
+            proven=min(self.proven, other.proven),
             soon=min(self.soon, other.soon),
             lowest_at=lower.lowest_at,
             is_proven=self.is_proven and other.is_proven,
@@ -67,5 +70,7 @@ def _deepest(lowest: float) -> float:
     return min(lowest, 0.0) * (1 + EQUAL) - ROUNDING
 
 
-KEPT: Final = Course(kept_periods=inf, lowest=0.0, soon=0.0, lowest_at=0, is_proven=True, comes_to_rest=True)
+KEPT: Final = Course(
+    kept_periods=inf, lowest=0.0, proven=0.0, soon=0.0, lowest_at=0, is_proven=True, comes_to_rest=True
+)
 """A course on which every barrier is kept."""

@@ -70,7 +70,7 @@ class Fallback:
                 program's answer.
         """
         best, place = self._rollout.course(x, t_s, u, 0), None
-        until = 2 * best.lowest_at + CHUNK
+        until = min(2 * best.lowest_at + CHUNK, LONGEST)
         for k, candidate in enumerate(candidates):
             course = self._held(x, t_s, candidate, best, until)
             if course.is_no_worse_than(best) and (k == 0 or not best.is_no_worse_than(course)):
@@ -89,7 +89,7 @@ class Fallback:
             t_s: Plant time, s.
             u: Input to be held, shape (m,).
         """
-        return self._held(x, t_s, u, KEPT).is_safe
+        return all(self._is_safe(x, t_s, u, held) for held in sorted({1, self._held_periods}))
 
     def keeps(self, x: Array, t_s: float, u: Array) -> bool:
         """Return whether every barrier is proven to be kept by the backup law from here on.
@@ -99,7 +99,10 @@ class Fallback:
             t_s: Plant time, s.
             u: Input before, shape (m,).
         """
-        return self._rollout.course(x, t_s, u, 0, KEPT).is_safe
+        return self._is_safe(x, t_s, u, 0)
+
+    def _is_safe(self, x: Array, t_s: float, u: Array, held_periods: int) -> bool:
+        return self._rollout.course(x, t_s, u, held_periods, to_prove=True).is_safe
 
     def _held(self, x: Array, t_s: float, u: Array, than: Course, until: int = LONGEST) -> Course:
         """Return the course under an input for one period or the longest hold, whichever is worse."""

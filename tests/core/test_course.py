@@ -7,7 +7,7 @@ import pytest
 
 from passafe.course import EQUAL, KEPT, Course
 
-LOST = Course(kept_periods=3.0, lowest=-0.5, soon=-0.25, lowest_at=70, is_proven=True, comes_to_rest=True)
+LOST = Course(kept_periods=3.0, lowest=-0.5, proven=-0.5, soon=-0.25, lowest_at=70, is_proven=True, comes_to_rest=True)
 ENDLESS = replace(LOST, lowest=-inf, comes_to_rest=False)
 
 
@@ -41,3 +41,4 @@ def test_a_course_that_keeps_everything_is_safe_if_proven() -> None:
     assert not replace(KEPT, is_proven=False).is_safe
     assert not replace(KEPT, comes_to_rest=False).is_safe
     assert not LOST.is_safe
+    assert not replace(KEPT, proven=-1e-12).is_safe

@@ -83,6 +83,13 @@ def test_a_candidate_counts_by_its_worse_hold(hold_s: float, expected: int | Non
     assert judge.best(np.array([0.8, 0.4, 0.0]), 0.0, np.zeros(1), [np.array([-4.0])]).place == expected
 
 
+def test_to_drive_away_from_a_wall_is_no_worse_than_to_rest() -> None:
+    """5 cm beyond the wall and at rest: full input backwards is least below zero at once, as braking is for ever."""
+    rest = np.array([1.05, 0.0, 0.0])
+
+    assert fallback(coaster()).best(rest, 0.0, np.zeros(1), [np.array([-5.0])]).place == 0
+
+
 def test_a_course_that_is_already_worse_is_not_followed() -> None:
     design = coaster()
     chains = [chain for barrier in design.barriers for chain in derive_chains(design.system, barrier)]
@@ -97,7 +104,9 @@ def test_a_course_that_is_already_worse_is_not_followed() -> None:
 
 
 def test_the_worse_of_two_courses_has_the_worst_of_each() -> None:
-    other = Course(kept_periods=3.0, lowest=-0.5, soon=-0.5, lowest_at=7, is_proven=False, comes_to_rest=True)
+    other = Course(
+        kept_periods=3.0, lowest=-0.5, proven=-0.5, soon=-0.5, lowest_at=7, is_proven=False, comes_to_rest=True
+    )
 
     assert KEPT.or_worse(other) == other.or_worse(KEPT) == other
 

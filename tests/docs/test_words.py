@@ -69,7 +69,8 @@ def _files(root: str) -> list[Path]:
     path = ROOT / root
     if path.is_file():
         return [path]
-    return [one for one in path.rglob("*") if one.suffix in SUFFIXES and "__pycache__" not in one.parts]
+    installed = {"__pycache__", "node_modules"}
+    return [one for one in path.rglob("*") if one.suffix in SUFFIXES and installed.isdisjoint(one.parts)]
 
 
 def _words(text: str) -> str:

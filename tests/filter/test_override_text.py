@@ -3,6 +3,7 @@ from math import pi, sqrt
 import casadi as ca
 import numpy as np
 import pytest
+from msgspec import structs
 from passafe_services.filter.barrier_distance import BarrierDistance, DistanceReading
 from passafe_services.filter.event_emitter import (
     CHECK_PERIOD_NS,
@@ -17,7 +18,7 @@ from passafe.barriers import disk_keep_out, half_plane, speed_limit
 from passafe.class_k import Linear
 from passafe.decision import Decision, Status
 from passafe.design import FilterDesign, Law, Mode
-from passafe.filter import SafetyPassivityFilter
+from passafe.filter import BACKUP, BETWEEN, SafetyPassivityFilter
 from passafe.models.damped_point import damped_point
 from passafe.models.robot import Robot
 from passafe.override import Explainer
@@ -138,6 +139,18 @@ def test_rows_in_conflict_with_the_limits_are_described() -> None:
     assert sentence(core_of(*sides, bound=2.0), (0.0,) * 4, (0.0, 0.0)).endswith(
         "they conflict within the input limits"
     )
+
+
+@pytest.mark.parametrize(
+    ("solver", "sent"), [(BACKUP, "the fail-safe law acts"), (BETWEEN, "what keeps the barriers longest is sent")]
+)
+def test_what_is_sent_in_the_place_of_an_answer_is_named(solver: str, sent: str) -> None:
+    core = core_of(wall("a", 1.0, 0.0), bound=2.0)
+    decision = structs.replace(core.decide((0.01, 0.0, -5.0, 0.0), REST, REST, REST), solver=solver)
+    decision.answer.relax[:] = 0.0  # it belongs to the program's answer alone
+    words = OverrideText(core, ROBOT, "m/s²").sentence(decision, Explainer(core).override(decision))
+
+    assert words.endswith(f"no input within the limits keeps every row: {sent}")
 
 
 def test_relaxed_hard_passivity_is_called_energy() -> None:

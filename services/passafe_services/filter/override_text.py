@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 
 from passafe.decision import Decision, Status
-from passafe.filter import SafetyPassivityFilter
+from passafe.filter import BACKUP, SafetyPassivityFilter
 from passafe.models.robot import Robot
 from passafe.override import Override
 from passafe.rows import PASSIVITY_ROW
@@ -85,6 +85,9 @@ class OverrideText:
     def _relaxation(self, decision: Decision) -> str:
         relax, G = decision.answer.relax, decision.program.G
         order = [int(i) for i in np.argsort(-relax, kind="stable") if relax[i] > 0.0]
+        if not order:
+            sent = "the fail-safe law acts" if decision.solver == BACKUP else "what keeps the barriers longest is sent"
+            return f"no input within the limits keeps every row: {sent}"
         amounts = [f"{relax[i]:.2g} {self._unit} of {self._label(self._row_names[i])}" for i in order]
         alone = float(np.linalg.norm(relax @ G[: relax.size])) <= BALANCED * float(relax.sum())
         return f"relaxed {_listed(amounts)}: {_conflict(len(order), alone=alone)}"
