@@ -3,8 +3,8 @@
 import asyncio
 import socket
 import sys
-from collections.abc import Awaitable, Callable, Sequence
-from contextlib import suppress
+from collections.abc import Awaitable, Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from typing import Final, TypeVar
 
 from passafe_services.loop.process_exit import RunOutcome
@@ -77,8 +77,6 @@ def supervised(
         on_change: See ``Supervision``.
         on_control: See ``Supervision``.
     """
-    if sys.platform == "linux" and sys.version_info < (3, 12):  # later ones do so by themselves
-        asyncio.set_child_watcher(asyncio.PidfdChildWatcher())  # no thread for each process: each takes address space
 
     async def run() -> Result:
         supervision = Supervision(
@@ -94,7 +92,21 @@ def supervised(
             finally:
                 await supervision.stop()
 
-    return asyncio.run(run())
+    with _no_thread_for_each_process():
+        return asyncio.run(run())
+
+
+@contextmanager
+def _no_thread_for_each_process() -> Iterator[None]:
+    """Let asyncio wait for processes without a thread for each, which takes address space; since 3.12 it does."""
+    if sys.platform == "linux" and sys.version_info < (3, 12):
+        asyncio.set_child_watcher(asyncio.PidfdChildWatcher())
+        try:
+            yield
+        finally:
+            asyncio.set_child_watcher(None)  # type: ignore[arg-type]  # documented: the default again, not one without a loop
+    else:
+        yield
 
 
 def _print(line: str) -> None:
