@@ -72,7 +72,7 @@ def test_braking_does_no_better_but_in_one_loop() -> None:
     """Seed 2 starts outside, three fallbacks, between which its operator drives on; the last falls 3 % deeper."""
     results = slice_results()
 
-    assert sum(result.entries for result in results) > 4
+    assert sum(result.entries for result in results) >= 3
     assert {result.seed for result in results if result.braking_better} <= {2}
 
 
