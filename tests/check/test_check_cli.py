@@ -68,7 +68,7 @@ def test_help_says_what_is_looked_at(passafe: Passafe) -> None:
 
 def test_a_start_that_moves_too_fast_is_warned_of(tmp_path: Path, passafe: Passafe) -> None:
     path = written(tmp_path, {"plant.x0": [-2.7, -1.0, -4.0, 0.0], "duration_s": 0.05})
-    checked = passafe("check", path, "--samples", "10", "--json")
+    checked = passafe("check", path, "--samples", "16", "--json")
     run = passafe("simulate", "--scenario", path, "--out", "run.mcap")
 
     assert checked.returncode == 1

@@ -108,8 +108,8 @@ def assert_same(many: BatchFilter, expected: Sequence[Decision]) -> None:
 @pytest.mark.parametrize("name", DESIGNS)
 def test_random_requests_get_the_decisions_of_the_filter(name: str) -> None:
     core = SafetyPassivityFilter(DESIGNS[name])
-    many = BatchFilter(core, 80)
-    asked = requests(DESIGNS[name], 80, seed=17)
+    many = BatchFilter(core, 200)
+    asked = requests(DESIGNS[name], 200, seed=17)
     many.decide(*asked)
     assert_same(many, one_by_one(core, asked))
 

@@ -198,7 +198,7 @@ def test_same_arguments_get_the_same_bits_in_any_order(name: str) -> None:
     made = FILTERS[name]
     rng = np.random.default_rng(61)
     asked = []
-    for k in range(60):
+    for k in range(300):
         numbers = (rng.normal(size=sum(lengths(made))) * 10 ** rng.uniform(-3, 2)).tolist()
         if k % 3 == 0:
             numbers[rng.integers(len(numbers))] = HOSTILE[k % len(HOSTILE)]

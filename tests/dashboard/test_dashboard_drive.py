@@ -6,11 +6,9 @@ from contextlib import ExitStack, contextmanager, suppress
 from typing import Any
 
 import pytest
-from closed_form import paper_scenario
-from passafe_dashboard.live.feed import Feed
 from passafe_dashboard.routes.drive import MAX_PAGES, MAX_REFUSED
 from passafe_protocol.messages import Steer
-from served_page import FastRun, ServedPage, serve_page
+from served_page import FastRun, ServedPage
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
@@ -67,17 +65,6 @@ class Wheel:
 def wheel(page: ServedPage, **options: Any) -> Iterator[Wheel]:  # noqa: ANN401 - of connect()
     with connect(f"ws://{page.host}/drive", compression=None, **options) as connection:
         yield Wheel(connection)
-
-
-@pytest.fixture
-def run() -> FastRun:
-    return FastRun(Feed(paper_scenario()))
-
-
-@pytest.fixture
-def page(run: FastRun) -> Iterator[ServedPage]:
-    with serve_page(run) as served:
-        yield served
 
 
 def published(run: FastRun, says: Callable[[Steer], bool]) -> Steer:

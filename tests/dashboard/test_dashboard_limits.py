@@ -10,23 +10,10 @@ import passafe_dashboard.connections
 import passafe_dashboard.server
 import psutil
 import pytest
-from closed_form import paper_scenario
-from passafe_dashboard.live.feed import Feed
 from passafe_dashboard.routes.state import MAX_CLIENTS
 from served_page import FastRun, ServedPage, client_that_reads_nothing, frames, serve_page
 
 LINK = "/api/links/plant-to-filter"
-
-
-@pytest.fixture
-def run() -> FastRun:
-    return FastRun(Feed(paper_scenario()))
-
-
-@pytest.fixture
-def page(run: FastRun) -> Iterator[ServedPage]:
-    with serve_page(run) as served:
-        yield served
 
 
 def send(page: ServedPage, data: bytes) -> socket.socket:

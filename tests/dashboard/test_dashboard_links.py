@@ -18,11 +18,6 @@ LINK = "plant-to-filter"
 
 
 @pytest.fixture
-def run() -> FastRun:
-    return FastRun(Feed(paper_scenario()))
-
-
-@pytest.fixture
 def page(run: FastRun) -> Iterator[ServedPage]:
     with serve_page(run, answer_s=1.0) as served:
         yield served

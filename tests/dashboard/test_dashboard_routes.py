@@ -17,18 +17,6 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection
 
 
-@pytest.fixture
-def run() -> FastRun:
-    return FastRun(Feed(paper_scenario()))
-
-
-@pytest.fixture
-def page(run: FastRun) -> Iterator[ServedPage]:
-    """Serve a separate page, for tests that change something."""
-    with serve_page(run) as served:
-        yield served
-
-
 @pytest.fixture(scope="module")
 def shared_page() -> Iterator[ServedPage]:
     with serve_page(FastRun(Feed(paper_scenario()))) as served:

@@ -4,15 +4,8 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
-from closed_form import paper_scenario
-from passafe_dashboard.live.feed import Feed
 from passafe_protocol.messages import EmergencyStop, Header, OperatorLease, StopClear
 from served_page import FastRun, ServedPage, serve_page
-
-
-@pytest.fixture
-def run() -> FastRun:
-    return FastRun(Feed(paper_scenario()))
 
 
 @pytest.fixture

@@ -12,8 +12,9 @@ from passafe_services.tools.generated.loop_result import LoopResult
 from passafe_services.tools.generated.summary import GeneratedSummary
 from typer.testing import CliRunner
 
-SLICE = [LOOPS * design + loop for design in (0, 1, 2, 42, *range(4, 13)) for loop in range(2)]
-"""Loops of one design of every family, the stiff one of a kind that takes a second and not a minute."""
+SLICE = [LOOPS * design + loop for design in (0, 1, 2, 42, *range(4, 13), 3754) for loop in range(2)]
+"""Loops of one design of every family, the stiff one of a kind that takes a second and not a minute, and of one more
+that gets into a fallback."""
 
 
 @cache
@@ -72,7 +73,7 @@ def test_braking_does_no_better_but_in_one_loop() -> None:
     """Seed 2 starts outside, three fallbacks, between which its operator drives on; the last falls 3 % deeper."""
     results = slice_results()
 
-    assert sum(result.entries for result in results) >= 3
+    assert sum(result.entries for result in results) > 4
     assert {result.seed for result in results if result.braking_better} <= {2}
 
 
