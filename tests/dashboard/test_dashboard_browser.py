@@ -194,6 +194,24 @@ def test_the_stop_is_pressed_and_cleared_on_the_page(
     assert watched.complaints == []
 
 
+@pytest.mark.parametrize("width", [390, 1024, 1366])
+def test_a_latched_stop_leaves_the_bar_in_order(watched: Watched, served: ServedPage, width: int) -> None:
+    watched.page.set_viewport_size({"width": width, "height": 768})
+    watched.page.goto(served.url)
+    watched.wait_for(LIVE)
+    watched.page.click("#stop")
+    watched.wait_for("!document.getElementById('clear').hidden")
+
+    names = (*((".what",) if width > 900 else ()), "#connection", "#clear", "#stop")
+    boxes = [watched.page.locator(name).bounding_box() for name in names]
+    lefts = [box["x"] for box in boxes]
+    rights = [box["x"] + box["width"] for box in boxes]
+    assert all(right <= left for right, left in zip(rights[:-1], lefts[1:], strict=True)), boxes
+    assert rights[-1] <= width
+    assert max(box["y"] for box in boxes) < min(box["y"] + box["height"] for box in boxes), "not in one row"
+    assert watched.page.evaluate("document.documentElement.scrollWidth") <= width
+
+
 def test_end_of_the_run_is_shown(watched: Watched, served: ServedPage, run: FastRun) -> None:
     watched.page.goto(served.url)
     watched.wait_for(LIVE)

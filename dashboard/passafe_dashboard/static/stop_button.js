@@ -36,6 +36,7 @@ export class StopButton {
     if (stop.id !== this.latched) this.say(stop.id ? `Stopped: pressed at ${stop.source}.` : "");
     this.latched = stop.id;
     this.clear.hidden = !stop.id;
+    this.clear.title = stop.id ? `Stopped: pressed at ${stop.source}` : "";
     this.page.body.toggleAttribute("data-stopped", Boolean(stop.id));
   }
 
@@ -57,15 +58,18 @@ export class StopButton {
       const response = await fetch(path, { method: "PUT" });
       const body = await response.json();
       if (response.ok) this.show(body);
-      else this.say(`Failed: ${body.detail}`);
+      else this.say(`Failed: ${body.detail}`, true);
     } catch (error) {
-      this.say(`Failed: the dashboard does not answer (${reason(error)}). Use passafe stop, or the robot's own switch.`);
+      this.say(`Failed: the dashboard does not answer (${reason(error)}). Use passafe stop, or the robot's own switch.`, true);
     }
   }
 
-  /** @param {string} text */
-  say(text) {
+  /** Says how a request went: aloud to those who listen, and in sight where it failed; buttons and colour show the rest.
+   * @param {string} text
+   * @param {boolean} failed */
+  say(text, failed = false) {
     this.answer.textContent = text;
+    this.answer.toggleAttribute("data-failed", failed);
   }
 }
 

@@ -84,6 +84,7 @@ test("sliders are finer where values are small, and name what they set", () => {
   assert.equal(valueOf(10, 1000), 10);
   assert.equal(settingText(0.25, QUANTITIES.delay_s), "250 ms");
   assert.equal(settingText(0.0125, QUANTITIES.loss), "1.3 %");
+  assert.equal(settingText(0.02, QUANTITIES.delay_s, "leo-moving"), "+ 20 ms");
 });
 
 test("ages are written as people read them", () => {

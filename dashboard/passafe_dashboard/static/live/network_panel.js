@@ -39,11 +39,13 @@ export function valueOf(position, most) {
   return Math.round(value / step) * step;
 }
 
-/** @param {number} value
- * @param {Quantity} quantity */
-export function settingText(value, quantity) {
+/** Returns a setting in words; "+" before one that comes on top of a model of a real network.
+ * @param {number} value
+ * @param {Quantity} quantity
+ * @param {string} network */
+export function settingText(value, quantity, network = "") {
   const shown = value * quantity.scale;
-  return `${Number(shown.toFixed(shown < 10 ? 1 : 0))} ${quantity.unit}`;
+  return `${network ? "+ " : ""}${Number(shown.toFixed(shown < 10 ? 1 : 0))} ${quantity.unit}`;
 }
 
 export class NetworkPanel {
@@ -105,7 +107,8 @@ class LinkRow {
   constructor(grid, name, change) {
     const words = LINK_WORDS[/** @type {keyof typeof LINK_WORDS} */ (name)] ?? name;
     this.pending = false;
-    grid.append(element("span", "link-name", words));
+    this.name = element("span", "link-name", words);
+    grid.append(this.name);
     this.sliders = Object.entries(QUANTITIES).map(([field, quantity]) => {
       const label = element("label");
       const input = document.createElement("input");
@@ -141,9 +144,10 @@ class LinkRow {
    * @param {any} settings */
   show(settings) {
     if (this.pending) return;
+    this.name.title = settings?.network ?? "";
     for (const { field, quantity, input, output } of this.sliders) {
       output.className = "";
-      setText(output, settings ? settingText(settings[field], quantity) : "–");
+      setText(output, settings ? settingText(settings[field], quantity, settings.network) : "–");
       input.value = String(settings ? sliderOf(settings[field] * quantity.scale, quantity.most) : 0);
       input.disabled = !settings;
       input.setAttribute("aria-valuetext", output.textContent ?? "");
