@@ -68,6 +68,7 @@ if TYPE_CHECKING:  # imported under their own names: exported, for type checkers
     from passafe.models.robot import Robot as Robot
     from passafe.models.saturating_point import saturating_point as saturating_point
     from passafe.models.two_points import two_points as two_points
+    from passafe.parameter import Parameter as Parameter
     from passafe.passivity import Passivity as Passivity
     from passafe.passivity import power_margin as power_margin
     from passafe.row_share import StateBox as StateBox
@@ -78,6 +79,7 @@ if TYPE_CHECKING:  # imported under their own names: exported, for type checkers
     from passafe.storage import squared_norm as squared_norm
     from passafe.system import System as System
     from passafe.tank import Tank as Tank
+    from passafe.uncertainty import Uncertainty as Uncertainty
 
 _NAMES_OF: Final = {
     "passafe.admissible_shapes": ("HalfSpace", "NormBound"),
@@ -118,12 +120,14 @@ _NAMES_OF: Final = {
     "passafe.models.robot": ("Robot",),
     "passafe.models.saturating_point": ("saturating_point",),
     "passafe.models.two_points": ("two_points",),
+    "passafe.parameter": ("Parameter",),
     "passafe.passivity": ("Passivity", "power_margin"),
     "passafe.certificate": ("Tolerance",),
     "passafe.sampled_plant": ("Sample", "SampledPlant"),
     "passafe.storage": ("kinetic_energy", "spring_energy", "squared_norm"),
     "passafe.system": ("System",),
     "passafe.tank": ("Tank",),
+    "passafe.uncertainty": ("Uncertainty",),
 }
 _MODULE_OF: Final = {name: module for module, names in _NAMES_OF.items() for name in names}
 

@@ -21,6 +21,7 @@ from passafe.passivity import Passivity
 from passafe.ranges import require_positive
 from passafe.storage_sign import require_lower_bound
 from passafe.system import System
+from passafe.uncertainty import Uncertainty
 
 Member = TypeVar("Member", bound=Enum)
 
@@ -87,6 +88,7 @@ class FilterDesign:
         gatekeeper: Whether an input is sent only if from where it leads the fail-safe law is proven to keep every
             barrier; otherwise that law's own input is sent (``docs/theory.md``, section 8).
         tolerance: Residuals up to which an answer is accepted.
+        uncertainty: Sets for whose every member the rows are to hold; None for a plant that is its model.
         limits: Limits of the actuators that all bounds amount to.
     """
 
@@ -112,6 +114,7 @@ class FilterDesign:
     hold_s: float | None = None
     gatekeeper: bool = False
     tolerance: Tolerance = field(default_factory=Tolerance)
+    uncertainty: Uncertainty | None = None
     limits: Limits = field(init=False)
 
     def __post_init__(self) -> None:
@@ -119,6 +122,7 @@ class FilterDesign:
         self._take_parts()
         self._take_numbers()
         object.__setattr__(self, "limits", self._limits())
+        self._take_uncertainty()
         names = [barrier.name for barrier in self.barriers]
         if len(set(names)) != len(names):
             raise DesignError("barriers", f"the names {names}", "each name once")
@@ -144,6 +148,22 @@ class FilterDesign:
             law = ca.SX.zeros(self.system.m) if given.shape == (0, 0) else given
             self.system.require_state_function(name, law, self.system.m)
             object.__setattr__(self, name, law)
+
+    def _take_uncertainty(self) -> None:
+        if self.uncertainty is None:
+            return
+        if not isinstance(self.uncertainty, Uncertainty):
+            raise DesignError("uncertainty", described(self.uncertainty), "an Uncertainty, or None")
+        self.uncertainty.require_fits(self.system)
+        if self.uncertainty.actuator_lag_s and inf in (
+            *(self.limits.fall_per_s or (inf,)),
+            *(self.limits.rise_per_s or ()),
+        ):
+            raise DesignError(
+                "uncertainty actuator_lag_s",
+                f"{self.uncertainty.actuator_lag_s:g} s without limits of all rates of the input",
+                "a lag with input_rate_bound_per_s, which bounds what the lag makes of an input; or input_error",
+            )
 
     def _refuse_jumps(self) -> None:
         """Refuse what has no derivative wherever one is taken; the fail-safe law is only evaluated."""

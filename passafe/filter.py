@@ -26,6 +26,7 @@ from passafe.decision_functions import DecisionFunctions
 from passafe.decision_schema import keeps_barriers
 from passafe.derivation import Derivation
 from passafe.design import FilterDesign, Law
+from passafe.errors import DesignError
 from passafe.fallback import Fallback, between
 from passafe.infeasibility import DistanceToInfeasibility
 from passafe.input_search import InputSearch
@@ -62,6 +63,8 @@ class SafetyPassivityFilter:
         Raises:
             DesignError: Some part of the design cannot be used.
         """
+        if design.uncertainty is not None:
+            raise DesignError("uncertainty", "sets", "None: rows do not hold for sets yet")
         self.design = design
         self.chains = tuple(chain for barrier in design.barriers for chain in derive_chains(design.system, barrier))
         self.derivation = derivation = Derivation.of(design, self.chains)

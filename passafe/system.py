@@ -1,11 +1,14 @@
 """The controlled system ẋ = f(x, u), y = g(x), given as symbolic expressions."""
 
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
 
 import casadi as ca
 
+from passafe.arguments import described
 from passafe.errors import DesignError, ShapeError
 from passafe.expressions import as_column
+from passafe.parameter import Parameter
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -18,11 +21,14 @@ class System:
     Attributes:
         x: State symbol, shape (n, 1).
         u: Input symbol, shape (m, 1).
-        f: ẋ as an expression of x and u, shape (n, 1), state units per second.
+        f: ẋ as an expression of x and u, shape (n, 1), state units per second. It may be given with the parameters'
+            symbols in it; here they have their values.
         y: Output g(x), a column of m rows; of any number where a port is given.
         t: Time symbol, s: safe sets may move, the plant itself does not change with time.
         port_y: The port's output, expression of x, shape (k, 1); y if not given.
         port_u: The port's input, expression of u, shape (k, 1); u if not given.
+        parameters: Constants of f, y and port that a robot may turn out to have otherwise.
+        general_f: f with the parameters' symbols in it.
         n: Number of states.
         m: Number of inputs.
     """
@@ -34,8 +40,11 @@ class System:
     t: ca.SX = field(default_factory=lambda: ca.SX.sym("t"))
     port_y: ca.SX = field(default_factory=lambda: ca.SX(0, 0))
     port_u: ca.SX = field(default_factory=lambda: ca.SX(0, 0))
+    parameters: tuple[Parameter, ...] = ()
+    general_f: ca.SX = field(init=False)
     n: int = field(init=False)
     m: int = field(init=False)
+    _general: tuple[tuple[str, ca.SX], ...] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         """Refuse shapes that do not fit and expressions with other symbols."""
@@ -47,8 +56,57 @@ class System:
                 raise ShapeError(f"system {part}", symbol, "a non-empty column of symbols")
         object.__setattr__(self, "n", int(self.x.numel()))
         object.__setattr__(self, "m", int(self.u.numel()))
+        self._take_parameters()
         self._require("f", self.f, self.n, symbols=ca.vertcat(self.x, self.u))
         self._take_port()
+
+    def _take_parameters(self) -> None:
+        """Put the parameters' values in the place of their symbols."""
+        if not isinstance(self.parameters, Iterable):
+            raise DesignError("system parameters", described(self.parameters), "a sequence of Parameter")
+        object.__setattr__(self, "parameters", tuple(self.parameters))
+        for parameter in self.parameters:
+            if not isinstance(parameter, Parameter):
+                raise DesignError("system parameters", described(parameter), "a sequence of Parameter")
+        names = [parameter.name for parameter in self.parameters]
+        if len(set(names)) != len(names):
+            raise DesignError("system parameters", f"the names {names}", "each name once")
+        object.__setattr__(self, "general_f", self.f)
+        given = tuple((part, getattr(self, part)) for part in ("f", "y", "port_y", "port_u"))
+        object.__setattr__(self, "_general", given)
+        for part, expression in given if self.parameters else ():
+            object.__setattr__(self, part, self.at_nominal(expression))
+
+    def at_nominal(self, expression: ca.SX) -> ca.SX:
+        """Return an expression with the parameters' values in the place of their symbols, same shape."""
+        symbols = [parameter.symbol for parameter in self.parameters]
+        values = [ca.SX(parameter.value) for parameter in self.parameters]
+        nominal: ca.SX = ca.substitute([expression], symbols, values)[0]
+        return nominal
+
+    def with_parameters(self, values: Mapping[str, float]) -> "System":
+        """Return another member of the family: the same symbols and expressions, with other values of parameters.
+
+        Args:
+            values: New values by name; parameters that are not named keep theirs.
+
+        Raises:
+            DesignError: The system has no parameter of such a name.
+        """
+        known = [parameter.name for parameter in self.parameters]
+        unknown = sorted(set(values) - set(known))
+        if unknown:
+            raise DesignError("system parameters", f"the names {unknown}", f"names among {known}")
+        others = tuple(replace(each, value=values.get(each.name, each.value)) for each in self.parameters)
+        general = dict(self._general)
+        return replace(
+            self,
+            f=general["f"],
+            y=general["y"],
+            port_y=general["port_y"],
+            port_u=general["port_u"],
+            parameters=others,
+        )
 
     def _take_port(self) -> None:
         is_given = {part: getattr(self, part).shape != (0, 0) for part in ("port_y", "port_u")}

@@ -7,13 +7,16 @@ import casadi as ca
 from passafe.models.braking import braking_condition, braking_robot
 from passafe.models.held_braking import HeldBraking
 from passafe.models.robot import Robot
+from passafe.parameter import Parameter
 from passafe.ranges import require_not_negative
 
 
-def drag_point(*, sigma: float = 0.5, drag: float = 0.5, gamma_1: float = 0.0, dt_s: float = 0.0) -> Robot:
-    """Return ẋ₁ = x₂, ẋ₂ = −σx₂ − c‖x₂‖x₂ + u, y = x₂, all in the plane.
+def drag_point(
+    *, sigma: float = 0.5, drag: float = 0.5, mass: float = 1.0, gamma_1: float = 0.0, dt_s: float = 0.0
+) -> Robot:
+    """Return ẋ₁ = x₂, ẋ₂ = −σx₂ − c‖x₂‖x₂ + u/m, y = x₂, all in the plane.
 
-    Positions have relative degree 2, velocities 1. The fail-safe is u = −K x₂ with K = max(γ₁ − σ, 0); what it keeps,
+    Positions have relative degree 2, velocities 1. The fail-safe is u = −mK x₂ with K = max(γ₁ − σ, 0); what it keeps,
     and why, is in ``passafe.models.braking``, with κ = σ + K: drag acts along the velocity, so the path is a straight
     segment no longer than without it.
 
@@ -27,6 +30,7 @@ def drag_point(*, sigma: float = 0.5, drag: float = 0.5, gamma_1: float = 0.0, d
     Args:
         sigma: Linear damping σ, 1/s, positive.
         drag: Quadratic drag c, 1/m, not negative.
+        mass: m, by which the force is divided, positive.
         gamma_1: Largest gain of the first class-K function among the barriers of the position, 1/s.
         dt_s: How long each input of the fail-safe is held, s; 0 for a law that is followed at every instant.
 
@@ -35,19 +39,30 @@ def drag_point(*, sigma: float = 0.5, drag: float = 0.5, gamma_1: float = 0.0, d
     """
     require_not_negative("drag point drag", drag, "1/m")
 
-    def acceleration(velocity: ca.SX, u: ca.SX) -> ca.SX:
-        return -(sigma + drag * _speed(velocity)) * velocity + u
+    quadratic = Parameter.of("drag", drag)
+
+    def damping(velocity: ca.SX, linear: ca.SX) -> ca.SX:
+        return -(linear + quadratic.symbol * _speed(velocity)) * velocity
 
     robot = braking_robot(
-        "drag point", axes=2, points=1, sigma=sigma, gamma_1=gamma_1, dt_s=dt_s, acceleration=acceleration
+        "drag point",
+        axes=2,
+        points=1,
+        sigma=sigma,
+        gamma_1=gamma_1,
+        dt_s=dt_s,
+        mass=mass,
+        damping=damping,
+        others=(quadratic,),
     )
     if not (dt_s and robot.fail_safe_gain):
         return robot
-    held, rate = HeldBraking(sigma=sigma, dt_s=dt_s), sigma + robot.fail_safe_gain
+    gain = robot.fail_safe_gain / mass
+    held, rate = HeldBraking(sigma=sigma, dt_s=dt_s), sigma + gain
     most = held.largest_gain / (1 + drag * held.reach_s * _speed(robot.velocity))
     return replace(
         robot,
-        fail_safe=-ca.fmin(robot.fail_safe_gain, most) * robot.velocity,
+        fail_safe=-mass * ca.fmin(gain, most) * robot.velocity,
         fail_safe_scope=replace(robot.fail_safe_scope, kept_gains=(rate,)),
         fail_safe_condition=f"{braking_condition(rate)}; each of its inputs held for at most {dt_s:.4g} s",
     )

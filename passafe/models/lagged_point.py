@@ -5,14 +5,21 @@ import casadi as ca
 from passafe.models.fail_safe_scope import FailSafeScope
 from passafe.models.held_lagged_braking import HeldLaggedBraking, LaggedGains, held_gains
 from passafe.models.robot import Robot
+from passafe.parameter import Parameter
 from passafe.ranges import require_not_negative, require_positive
 from passafe.system import System
 
 
 def lagged_point(
-    *, sigma: float = 1.0, lag_s: float = 0.05, gamma_1: float = 0.0, gamma_2: float = 0.0, dt_s: float = 0.0
+    *,
+    sigma: float = 1.0,
+    lag_s: float = 0.05,
+    mass: float = 1.0,
+    gamma_1: float = 0.0,
+    gamma_2: float = 0.0,
+    dt_s: float = 0.0,
 ) -> Robot:
-    """Return ẋ₁ = x₂, ẋ₂ = −σx₂ + x₃, ẋ₃ = (u − x₃)/T, y = x₂, all in the plane.
+    """Return ẋ₁ = x₂, ẋ₂ = −σx₂ + x₃/m, ẋ₃ = (u − x₃)/T, y = x₂, all in the plane.
 
     Positions have relative degree 3, velocities 2. yᵀu is the power of the commanded force, not of the one that acts:
     between them lie two poles, so no storage makes this robot passive by itself, and the filter has to.
@@ -38,6 +45,7 @@ def lagged_point(
     Args:
         sigma: Damping σ, 1/s, positive.
         lag_s: T, s, positive.
+        mass: m, by which the force is divided, positive.
         gamma_1: Largest gain of the first class-K function among the barriers of the position, 1/s.
         gamma_2: Largest gain of the second one, 1/s.
         dt_s: How long each input of the fail-safe is held, s; 0 for a law that is followed at every instant.
@@ -47,12 +55,13 @@ def lagged_point(
     """
     require_positive("lagged point sigma", sigma, "1/s")
     require_positive("lagged point lag_s", lag_s, "s")
+    require_positive("lagged point mass", mass)
     require_not_negative("lagged point gamma_1", gamma_1, "1/s")
     require_not_negative("lagged point gamma_2", gamma_2, "1/s")
     require_not_negative("lagged point dt_s", dt_s, "s")
     x, u = ca.SX.sym("x", 6), ca.SX.sym("u", 2)
     position, velocity, force = x[:2], x[2:4], x[4:]
-    acceleration = force - sigma * velocity
+    acceleration = force / mass - sigma * velocity
     slow, fast = sorted((sigma, 1 / lag_s))
     k_1, k_2 = max(gamma_1, slow), max(gamma_1, gamma_2, fast)
     # ȧ = (u − x₃)/T − σa is to be −(κ₁ + κ₂)a − κ₁κ₂x₂; written so that nothing is left where κ₁, κ₂ are its own.
@@ -63,16 +72,25 @@ def lagged_point(
         gains, is_kept = held_gains(held, k_1, k_2, gains)
     at_rest = position + ((k_1 + k_2) * velocity + acceleration) / (k_1 * k_2)
     return Robot(
-        system=System(x=x, u=u, f=ca.vertcat(velocity, acceleration, (u - force) / lag_s), y=velocity),
+        system=_system(x, u, mass=mass, sigma=sigma, lag_s=lag_s),
         position=position,
         velocity=velocity,
         points=1,
-        fail_safe=-gains.on_velocity * velocity + gains.on_force * force,
-        fail_safe_gain=gains.on_velocity,
+        fail_safe=-mass * gains.on_velocity * velocity + gains.on_force * force,
+        fail_safe_gain=mass * gains.on_velocity,
         fail_safe_scope=FailSafeScope(dt_s=dt_s, kept_gains=(k_1, k_2) if is_kept else (0.0, 0.0)),
         stopping_hull=(position, position + velocity / k_1, at_rest),
         fail_safe_condition=_condition(k_1, k_2, dt_s) if is_kept else "none: held so long it keeps no barrier",
     )
+
+
+def _system(x: ca.SX, u: ca.SX, *, mass: float, sigma: float, lag_s: float) -> System:
+    """Return the dynamics, with their parameters."""
+    inertia, slowing, lag = (Parameter.of(*each) for each in (("mass", mass), ("sigma", sigma), ("lag_s", lag_s)))
+    velocity, force = x[2:4], x[4:]
+    acceleration = force / inertia.symbol - slowing.symbol * velocity
+    f = ca.vertcat(velocity, acceleration, (u - force) / lag.symbol)
+    return System(x=x, u=u, f=f, y=velocity, parameters=(inertia, slowing, lag))
 
 
 def _condition(k_1: float, k_2: float, dt_s: float) -> str:
