@@ -23,6 +23,7 @@
         * ``UnusableScenarioError``: a scenario that a check refuses
         * ``SourceConfigError``: a setting of a source of commands
         * ``RecordingError``: a place in a recorded command series
+        * ``DriverError``: a driver that cannot read or move its robot
         * ``TerminalError``: no terminal that a person could drive from
         * ``EndpointError``: a host or port that can be no endpoint
         * ``PublisherError``: a process that may not publish a topic

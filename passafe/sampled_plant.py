@@ -86,6 +86,7 @@ class SampledPlant:
 
     Attributes:
         system: The plant.
+        V: Storage function, scalar expression of x, J.
         dt_s: Period, s.
         exact: Whether the steps are exact: f linear in (x, u), g and the port's output linear in x,
             up to constants.
@@ -103,7 +104,7 @@ class SampledPlant:
         """
         V = as_column("storage V", V)
         system.require_state_function("storage V", V, 1)
-        self.system = system
+        self.system, self.V = system, V
         self.dt_s = dt_s = one_number("dt_s", dt_s)
         self.exact = is_linear(system)
         held = HeldStep(x=system.x, u=system.u, h=ca.SX.sym("h"))

@@ -1,1 +1,1 @@
-"""The plant process: a simulated robot with input sequences and a fail-safe of its own."""
+"""The plant process: a robot behind its driver, with input sequences and a fail-safe of its own."""

@@ -1,4 +1,4 @@
-"""Plant node: the simulated robot under the filter's input sequences."""
+"""Plant node: the robot under the filter's input sequences."""
 
 from collections.abc import Sequence
 
@@ -7,18 +7,20 @@ from passafe_protocol.topics import CLEAR, EVENT, INPUT, STOP, Topic
 
 from passafe.limits import Limits
 from passafe.sampled_plant import SampledPlant
+from passafe_services.drivers.model_driver import ModelDriver
+from passafe_services.drivers.plant_driver import PlantDriver
 from passafe_services.node import Outgoing
+from passafe_services.plant.driven_robot import WAITING, DrivenRobot
 from passafe_services.plant.input_account import InputAccount
 from passafe_services.plant.input_check import InputCheck
 from passafe_services.plant.sequenced_inputs import REFUSED, SequencedInputs
-from passafe_services.plant.simulated_robot import WAITING, SimulatedRobot
 from passafe_services.plant.stop_latch import StopLatch
 from passafe_services.plant.transit_time import STALL_NS
 from passafe_services.plant_contract.fail_safe import FailSafe
 
 
 class PlantNode:
-    """Integrates the robot, one period per step, under the input sequences of a predicting filter.
+    """Moves the robot, one period per step, under the input sequences of a predicting filter.
 
     The first input takes effect one play-out time after its arrival, which defines plant time; every other one takes
     effect at its own plant time, or not at all (``passafe_services.plant.sequenced_inputs``). When one is missing, the
@@ -41,8 +43,9 @@ class PlantNode:
         playout_ns: int,
         limits: Limits,
         latch: StopLatch | None = None,
+        driver: PlantDriver | None = None,
     ) -> None:
-        """Put the robot at rest at x0.
+        """Begin at rest, before the first input.
 
         Args:
             plant: Model of the robot, stepped with the period.
@@ -52,6 +55,7 @@ class PlantNode:
             playout_ns: Time between arrival and effect of the first input, ns.
             limits: Limits of magnitude and norm; inputs beyond them are refused. Rates are not checked.
             latch: Emergency stop; one that is not latched if not given.
+            driver: Reads and moves the robot, open; the exact model if not given.
         """
         self._period_ns = period_ns
         self._check = InputCheck(limits)
@@ -59,8 +63,9 @@ class PlantNode:
         self._account = InputAccount()
         self._stepped_ns = 0
         self._latch = StopLatch() if latch is None else latch
-        self._robot = SimulatedRobot(
-            plant, fail_safe, self._account, self._latch, x0=x0, period_ns=period_ns, playout_ns=playout_ns
+        driver = ModelDriver(plant, x0=x0, period_ns=period_ns) if driver is None else driver
+        self._robot = DrivenRobot(
+            driver, plant, fail_safe, self._account, self._latch, x0=x0, period_ns=period_ns, playout_ns=playout_ns
         )
 
     @property
@@ -122,6 +127,11 @@ class PlantNode:
         """Apply the input that is due; without one, apply the fail-safe rule and report the break of the sequence."""
         robot = self._robot
         due = self._inputs.pop_due(robot.plant_ns)
+        if robot.is_blind:
+            self._inputs.void(robot.plant_ns)
+            self._account.sequence_break_ns = self._inputs.sequence_break_ns
+            robot.apply_law()
+            return
         if due is not None:
             robot.apply(due.u, due.tick, due.hold_ns, robot.plant_ns)
             return

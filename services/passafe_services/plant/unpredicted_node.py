@@ -7,17 +7,19 @@ from passafe_protocol.topics import CLEAR, EVENT, INPUT, STOP, Topic
 
 from passafe.limits import Limits
 from passafe.sampled_plant import SampledPlant
+from passafe_services.drivers.model_driver import ModelDriver
+from passafe_services.drivers.plant_driver import PlantDriver
 from passafe_services.node import Outgoing
+from passafe_services.plant.driven_robot import RUNNING, WAITING, DrivenRobot
 from passafe_services.plant.input_account import InputAccount
 from passafe_services.plant.input_check import InputCheck
 from passafe_services.plant.playout_buffer import MOST_PENDING, PlayoutBuffer
-from passafe_services.plant.simulated_robot import RUNNING, WAITING, SimulatedRobot
 from passafe_services.plant.stop_latch import StopLatch
 from passafe_services.plant_contract.fail_safe import FailSafe
 
 
 class UnpredictedPlantNode:
-    """Integrates the robot, one period per step, under the unsequenced inputs of a filter without prediction.
+    """Moves the robot, one period per step, under the unsequenced inputs of a filter without prediction.
 
     ``filter.prediction = false`` shows the effect of delay: an input takes effect at its plant time, or on arrival if
     that is later, whatever the state of the plant. Sequenced inputs are refused.
@@ -36,15 +38,17 @@ class UnpredictedPlantNode:
         playout_ns: int,
         limits: Limits,
         latch: StopLatch | None = None,
+        driver: PlantDriver | None = None,
     ) -> None:
-        """Put the robot at rest at x0; see ``PlantNode``."""
+        """Begin at rest; see ``PlantNode``."""
         self._check = InputCheck(limits)
         self._period_ns = period_ns
         self._inputs = PlayoutBuffer(period_ns)
         self._account = InputAccount()
         self._latch = StopLatch() if latch is None else latch
-        self._robot = SimulatedRobot(
-            plant, fail_safe, self._account, self._latch, x0=x0, period_ns=period_ns, playout_ns=playout_ns
+        driver = ModelDriver(plant, x0=x0, period_ns=period_ns) if driver is None else driver
+        self._robot = DrivenRobot(
+            driver, plant, fail_safe, self._account, self._latch, x0=x0, period_ns=period_ns, playout_ns=playout_ns
         )
 
     @property
@@ -102,6 +106,10 @@ class UnpredictedPlantNode:
         """Apply the newest input that is due, unless a newer one is in force."""
         robot = self._robot
         due = self._inputs.pop_due(robot.plant_ns)
+        if robot.is_blind:
+            self._inputs.void(robot.plant_ns)
+            robot.apply_law()
+            return
         if due is None or due.tick <= robot.applied_tick:
             robot.apply_fail_safe()
             return

@@ -1,4 +1,4 @@
-"""Simulated robot: its model in plant time under the input in force."""
+"""The robot in plant time, under the input in force."""
 
 from collections.abc import Callable, Sequence
 from typing import Final
@@ -7,8 +7,10 @@ from passafe_protocol.messages import Event, PlantPhase, PlantState, Vector
 from passafe_protocol.topics import EVENT, STATE
 
 from passafe.sampled_plant import SampledPlant
+from passafe_services.drivers.plant_driver import PlantDriver
 from passafe_services.node import Outgoing
 from passafe_services.plant.input_account import InputAccount
+from passafe_services.plant.state_reader import StateReader
 from passafe_services.plant.stop_latch import StopLatch
 from passafe_services.plant_contract.fail_safe import FailSafe
 
@@ -18,12 +20,15 @@ RUNNING: Final = PlantPhase.RUNNING
 FAIL_SAFE: Final = PlantPhase.FAIL_SAFE
 
 
-class SimulatedRobot:
-    """Integrates the model one period at a time; the plant node chooses the input of each period.
+class DrivenRobot:
+    """Moves the robot through its driver, one period at a time; the plant node chooses the input of each period.
 
-    The robot rests at x0 (``WAITING``) until plant time begins with the first input. When inputs stop, the last one is
+    The robot rests (``WAITING``) until plant time begins with the first input. When inputs stop, the last one is
     held (``HOLDING``), then the model's fail-safe law takes over (``FAIL_SAFE``). While an emergency stop is latched,
     the law is in force whatever the node would choose: no input has a way around the latch.
+
+    A driver without a clock of its own is stepped through every period that passed; one with a clock has moved on
+    meanwhile, so that only the newest of them reads, applies and is reported.
 
     Attributes:
         plant_ns: Plant time, ns.
@@ -34,6 +39,7 @@ class SimulatedRobot:
 
     def __init__(
         self,
+        driver: PlantDriver,
         plant: SampledPlant,
         fail_safe: FailSafe,
         account: InputAccount,
@@ -43,33 +49,39 @@ class SimulatedRobot:
         period_ns: int,
         playout_ns: int,
     ) -> None:
-        """Put the robot at rest at x0.
+        """Begin before the first input.
 
         Args:
+            driver: Reads and moves the robot; open.
             plant: Model of the robot, stepped with the period.
             fail_safe: Rule for missing inputs.
             account: Counts and times of the inputs received, for the state messages.
             latch: Emergency stop.
-            x0: Initial state, n numbers.
+            x0: State that counts before the first reading, n numbers.
             period_ns: Period of a step, ns.
             playout_ns: Time between arrival and effect of the first input, ns.
         """
-        self._plant = plant
         self._fail_safe = fail_safe
         self._account = account
         self._latch = latch
-        self._sample = plant.at(x0)
         self._period_ns = period_ns
         self._playout_ns = playout_ns
         self._origin_ns = 0
         self.has_origin = False
         self.plant_ns = 0
         self._u: Vector = (0.0,) * plant.system.m
+        self._reader = StateReader(driver, plant, x0=x0, u=self._u, period_ns=period_ns)
+        self._has_own_clock = driver.has_own_clock
         self.applied_tick = 0
         self._since_ns = 0
         self._hold_ns = 0
         self.phase = WAITING
         self._energy_in_j = 0.0
+
+    @property
+    def is_blind(self) -> bool:
+        """Return whether the driver has no state that could be led to the present."""
+        return self._reader.is_blind
 
     def begin_at(self, first_ns: int, received_ns: int) -> None:
         """Begin plant time with an input, one play-out time after its arrival, unless it is set already.
@@ -94,22 +106,27 @@ class SimulatedRobot:
             now_ns: Monotonic time, ns.
             choose_input: Sets the input of the period that begins, with ``apply`` or ``apply_fail_safe``.
         """
-        if self.phase is WAITING and self._latch.is_latched:
-            self.has_origin = False
+        if self.phase is WAITING:
+            self._reader.read(now_ns)
+            if self._latch.is_latched or self.is_blind:
+                self.has_origin = False
         if not self.has_origin or now_ns < self._origin_ns + self.plant_ns:
-            return ((STATE, self._state()),)
+            return () if self.is_blind else ((STATE, self._state()),)
         outgoing: list[Outgoing] = []
         if self.phase is WAITING:
             self._begin_period(choose_input, outgoing)
             if self.phase is WAITING:  # the first input did not take effect
                 self.has_origin = False
                 return outgoing
-        while self._origin_ns + self.plant_ns + self._period_ns <= now_ns:
-            self._sample = self._plant.advance(self._sample.x, self._u)
-            self._energy_in_j += self._sample.energy_in_j
+        due_ns = self._origin_ns + self.plant_ns + self._period_ns
+        while due_ns <= now_ns:
             self.plant_ns += self._period_ns
-            self._begin_period(choose_input, outgoing)
-        return outgoing or ((STATE, self._state()),)
+            is_reported = not self._has_own_clock or due_ns + self._period_ns > now_ns
+            if is_reported:
+                self._energy_in_j += self._reader.read(due_ns).energy_in_j
+            self._begin_period(choose_input, outgoing, is_reported=is_reported)
+            due_ns += self._period_ns
+        return outgoing or (() if self.is_blind else ((STATE, self._state()),))
 
     def apply(self, u: Vector, tick: int, hold_ns: int, since_ns: int) -> None:
         """Apply an input.
@@ -127,30 +144,41 @@ class SimulatedRobot:
         """Hold the last input for its hold time, then apply the fail-safe law; wait before the first input."""
         if self.phase is not WAITING:
             self.phase, self._u = self._fail_safe.without_input(
-                self._u, self._since_ns, self.plant_ns, self._sample.x, self._hold_ns
+                self._u, self._since_ns, self.plant_ns, self._reader.sample.x, self._hold_ns
             )
 
-    def _begin_period(self, choose_input: Callable[[], None], outgoing: list[Outgoing]) -> None:
-        """Choose the input of the period; add an event if the fail-safe law starts or ends, and the state."""
+    def apply_law(self) -> None:
+        """Apply the fail-safe law at once; wait before the first input."""
+        if self.phase is not WAITING:
+            self.phase, self._u = FAIL_SAFE, self._fail_safe.law(self._reader.sample.x)
+            self._since_ns = self.plant_ns - self._fail_safe.hold_ns  # nothing is held afterwards
+
+    def _begin_period(
+        self, choose_input: Callable[[], None], outgoing: list[Outgoing], *, is_reported: bool = True
+    ) -> None:
+        """Choose and apply the input of the period; add an event if the law starts or ends, and the state if known."""
         before = self.phase
         if self._latch.is_latched:
-            self.phase, self._u = FAIL_SAFE, self._fail_safe.law(self._sample.x)
-            self._since_ns = self.plant_ns - self._fail_safe.hold_ns  # nothing is held after the clear
+            self.apply_law()
         else:
             choose_input()
+        if is_reported and self.phase is not WAITING:
+            self._reader.apply(self._u, self._origin_ns + self.plant_ns)
         if self.phase is not before and (before is FAIL_SAFE or self.phase is FAIL_SAFE):
             outgoing.append((EVENT, self._fail_safe_event()))
-        outgoing.append((STATE, self._state()))
+        if is_reported and not self.is_blind:
+            outgoing.append((STATE, self._state()))
 
     def _fail_safe_event(self) -> Event:
         at = f"plant time {self.plant_ns / 1e9:.3f} s"
         if self.phase is FAIL_SAFE:
-            cause = "emergency stop" if self._latch.is_latched else "inputs stopped"
+            cause = "no state from the robot" if self.is_blind else "inputs stopped"
+            cause = "emergency stop" if self._latch.is_latched else cause
             return Event("warning", f"{cause}: fail-safe law in force at {at}")
         return Event("info", f"inputs are back: fail-safe law released at {at}")
 
     def _state(self) -> PlantState:
-        sample, account, latch = self._sample, self._account, self._latch
+        sample, account, latch = self._reader.sample, self._account, self._latch
         transit = account.transit
         return PlantState(
             self.plant_ns,
