@@ -1,5 +1,4 @@
 import json
-import posixpath
 import re
 from collections.abc import Iterator
 from contextlib import suppress
@@ -11,6 +10,7 @@ import pytest
 from closed_form import header, paper_scenario
 from passafe_dashboard.live.feed import Feed
 from passafe_dashboard.markup import STATIC
+from passafe_dashboard.script_bundle import script_bundle
 from passafe_protocol.messages import ScenarioInfo
 from served_page import FastRun, ServedPage, client_that_reads_nothing, frames, serve_page
 from websockets.exceptions import ConnectionClosed, InvalidStatus
@@ -60,30 +60,21 @@ def test_the_page_has_a_place_for_everything_it_shows(shared_page: ServedPage) -
     assert "The paper&#39;s robot and disk" in response.text
 
 
-def modules(name: str, found: set[str]) -> set[str]:
-    """Return the path of a script of the page and of all that it imports."""
-    if name not in found:
-        found.add(name)
-        text = (STATIC / name).read_text("utf-8")
-        for imported in re.findall(r'^import .*"(\.[^"]*)";$', text, re.MULTILINE):
-            modules(posixpath.normpath(posixpath.join(posixpath.dirname(name), imported)), found)
-    return found
-
-
 def test_everything_the_page_loads_is_served_here(shared_page: ServedPage) -> None:
-    scripts = modules("live/main.js", set())
-    assert len(scripts) > 20
-    for path in (*sorted(scripts), "page.css", "live/drive.css", "live/engineer.css"):
-        response = shared_page.get(f"/static/{path}")
-        assert response.status_code == 200, path
-        assert response.text.startswith(("//", "/*")), path
+    loaded = re.findall(r'(?:src|href)="(/[a-z/_]+\.(?:css|js))"', shared_page.get("/").text)
+    assert sorted(loaded) == ["/live.js", "/static/live/drive.css", "/static/live/engineer.css", "/static/page.css"]
+    for path in loaded:
+        assert shared_page.get(path).status_code == 200, path
+    script = shared_page.get("/live.js")
+    assert script.headers["content-type"].startswith("text/javascript")
+    assert script.text == script_bundle("live/main.js")
 
 
 def test_the_page_may_load_nothing_from_elsewhere(shared_page: ServedPage) -> None:
     policy = shared_page.get("/").headers["content-security-policy"]
     assert "default-src 'none'" in policy
     assert "http" not in policy
-    assert shared_page.get("/static/live/main.js").headers["x-content-type-options"] == "nosniff"
+    assert shared_page.get("/live.js").headers["x-content-type-options"] == "nosniff"
 
 
 def test_status_is_the_current_state(shared_page: ServedPage) -> None:

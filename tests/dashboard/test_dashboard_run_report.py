@@ -8,11 +8,9 @@ from typing import Any
 import pytest
 from closed_form_log import circle_messages, record_of, write_log
 from closed_form_series import verdict
-from passafe_dashboard.markup import STATIC
 from passafe_dashboard.number_text import number
 from passafe_dashboard.reports.report_run import ReportRun
 from passafe_dashboard.reports.run_page import inline_script, report_page
-from passafe_dashboard.reports.script_bundle import script_bundle
 from passafe_dashboard.run_record.collector import RunCollector
 from passafe_dashboard.run_report import overlay_report, render_report, report_run, write_report
 from passafe_services.tools.export.errors import ExportError
@@ -161,20 +159,6 @@ def test_charts_are_described_in_words(page: str) -> None:
     said = data(page)["descriptions"]
     assert said["h"].startswith("Barriers h over plant time. disk from 1.76 to 2.24 m²")
     assert "Obstacles: disk." in page
-
-
-def test_scripts_join_into_one_without_clashes() -> None:
-    joined = script_bundle("report.js")
-    assert "import " not in joined
-    assert "export " not in joined
-    names = re.findall(r"^(?:async )?(?:function|class|const|let) (\w+)", joined, re.MULTILINE)
-    assert sorted(names) == sorted(set(names))
-    for module in (STATIC / "report").glob("*.js"):
-        declared = re.search(
-            r"^(?:export )?(?:async )?(?:function|class) (\w+)", module.read_text("utf-8"), re.MULTILINE
-        )
-        assert declared is not None
-        assert declared.group(1) in names, f"{module.name} is not part of the report"
 
 
 def test_a_report_that_cannot_be_written_leaves_nothing(tmp_path: Path) -> None:

@@ -14,10 +14,10 @@ from passafe_dashboard.palette import PHASE_STYLES, STATUS_STYLES
 from passafe_dashboard.reports.comparison_rows import comparison_rows
 from passafe_dashboard.reports.report_run import ReportRun
 from passafe_dashboard.reports.run_descriptions import description, marks
-from passafe_dashboard.reports.script_bundle import script_bundle
 from passafe_dashboard.run_record.chart_plan import ChartPlan, chart_plans
 from passafe_dashboard.run_record.run_payload import run_payload
 from passafe_dashboard.run_record.signals import SEVERITY
+from passafe_dashboard.script_bundle import script_bundle
 
 OUTCOMES: Final = {
     "holds": "Every required property holds",
@@ -54,7 +54,7 @@ def report_page(runs: Sequence[ReportRun], *, title: str, notes: Sequence[str] =
     """
     parts = report_parts(runs, title=title, notes=notes)
     css = report_style()
-    script = inline_script(script_bundle("report.js") + START)
+    script = inline_script(script_bundle("report/report.js") + START)
     return TEMPLATES.get_template("run_report.html").render(
         title=title,
         markup=parts.markup,
