@@ -9,7 +9,7 @@ from typing import Final, TypeAlias
 
 from msgspec import Struct
 
-SCHEMA_VERSION: Final = 2
+SCHEMA_VERSION: Final = 3
 """Version of ``passafe.proto``; a reader refuses every other."""
 
 UNSEQUENCED: Final = -1
@@ -212,6 +212,22 @@ class PlantInput(Record, frozen=True):
     stops_cleared: int = 0
 
 
+class GuardAction(StrEnum):
+    """Answer of the plant's guard to the input that it was asked to pass."""
+
+    NONE = ""
+    """There is no guard, or nothing to guard."""
+
+    PASSED = "passed"
+    """The input is in force to the last bit."""
+
+    CHANGED = "changed"
+    """The nearest input that keeps every row is in force."""
+
+    FAIL_SAFE = "fail-safe"
+    """No input is certified to keep every row: the core's fallback is in force."""
+
+
 class PlantState(Record, frozen=True):
     """State of the robot at ``plant_ns``; ``u`` is in force from then on."""
 
@@ -235,6 +251,11 @@ class PlantState(Record, frozen=True):
     stop: int = 0
     stop_source: str = ""
     stops_cleared: int = 0
+    guard: str = ""
+    u_asked: Vector = ()
+    guard_cause: str = ""
+    guarded: int = 0
+    true_x: Vector = ()
 
 
 class BarrierReport(Record, frozen=True):
@@ -313,6 +334,8 @@ class FilterTick(Record, frozen=True):
     horizon_ns: int = 0
     command_state: str = ""
     command_share: float = 0.0
+    x_error: Vector = ()
+    residual: Vector = ()
 
 
 class LinkOutage(Record, frozen=True):
@@ -417,11 +440,25 @@ class Health(Record, frozen=True):
     topics: tuple[TopicHealth, ...]
 
 
+class EventKind(StrEnum):
+    """Kind of an event that carries numbers, for programs."""
+
+    TEXT = ""
+    """None: the text says it all."""
+
+    MODEL_VIOLATED = "MODEL_VIOLATED"
+    """A plant state lies outside of what the scenario's sets allow from the ones before."""
+
+
 class Event(Record, frozen=True):
-    """Human-readable event."""
+    """Human-readable event; some kinds carry their numbers, too."""
 
     severity: str
     text: str
+    kind: str = ""
+    number: int = 0
+    axis: str = ""
+    factor: float = 0.0
 
 
 class ScenarioInfo(Record, frozen=True):

@@ -114,7 +114,7 @@ class PlantInput(_message.Message):
     def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., tick: _Optional[int] = ..., u: _Optional[_Iterable[float]] = ..., effective_plant_ns: _Optional[int] = ..., hold_ns: _Optional[int] = ..., input_sequence_start_ns: _Optional[int] = ..., known_break_ns: _Optional[int] = ..., previous_u: _Optional[_Iterable[float]] = ..., stops_cleared: _Optional[int] = ..., checksum: _Optional[int] = ...) -> None: ...
 
 class PlantState(_message.Message):
-    __slots__ = ("header", "plant_ns", "x", "y", "u", "applied_tick", "phase", "energy_in_j", "energy_stored_j", "input_lead_ns", "inputs_late", "inputs_refused", "integration_error", "received_tick", "sequence_break_ns", "input_since_ns", "input_transit_ns", "input_epoch", "stop", "stop_source", "stops_cleared", "checksum")
+    __slots__ = ("header", "plant_ns", "x", "y", "u", "applied_tick", "phase", "energy_in_j", "energy_stored_j", "input_lead_ns", "inputs_late", "inputs_refused", "integration_error", "received_tick", "sequence_break_ns", "input_since_ns", "input_transit_ns", "input_epoch", "stop", "stop_source", "stops_cleared", "guard", "u_asked", "guard_cause", "guarded", "true_x", "checksum")
     HEADER_FIELD_NUMBER: _ClassVar[int]
     PLANT_NS_FIELD_NUMBER: _ClassVar[int]
     X_FIELD_NUMBER: _ClassVar[int]
@@ -136,6 +136,11 @@ class PlantState(_message.Message):
     STOP_FIELD_NUMBER: _ClassVar[int]
     STOP_SOURCE_FIELD_NUMBER: _ClassVar[int]
     STOPS_CLEARED_FIELD_NUMBER: _ClassVar[int]
+    GUARD_FIELD_NUMBER: _ClassVar[int]
+    U_ASKED_FIELD_NUMBER: _ClassVar[int]
+    GUARD_CAUSE_FIELD_NUMBER: _ClassVar[int]
+    GUARDED_FIELD_NUMBER: _ClassVar[int]
+    TRUE_X_FIELD_NUMBER: _ClassVar[int]
     CHECKSUM_FIELD_NUMBER: _ClassVar[int]
     header: Header
     plant_ns: int
@@ -158,8 +163,13 @@ class PlantState(_message.Message):
     stop: int
     stop_source: str
     stops_cleared: int
+    guard: str
+    u_asked: _containers.RepeatedScalarFieldContainer[float]
+    guard_cause: str
+    guarded: int
+    true_x: _containers.RepeatedScalarFieldContainer[float]
     checksum: int
-    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., plant_ns: _Optional[int] = ..., x: _Optional[_Iterable[float]] = ..., y: _Optional[_Iterable[float]] = ..., u: _Optional[_Iterable[float]] = ..., applied_tick: _Optional[int] = ..., phase: _Optional[_Union[PlantPhase, str]] = ..., energy_in_j: _Optional[float] = ..., energy_stored_j: _Optional[float] = ..., input_lead_ns: _Optional[int] = ..., inputs_late: _Optional[int] = ..., inputs_refused: _Optional[int] = ..., integration_error: _Optional[float] = ..., received_tick: _Optional[int] = ..., sequence_break_ns: _Optional[int] = ..., input_since_ns: _Optional[int] = ..., input_transit_ns: _Optional[int] = ..., input_epoch: _Optional[int] = ..., stop: _Optional[int] = ..., stop_source: _Optional[str] = ..., stops_cleared: _Optional[int] = ..., checksum: _Optional[int] = ...) -> None: ...
+    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., plant_ns: _Optional[int] = ..., x: _Optional[_Iterable[float]] = ..., y: _Optional[_Iterable[float]] = ..., u: _Optional[_Iterable[float]] = ..., applied_tick: _Optional[int] = ..., phase: _Optional[_Union[PlantPhase, str]] = ..., energy_in_j: _Optional[float] = ..., energy_stored_j: _Optional[float] = ..., input_lead_ns: _Optional[int] = ..., inputs_late: _Optional[int] = ..., inputs_refused: _Optional[int] = ..., integration_error: _Optional[float] = ..., received_tick: _Optional[int] = ..., sequence_break_ns: _Optional[int] = ..., input_since_ns: _Optional[int] = ..., input_transit_ns: _Optional[int] = ..., input_epoch: _Optional[int] = ..., stop: _Optional[int] = ..., stop_source: _Optional[str] = ..., stops_cleared: _Optional[int] = ..., guard: _Optional[str] = ..., u_asked: _Optional[_Iterable[float]] = ..., guard_cause: _Optional[str] = ..., guarded: _Optional[int] = ..., true_x: _Optional[_Iterable[float]] = ..., checksum: _Optional[int] = ...) -> None: ...
 
 class Steer(_message.Message):
     __slots__ = ("header", "turn", "driver", "page", "shares", "engaged", "age_ns", "take_over", "echoed_epoch", "echoed_ns", "echoed_for_ns", "checksum")
@@ -298,7 +308,7 @@ class Consumed(_message.Message):
     def __init__(self, topic: _Optional[str] = ..., sequence: _Optional[int] = ..., received_ns: _Optional[int] = ..., epoch: _Optional[int] = ..., term: _Optional[int] = ...) -> None: ...
 
 class FilterTick(_message.Message):
-    __slots__ = ("header", "tick", "status", "mode", "law", "effective_plant_ns", "x_hat", "u_h", "u_h_rate", "u_nominal", "phi", "v", "u", "barriers", "power_margin", "tank_j", "slack", "rows", "certificate", "consumed", "state_age_ns", "command_age_ns", "override", "horizon_ns", "command_state", "command_share", "checksum")
+    __slots__ = ("header", "tick", "status", "mode", "law", "effective_plant_ns", "x_hat", "u_h", "u_h_rate", "u_nominal", "phi", "v", "u", "barriers", "power_margin", "tank_j", "slack", "rows", "certificate", "consumed", "state_age_ns", "command_age_ns", "override", "horizon_ns", "command_state", "command_share", "x_error", "residual", "checksum")
     HEADER_FIELD_NUMBER: _ClassVar[int]
     TICK_FIELD_NUMBER: _ClassVar[int]
     STATUS_FIELD_NUMBER: _ClassVar[int]
@@ -325,6 +335,8 @@ class FilterTick(_message.Message):
     HORIZON_NS_FIELD_NUMBER: _ClassVar[int]
     COMMAND_STATE_FIELD_NUMBER: _ClassVar[int]
     COMMAND_SHARE_FIELD_NUMBER: _ClassVar[int]
+    X_ERROR_FIELD_NUMBER: _ClassVar[int]
+    RESIDUAL_FIELD_NUMBER: _ClassVar[int]
     CHECKSUM_FIELD_NUMBER: _ClassVar[int]
     header: Header
     tick: int
@@ -352,8 +364,10 @@ class FilterTick(_message.Message):
     horizon_ns: int
     command_state: str
     command_share: float
+    x_error: _containers.RepeatedScalarFieldContainer[float]
+    residual: _containers.RepeatedScalarFieldContainer[float]
     checksum: int
-    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., tick: _Optional[int] = ..., status: _Optional[_Union[FilterStatus, str]] = ..., mode: _Optional[str] = ..., law: _Optional[str] = ..., effective_plant_ns: _Optional[int] = ..., x_hat: _Optional[_Iterable[float]] = ..., u_h: _Optional[_Iterable[float]] = ..., u_h_rate: _Optional[_Iterable[float]] = ..., u_nominal: _Optional[_Iterable[float]] = ..., phi: _Optional[_Iterable[float]] = ..., v: _Optional[_Iterable[float]] = ..., u: _Optional[_Iterable[float]] = ..., barriers: _Optional[_Iterable[_Union[BarrierReport, _Mapping]]] = ..., power_margin: _Optional[float] = ..., tank_j: _Optional[float] = ..., slack: _Optional[float] = ..., rows: _Optional[_Iterable[_Union[RowReport, _Mapping]]] = ..., certificate: _Optional[_Union[Certificate, _Mapping]] = ..., consumed: _Optional[_Iterable[_Union[Consumed, _Mapping]]] = ..., state_age_ns: _Optional[int] = ..., command_age_ns: _Optional[int] = ..., override: _Optional[_Union[OverrideReport, _Mapping]] = ..., horizon_ns: _Optional[int] = ..., command_state: _Optional[str] = ..., command_share: _Optional[float] = ..., checksum: _Optional[int] = ...) -> None: ...
+    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., tick: _Optional[int] = ..., status: _Optional[_Union[FilterStatus, str]] = ..., mode: _Optional[str] = ..., law: _Optional[str] = ..., effective_plant_ns: _Optional[int] = ..., x_hat: _Optional[_Iterable[float]] = ..., u_h: _Optional[_Iterable[float]] = ..., u_h_rate: _Optional[_Iterable[float]] = ..., u_nominal: _Optional[_Iterable[float]] = ..., phi: _Optional[_Iterable[float]] = ..., v: _Optional[_Iterable[float]] = ..., u: _Optional[_Iterable[float]] = ..., barriers: _Optional[_Iterable[_Union[BarrierReport, _Mapping]]] = ..., power_margin: _Optional[float] = ..., tank_j: _Optional[float] = ..., slack: _Optional[float] = ..., rows: _Optional[_Iterable[_Union[RowReport, _Mapping]]] = ..., certificate: _Optional[_Union[Certificate, _Mapping]] = ..., consumed: _Optional[_Iterable[_Union[Consumed, _Mapping]]] = ..., state_age_ns: _Optional[int] = ..., command_age_ns: _Optional[int] = ..., override: _Optional[_Union[OverrideReport, _Mapping]] = ..., horizon_ns: _Optional[int] = ..., command_state: _Optional[str] = ..., command_share: _Optional[float] = ..., x_error: _Optional[_Iterable[float]] = ..., residual: _Optional[_Iterable[float]] = ..., checksum: _Optional[int] = ...) -> None: ...
 
 class LinkParameters(_message.Message):
     __slots__ = ("delay_s", "jitter_s", "distribution", "quantiles_s", "correlation", "reorder", "loss", "burst_enter", "burst_leave", "burst_loss_good", "burst_loss_bad", "duplicate", "corrupt", "rate_hz", "queue", "outages", "seed", "network")
@@ -528,16 +542,24 @@ class TopicHealth(_message.Message):
     def __init__(self, topic: _Optional[str] = ..., received: _Optional[int] = ..., gaps: _Optional[int] = ..., refused: _Optional[int] = ...) -> None: ...
 
 class Event(_message.Message):
-    __slots__ = ("header", "severity", "text", "checksum")
+    __slots__ = ("header", "severity", "text", "kind", "number", "axis", "factor", "checksum")
     HEADER_FIELD_NUMBER: _ClassVar[int]
     SEVERITY_FIELD_NUMBER: _ClassVar[int]
     TEXT_FIELD_NUMBER: _ClassVar[int]
+    KIND_FIELD_NUMBER: _ClassVar[int]
+    NUMBER_FIELD_NUMBER: _ClassVar[int]
+    AXIS_FIELD_NUMBER: _ClassVar[int]
+    FACTOR_FIELD_NUMBER: _ClassVar[int]
     CHECKSUM_FIELD_NUMBER: _ClassVar[int]
     header: Header
     severity: str
     text: str
+    kind: str
+    number: int
+    axis: str
+    factor: float
     checksum: int
-    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., severity: _Optional[str] = ..., text: _Optional[str] = ..., checksum: _Optional[int] = ...) -> None: ...
+    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., severity: _Optional[str] = ..., text: _Optional[str] = ..., kind: _Optional[str] = ..., number: _Optional[int] = ..., axis: _Optional[str] = ..., factor: _Optional[float] = ..., checksum: _Optional[int] = ...) -> None: ...
 
 class ScenarioInfo(_message.Message):
     __slots__ = ("header", "scenario_json", "driver", "versions_json", "checksum")

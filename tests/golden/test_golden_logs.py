@@ -10,7 +10,7 @@ from passafe_services.tools.review.run_log import RunLog
 from passafe_services.tools.what_if.rerun import Conditions
 from passafe_services.tools.what_if.what_if import Question
 
-LARGEST_BYTES = 110_000
+LARGEST_BYTES = 180_000
 NAMES = [*SIMULATED, *LIVE]
 
 

@@ -97,6 +97,11 @@ BODIES: tuple[Message, ...] = (
         stop=2**64 - 5,
         stop_source="console",
         stops_cleared=2,
+        guard="changed",
+        u_asked=(1.5, -0.5),
+        guard_cause="disk",
+        guarded=41,
+        true_x=(1.001, 2.0, 3.0, 4.0),
     ),
     FilterTick(
         tick=300,
@@ -127,6 +132,8 @@ BODIES: tuple[Message, ...] = (
         horizon_ns=410_000_000,
         command_state="resumes",
         command_share=0.75,
+        x_error=(0.001, 0.001, 0.01, 0.01),
+        residual=(0.5, 0.25, 1.0, 0.0),
     ),
     LinkConfig(link="filter-to-plant", parameters=PARAMETERS),
     LinkEvent(link="plant-to-filter", effect="dropped", topic="state", sequence=12, cause="queue"),
@@ -160,7 +167,14 @@ BODIES: tuple[Message, ...] = (
         late_us_max=250.0,
         topics=(TopicHealth("state", 900, 100, 4),),
     ),
-    Event(severity="warning", text="plant: WAITING → RUNNING"),
+    Event(
+        severity="warning",
+        text="plant: WAITING → RUNNING",
+        kind="MODEL_VIOLATED",
+        number=2,
+        axis="x[2]",
+        factor=1.25,
+    ),
     ScenarioInfo(scenario_json='{"name": "x"}', driver="live", versions_json='{"passafe": "0.1.0"}'),
 )
 

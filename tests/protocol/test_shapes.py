@@ -19,7 +19,7 @@ from passafe_protocol.shapes import as_dict, shape_of
 def test_plant_state_is_read_from_its_annotations() -> None:
     shape = shape_of(PlantState)
 
-    assert [name for _, name in shape.vectors] == ["x", "y", "u"]
+    assert [name for _, name in shape.vectors] == ["x", "y", "u", "u_asked", "true_x"]
     assert [name for _, name in shape.floats] == ["energy_in_j", "energy_stored_j", "integration_error"]
     assert [(name, members) for _, name, members in shape.enums] == [
         ("phase", {member.value: member for member in PlantPhase})
