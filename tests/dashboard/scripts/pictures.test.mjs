@@ -5,7 +5,7 @@ import { test } from "node:test";
 
 const live = "../../../dashboard/passafe_dashboard/static/live";
 const { Camera, MARGIN_PX, widened } = await import(`${live}/camera.js`);
-const { DialScale, askedAndAllowed, cuts } = await import(`${live}/input_dial.js`);
+const { DialScale, askedAndAllowed, cuts, decisionInForce } = await import(`${live}/input_dial.js`);
 const { barSpan, shownGaps } = await import(`${live}/gap_bars.js`);
 const { QUANTITIES, settingText, sliderOf, valueOf } = await import(`${live}/network_panel.js`);
 const { ageText } = await import(`${live}/delays_panel.js`);
@@ -43,6 +43,16 @@ test("a view widens step by step for a robot that leaves it", () => {
 test("what was allowed is the operator's part of the decision", () => {
   const filter = { u_h: [4, 0], u_nominal: [14, 1], u: [11, 1] };
   assert.deepEqual(askedAndAllowed(filter, [0, 1]), { asked: [4, 0], allowed: [1, 0] });
+});
+
+test("a decision is drawn only while it drives the robot", () => {
+  const filter = { u: [1, 2] };
+  const now = (state, phase) => ({ liveness: { state }, plant: { phase }, filter });
+  assert.equal(decisionInForce(now("live", "RUNNING")), filter);
+  assert.equal(decisionInForce(now("live", "HOLDING")), filter);
+  assert.equal(decisionInForce(now("live", "FAIL_SAFE")), null);
+  assert.equal(decisionInForce(now("silent", "RUNNING")), null);
+  assert.equal(decisionInForce({ liveness: { state: "live" }, plant: null, filter: null }), null);
 });
 
 test("a barrier cuts off the directions beyond its margin", () => {

@@ -18,6 +18,13 @@ export function askedAndAllowed(filter, axes) {
   };
 }
 
+/** Returns the filter's decision if it drives the robot now: it is old when messages are, and the fail-safe law drives
+ * after an emergency stop or without inputs.
+ * @param {import("./types.js").Now} now */
+export function decisionInForce(now) {
+  return now.liveness.state === "live" && now.plant?.phase !== "FAIL_SAFE" ? now.filter : null;
+}
+
 /** Returns the cuts of a dial whose rim is a full command.
  * @param {Held[]} held of one point
  * @param {number[]} allowed the operator's part of the decision

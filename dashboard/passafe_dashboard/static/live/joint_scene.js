@@ -1,7 +1,7 @@
 // The live scene of joints: each between its limits, with what was asked and what was allowed.
 
 import { numberText } from "../report/number_text.js";
-import { askedAndAllowed, drawArrow } from "./input_dial.js";
+import { askedAndAllowed, decisionInForce, drawArrow } from "./input_dial.js";
 import { clear } from "./plane_scene.js";
 
 /** @typedef {import("./types.js").Now} Now */
@@ -90,8 +90,9 @@ export class JointScene {
    * @param {number} middle
    * @param {any} theme */
   drawInputs(pen, now, index, x, middle, theme) {
-    if (!now.filter) return;
-    const { asked, allowed } = askedAndAllowed(now.filter, [index]);
+    const decision = decisionInForce(now);
+    if (!decision) return;
+    const { asked, allowed } = askedAndAllowed(decision, [index]);
     const factor = 80 / Math.max(this.full[index] ?? 10, Math.abs(asked[0]), Math.abs(allowed[0]));
     drawArrow(pen, [x, middle - 19], [allowed[0] * factor, 0], { colour: theme.accent, width: 4 });
     drawArrow(pen, [x, middle + 19], [asked[0] * factor, 0], { colour: theme.ink, width: 2, dash: [6, 4] });

@@ -1,6 +1,6 @@
 // A joystick on the page: drag it with mouse, pen or finger; what is held back now is shaded on it.
 
-import { askedAndAllowed, cuts, drawCuts } from "./input_dial.js";
+import { askedAndAllowed, cuts, decisionInForce, drawCuts } from "./input_dial.js";
 import { Stick, inDisk } from "./stick.js";
 import { clear } from "./plane_scene.js";
 
@@ -73,8 +73,9 @@ export class Pad {
     const centre = [this.size / 2, this.size / 2];
     const rim = this.reach;
     disk(pen, centre, this.size / 2 - 2, theme.sunken, theme.line);
-    if (now.filter && this.axes.length > 1) {
-      const { allowed } = askedAndAllowed(now.filter, this.axes);
+    const decision = decisionInForce(now);
+    if (decision && this.axes.length > 1) {
+      const { allowed } = askedAndAllowed(decision, this.axes);
       drawCuts(pen, centre, rim, cuts(now.held.filter(({ point }) => point === this.number), allowed, full), theme.held);
     }
     pen.strokeStyle = theme.line;

@@ -3,7 +3,7 @@
 import { multiples, roundStep, tickText } from "../report/axis.js";
 import { line } from "../report/scene.js";
 import { Camera, MARGIN_PX } from "./camera.js";
-import { DialScale, askedAndAllowed, cuts, drawArrow, drawCuts } from "./input_dial.js";
+import { DialScale, askedAndAllowed, cuts, decisionInForce, drawArrow, drawCuts } from "./input_dial.js";
 
 /** @typedef {import("./types.js").Pair} Pair
  * @typedef {import("./types.js").Plane} Plane
@@ -128,7 +128,7 @@ export class PlaneScene {
     const here = this.camera.pixel(...place);
     this.drawTrail(pen, point, here, colour);
     this.drawVelocity(pen, now, point, here, theme);
-    if (!old) this.drawInputs(pen, now, point, here, theme);
+    this.drawInputs(pen, now, point, here, theme);
     this.drawKnown(pen, now, point, theme);
     pen.beginPath();
     pen.arc(here[0], here[1], ROBOT_PX, 0, 2 * Math.PI);
@@ -180,8 +180,9 @@ export class PlaneScene {
    * @param {Pair} here
    * @param {Theme} theme */
   drawInputs(pen, now, point, here, theme) {
-    if (!now.filter) return;
-    const { asked, allowed } = askedAndAllowed(now.filter, [2 * point, 2 * point + 1]);
+    const decision = decisionInForce(now);
+    if (!decision) return;
+    const { asked, allowed } = askedAndAllowed(decision, [2 * point, 2 * point + 1]);
     const radius = Math.min(this.camera.width / 5, this.camera.height / 5, MARGIN_PX) - 4;
     const full = this.scales[point].follow(Math.hypot(asked[0], asked[1]));
     pen.beginPath();

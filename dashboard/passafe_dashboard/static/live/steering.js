@@ -171,7 +171,7 @@ export class Steering {
     if (now.drive && !this.you) this.driver = now.drive.driver;
     this.showDriver();
     const full = this.setup?.full ?? [];
-    this.pads.forEach((pad, i) => pad.draw(now.liveness.state === "live" ? now : { ...now, filter: null }, full[pad.axes[0]] ?? 1, this.values[i] ?? [0, 0], theme));
+    this.pads.forEach((pad, i) => pad.draw(now, full[pad.axes[0]] ?? 1, this.values[i] ?? [0, 0], theme));
     this.feel?.show(heldShare(now.filter), this.you);
   }
 }
