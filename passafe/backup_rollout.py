@@ -231,14 +231,19 @@ def _least_h(design: FilterDesign, chains: Sequence[BarrierChain], x_next: ca.SX
     estimate, bound, known = ca.SX(inf), ca.SX(inf), tube.known
     for chain in chains:
         estimates, bounds = [], []
+        given = chain.barrier.derivative_bounds
         for h in (branch.psi[0] for branch in chain.branches):
             rate = system.rate(h)
-            ball = enclose(system.rate(rate), moving, reach)
-            sag = dt_s**2 / 8 * (ca.fabs(ball.centre) + ball.radius)
+            if given is None:
+                ball = enclose(system.rate(rate), moving, reach)
+                most, is_known = ca.fabs(ball.centre) + ball.radius, ball.known
+            else:
+                most, is_known = given.within(system, tube, dt_s, ca.SX.zeros(system.m))[1], ca.SX(1)
+            sag = dt_s**2 / 8 * most
             end, end_rate = (ca.substitute(each, moving, ca.vertcat(x_next, system.t + dt_s)) for each in (h, rate))
             estimates.append(least_of_cubic(h, end, dt_s * rate, dt_s * end_rate))
             bounds.append(ca.fmin(h, end) - sag)
-            known *= ball.known
+            known *= is_known
         estimate, bound = ca.fmin(estimate, reduce(ca.fmax, estimates)), ca.fmin(bound, reduce(ca.fmax, bounds))
     return _LeastH(estimate, bound, known)
 

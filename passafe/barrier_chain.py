@@ -10,6 +10,7 @@ from functools import reduce
 import casadi as ca
 
 from passafe.class_k import ClassK, class_k_functions
+from passafe.derivative_bounds import DerivativeBounds
 from passafe.errors import DesignError, RelativeDegreeError
 from passafe.expressions import as_column
 from passafe.input_reach import InputReach, reach_of
@@ -29,11 +30,14 @@ class Barrier:
         h: Scalar expression of the system's x, and of its t where the set moves.
         class_k: γ₁ … γ_{r+1} for relative degree r; γ_{r+1} acts in the continuous law only. A number stands for a
             linear one with that gain.
+        derivative_bounds: Bounds of the first r + 2 time derivatives of h, for one whose derivatives are too long to be
+            enclosed; if they are not given, they are enclosed.
     """
 
     name: str
     h: ca.SX
     class_k: tuple[ClassK, ...]
+    derivative_bounds: DerivativeBounds | None = None
 
     def __post_init__(self) -> None:
         """Take numbers for what they stand for, and refuse what stands for nothing."""
@@ -117,6 +121,9 @@ def derive_chains(system: System, barrier: Barrier) -> tuple[BarrierChain, ...]:
     rows = smooth_parts(part, barrier.h)
     if len(rows) > 1 or len(rows[0]) > 1:
         rows = tuple(row for row in (_undecided(part, row) for row in rows) if row)
+    if barrier.derivative_bounds is not None and (len(rows) > 1 or len(rows[0]) > 1):
+        allowed = "a barrier for each of its parts, where the bounds of their derivatives are given"
+        raise DesignError(part, "a minimum or maximum of several parts", allowed)
     if not rows:
         raise DesignError(part, f"{barrier.h}, which is never negative", "a function that is negative somewhere")
     if len(rows) == 1:

@@ -23,7 +23,9 @@ import numpy as np
 
 from passafe.barrier_chain import BarrierChain
 from passafe.class_k import ClassK, Linear
+from passafe.derivative_bounds import DerivativeBounds
 from passafe.enclosure import enclose
+from passafe.errors import DesignError
 from passafe.jump_bound import jump_bound
 from passafe.passivity import Passivity, power_margin
 from passafe.reachable_tube import Tube
@@ -49,6 +51,44 @@ class DeviationBound(NamedTuple):
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class BoundSum:
+    """Weighted sum of bounds of a function's time derivatives.
+
+    Attributes:
+        bounds: Of the derivatives 1, 2, ….
+        weights: Of each.
+    """
+
+    bounds: DerivativeBounds
+    weights: tuple[float, ...]
+
+    @classmethod
+    def of_chain(cls, chain: BarrierChain, decay_per_s: float, scale: float) -> "BoundSum | None":
+        """Return the bound of scale·|ḃ| of a chain, ḃ = (d/dt + λ)(d/dt)²p; ``None`` if none is given.
+
+        Raises:
+            DesignError: A class-K function below the last that is not linear, or too few derivatives.
+        """
+        bounds, r = chain.barrier.derivative_bounds, chain.relative_degree
+        if bounds is None:
+            return None
+        part, shaping = f"barrier {chain.barrier.name!r}", chain.barrier.class_k[: r - 1]
+        if int(bounds.orders.numel()) < r + 2:
+            got, allowed = f"{bounds.orders.numel()} derivatives", f"{r + 2}, two more than its relative degree"
+            raise DesignError(f"{part} derivative_bounds", got, allowed)
+        if not all(isinstance(gamma, Linear) for gamma in shaping):
+            raise DesignError(f"{part} class_k", str(shaping), "linear ones, where derivative bounds are given")
+        factors = (decay_per_s, *(gamma.gain for gamma in shaping))
+        roots = np.poly([-factor for factor in factors])[::-1]  # coefficients of d/dt, the lowest power first
+        return cls(bounds=bounds, weights=(0.0, *(scale * roots).tolist()))
+
+    def within(self, system: System, tube: Tube, held_s: float, input_radius: ca.SX) -> ca.SX:
+        """Return the sum for all motions in a tube; see ``DerivativeBounds.within``."""
+        orders = self.bounds.within(system, tube, held_s, input_radius)
+        return ca.dot(ca.DM(self.weights), orders[: len(self.weights)])
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class HeldRow:
     """The two conditions on a held input, as expressions of x, u and t.
 
@@ -57,18 +97,21 @@ class HeldRow:
         bend: ratio·b, the part of the second condition that is known.
         p: p.
         usable_s: φ₁(T), s: γ̃(p) is no more than p/φ₁(T) for p > 0.
+        change: Bound of ratio·|ḃ| as a sum of given bounds of h's derivatives, if there are any.
     """
 
     value: ca.SX
     bend: ca.SX
     p: ca.SX
     usable_s: float
+    change: BoundSum | None = None
 
     def deviation(self, system: System, tube: Tube, held_s: float, input_radius: ca.SX) -> DeviationBound:
         """Return the bound of ratio·|b(τ) − b(0)| over the tube under any held input near u.
 
         The mean-value form: the gradient of b in x and t, enclosed over the tube, times how far these may move. Where
-        the dynamics have kinks b jumps; so what jumps within reach can take comes on top.
+        the dynamics have kinks b jumps; so what jumps within reach can take comes on top. With bounds that are given,
+        V = T·sup|ḃ|.
 
         Args:
             system: The plant.
@@ -79,6 +122,8 @@ class HeldRow:
         Raises:
             DesignError: p or the dynamics have an operation without an enclosure.
         """
+        if self.change is not None:
+            return DeviationBound(held_s * self.change.within(system, tube, held_s, input_radius), tube.known)
         moving, reach = ca.vertcat(system.x, system.t), ca.vertcat(tube.radius, held_s)
         slope = ca.gradient(self.bend, moving)
         ball = enclose(slope, ca.vertcat(moving, system.u), ca.vertcat(reach, input_radius))
@@ -103,7 +148,8 @@ def held_row(system: System, chain: BarrierChain, held_s: float) -> HeldRow:
     usable_s = held_s if not decay else -expm1(-decay * held_s) / decay
     ratio_s = held_s / 2 if not decay else (held_s - usable_s) / decay / usable_s
     value = chain.psi[r] if _is_usable(gamma, usable_s) else q + usable(gamma, p, usable_s)
-    return HeldRow(value=value, bend=ratio_s * (bend + decay * q), p=p, usable_s=usable_s)
+    change = BoundSum.of_chain(chain, decay, ratio_s)
+    return HeldRow(value=value, bend=ratio_s * (bend + decay * q), p=p, usable_s=usable_s, change=change)
 
 
 def held_power(system: System, passivity: Passivity, tank_j: ca.SX, held_s: float) -> HeldRow:
@@ -118,12 +164,14 @@ def held_power(system: System, passivity: Passivity, tank_j: ca.SX, held_s: floa
         held_s: T, how long the input is held at most, s.
     """
     h_u = power_margin(system, passivity.V)
-    rate, tank = system.rate(h_u), passivity.tank
+    rate, tank, bounds = system.rate(h_u), passivity.tank, passivity.derivative_bounds
+    ratio_s = held_s if tank is None else held_s / 2
+    change = None if bounds is None else BoundSum(bounds=bounds, weights=(0.0, ratio_s))
     if tank is None:
-        return HeldRow(value=h_u, bend=held_s * rate, p=ca.SX(0), usable_s=held_s)
+        return HeldRow(value=h_u, bend=ratio_s * rate, p=ca.SX(0), usable_s=held_s, change=change)
     p = tank_j - tank.reserve_j
     value = h_u + usable(Linear(gain=tank.rate_per_s), p, held_s)
-    return HeldRow(value=value, bend=held_s / 2 * rate, p=p, usable_s=held_s)
+    return HeldRow(value=value, bend=ratio_s * rate, p=p, usable_s=held_s, change=change)
 
 
 def _is_usable(gamma: ClassK, usable_s: float) -> bool:

@@ -6,6 +6,7 @@ import casadi as ca
 
 from passafe.arguments import described
 from passafe.class_k import ClassK, Linear, class_k_function
+from passafe.derivative_bounds import DerivativeBounds
 from passafe.errors import DesignError
 from passafe.expressions import as_column
 from passafe.ranges import require_positive
@@ -26,6 +27,8 @@ class Passivity:
         slack_weight: ρ_u, price of the slack, (units of u)²/W².
         tank: Tank that may be drawn on; without one every instant must be passive.
         relaxed_above: Slack from which a decision counts as relaxed, W.
+        derivative_bounds: Bounds of the first two time derivatives of the power margin, where they are too long to be
+            enclosed; if they are not given, they are enclosed.
     """
 
     V: ca.SX
@@ -33,6 +36,7 @@ class Passivity:
     slack_weight: float = 1e6
     tank: Tank | None = None
     relaxed_above: float = 1e-3
+    derivative_bounds: DerivativeBounds | None = None
 
     def __post_init__(self) -> None:
         """Refuse weights that make the quadratic program meaningless."""

@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from passafe.derivative_bounds import DerivativeBounds
+from passafe.models.body_sphere import BodySphere
 from passafe.models.fail_safe_scope import FailSafeScope
 from passafe.system import System
 
@@ -25,6 +27,9 @@ class Robot:
         stopping_hull: Positions as expressions of x, each of shape (k, 1). While that law is in force the position
             never leaves their convex hull, under ``fail_safe_condition``.
         fail_safe_condition: The condition under which that law keeps a barrier, in words.
+        storage: Its own storage function V, scalar expression of x, J, or none.
+        power_bounds: Bounds of the first two derivatives of the power margin with that storage, or none.
+        spheres: Spheres that cover its body, in space.
     """
 
     system: System
@@ -36,6 +41,9 @@ class Robot:
     fail_safe_scope: FailSafeScope
     stopping_hull: tuple[ca.SX, ...]
     fail_safe_condition: str
+    storage: ca.SX | None = None
+    power_bounds: DerivativeBounds | None = None
+    spheres: tuple[BodySphere, ...] = ()
 
     def proportional_derivative(self, *, k_p: float, k_d: float) -> ca.SX:
         """Return u_fb = −k_p·position − k_d·velocity, for robots with one input for each coordinate."""
