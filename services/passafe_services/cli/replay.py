@@ -7,10 +7,19 @@ import typer
 from rich.console import Console
 from rich.markup import escape
 
+from passafe_services.cli.log_progress import log_progress
 from passafe_services.tools.replay.replay_log import replay_file
 
 
-def replay(run: Annotated[Path, typer.Argument(metavar="LOG", help="MCAP log of a run, live or simulated.")]) -> None:
+def replay(
+    run: Annotated[
+        Path,
+        typer.Argument(
+            metavar="LOG|FOLDER",
+            help="MCAP log of a run, live or simulated: its first file, or a folder of one recording.",
+        ),
+    ],
+) -> None:
     """Replay the filter on the inputs that it consumed in a run, and compare every tick to the last bit.
 
     The log is all that it takes, on any machine: no scenario file, none of the run's other files. Where a tick differs,
@@ -20,7 +29,8 @@ def replay(run: Annotated[Path, typer.Argument(metavar="LOG", help="MCAP log of 
 
     Example: `passafe replay runs/bad.mcap`
     """
-    result = replay_file(run)
+    with log_progress("replaying") as show:
+        result = replay_file(run, progress=show)
     console = Console(highlight=False, soft_wrap=True)
     console.print(f"{result.identical} of {result.ticks} ticks identical")
     if result.missing:
