@@ -11,6 +11,7 @@ from passafe_protocol.keys import DEFAULT_ROBOT, require_robot_name
 
 from passafe_services.cli.access_options import InsecureOption, KeysOption, secured_endpoint
 from passafe_services.cli.bus_options import DEFAULT_ROUTER, RobotOption, RouterOption, parse_endpoint
+from passafe_services.cli.driver_text import driver_from
 from passafe_services.cli.failure import run_reporting_errors
 from passafe_services.cli.log_name import log_path
 from passafe_services.cli.options import (
@@ -129,6 +130,15 @@ def run(
             help="Plant: start with the emergency stop latched, so that a start moves nothing before `passafe clear`.",
         ),
     ] = False,
+    driver: Annotated[
+        str | None,
+        typer.Option(
+            "--driver",
+            metavar="KIND[:KEY=VALUE,…]",
+            envvar="PASSAFE_DRIVER",
+            help="Plant: what reads and moves the robot, in the place of the scenario's: model, mujoco, udp-servo.",
+        ),
+    ] = None,
     lifeline: Annotated[
         bool, typer.Option("--lifeline", help="End when standard input is closed; `passafe demo` uses this.")
     ] = False,
@@ -142,6 +152,7 @@ def run(
     Examples:
     - `passafe run operator --device keyboard --take-over` drives the robot of a running demo
     - `passafe run bridge` lets Foxglove or Lichtblick watch a running demo (`passafe[foxglove]`)
+    - `passafe run plant --driver udp-servo:host=192.0.2.9,port=8400` moves a servo instead of the model
     - `passafe run recorder --router 192.0.2.7:7447 --keys keys/recorder.robot --out runs/remote.mcap`
     """
     effective, named = load_scenario(scenario), require_robot_name(robot)
@@ -175,6 +186,7 @@ def run(
         page_certificate=page_certificate,
         page_key=page_key,
         open_page=open_page,
+        driver=None if driver is None else driver_from(driver, effective),
         linked_routers=tuple(linked),
         control_channel=control_channel,
     )

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from passafe_services.loop.health_report import HealthReporter
 from passafe_services.loop.router_endpoint import RouterEndpoint
+from passafe_services.scenarios.driver_schema import AnyDriver
 from passafe_services.scenarios.schema import Scenario
 
 
@@ -43,6 +44,7 @@ class ProcessOptions:
         lifeline: Whether to end when standard input closes.
         linked_routers: Router: routers of other sites that it connects to.
         health: Reporter of the health of its loop.
+        driver: Plant: driver in the place of the scenario's; ``None``: that one.
         control_channel: Dashboard: file descriptor of its channel to the supervisor of a demo; ``None``: no demo.
     """
 
@@ -68,4 +70,5 @@ class ProcessOptions:
     page_key: Path | None = None
     open_page: bool = False
     linked_routers: tuple[RouterEndpoint, ...] = ()
+    driver: AnyDriver | None = None
     control_channel: int | None = None

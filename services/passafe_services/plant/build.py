@@ -1,10 +1,12 @@
 """Builds the plant node of a scenario."""
 
+from passafe_services.drivers.build import driver_of
 from passafe_services.drivers.plant_driver import PlantDriver
 from passafe_services.plant.node import PlantNode
 from passafe_services.plant.stop_latch import NO_STOP, StopLatch
 from passafe_services.plant.unpredicted_node import UnpredictedPlantNode
 from passafe_services.plant_contract.plant_model import PlantModel
+from passafe_services.scenarios.errors import ScenarioError
 from passafe_services.scenarios.schema import Scenario
 
 
@@ -21,9 +23,17 @@ def plant_node(
         scenario: The scenario.
         model: Its compiled model, if there is one already.
         started_with: Id of the emergency stop that is latched from the start; 0: none.
-        driver: Reads and moves the robot, open; the exact model if not given.
+        driver: Reads and moves the robot, open; the scenario's if not given.
+
+    Raises:
+        ScenarioError: The scenario's driver has a clock of its own, and is not given: nobody opened it.
     """
     model = PlantModel.of(scenario) if model is None else model
+    if driver is None:
+        driver = driver_of(scenario, model)
+        if driver.has_own_clock:
+            allowed = "a simulation: a run in virtual time has no hardware"
+            raise ScenarioError(scenario.name, "plant.driver.kind", scenario.plant.driver.kind, allowed)
     node = PlantNode if scenario.filter.prediction else UnpredictedPlantNode
     return node(
         model.dynamics,

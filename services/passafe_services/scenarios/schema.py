@@ -8,6 +8,7 @@ from passafe.human_input import PROPORTIONS
 from passafe_services.scenarios.barrier_kinds.barrier_kind import SingleBarrier
 from passafe_services.scenarios.barrier_kinds.registry import AnyBarrier
 from passafe_services.scenarios.class_k import ClassKConfig
+from passafe_services.scenarios.driver_schema import DriverConfig, ModelDriverConfig
 from passafe_services.scenarios.fields import Config, NonNegative, Positive, Vector
 from passafe_services.scenarios.limits_schema import InputLimitsConfig
 from passafe_services.scenarios.link_schema import LinkChangeConfig, LinkName, ScenarioLink, changed_links
@@ -29,6 +30,7 @@ class PlantConfig(Config):
             intersample margin covers it, so a long hold keeps the robot further from its barriers.
         start_low: Lowest corner of the box from which campaigns draw their starts; −3 by default.
         start_high: Highest corner; 3 by default.
+        driver: What reads and moves the robot; its exact model by default.
     """
 
     model: Literal["damped-point", "drag-point", "lagged-point", "saturating-point", "two-points", "joint-chain"]
@@ -38,6 +40,7 @@ class PlantConfig(Config):
     hold_s: Annotated[float, Field(ge=0, le=0.2)] = 0.01
     start_low: Vector | None = None
     start_high: Vector | None = None
+    driver: DriverConfig = ModelDriverConfig()
 
     @property
     def robot_model(self) -> RobotModel:
