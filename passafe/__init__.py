@@ -62,20 +62,21 @@ if TYPE_CHECKING:  # imported under their own names: exported, for type checkers
     from passafe.finding import Severity as Severity
     from passafe.models.damped_point import damped_point as damped_point
     from passafe.models.drag_point import drag_point as drag_point
+    from passafe.models.drawing import Drawing as Drawing
     from passafe.models.fail_safe_scope import FailSafeScope as FailSafeScope
     from passafe.models.joint_chain import joint_chain as joint_chain
     from passafe.models.lagged_point import lagged_point as lagged_point
     from passafe.models.robot import Robot as Robot
     from passafe.models.saturating_point import saturating_point as saturating_point
+    from passafe.models.task_frame import TaskFrame as TaskFrame
     from passafe.models.two_points import two_points as two_points
+    from passafe.models.unicycle import unicycle as unicycle
     from passafe.parameter import Parameter as Parameter
     from passafe.passivity import Passivity as Passivity
     from passafe.passivity import power_margin as power_margin
     from passafe.row_share import StateBox as StateBox
     from passafe.sampled_plant import Sample as Sample
     from passafe.sampled_plant import SampledPlant as SampledPlant
-    from passafe.state_set import ErrorGrowth as ErrorGrowth
-    from passafe.state_set import StateSet as StateSet
     from passafe.storage import kinetic_energy as kinetic_energy
     from passafe.storage import spring_energy as spring_energy
     from passafe.storage import squared_norm as squared_norm
@@ -116,17 +117,19 @@ _NAMES_OF: Final = {
     "passafe.filter": ("SafetyPassivityFilter",),
     "passafe.models.damped_point": ("damped_point",),
     "passafe.models.drag_point": ("drag_point",),
+    "passafe.models.drawing": ("Drawing",),
     "passafe.models.fail_safe_scope": ("FailSafeScope",),
     "passafe.models.joint_chain": ("joint_chain",),
     "passafe.models.lagged_point": ("lagged_point",),
     "passafe.models.robot": ("Robot",),
     "passafe.models.saturating_point": ("saturating_point",),
+    "passafe.models.task_frame": ("TaskFrame",),
     "passafe.models.two_points": ("two_points",),
+    "passafe.models.unicycle": ("unicycle",),
     "passafe.parameter": ("Parameter",),
     "passafe.passivity": ("Passivity", "power_margin"),
     "passafe.certificate": ("Tolerance",),
     "passafe.sampled_plant": ("Sample", "SampledPlant"),
-    "passafe.state_set": ("ErrorGrowth", "StateSet"),
     "passafe.storage": ("kinetic_energy", "spring_energy", "squared_norm"),
     "passafe.system": ("System",),
     "passafe.tank": ("Tank",),

@@ -77,6 +77,11 @@ class System:
         for part, expression in given if self.parameters else ():
             object.__setattr__(self, part, self.at_nominal(expression))
 
+    @property
+    def general(self) -> Mapping[str, ca.SX]:
+        """Return f, y, port_y and port_u by name as they were given, with the parameters' symbols in them."""
+        return dict(self._general)
+
     def at_nominal(self, expression: ca.SX) -> ca.SX:
         """Return an expression with the parameters' values in the place of their symbols, same shape."""
         symbols = [parameter.symbol for parameter in self.parameters]
@@ -98,7 +103,7 @@ class System:
         if unknown:
             raise DesignError("system parameters", f"the names {unknown}", f"names among {known}")
         others = tuple(replace(each, value=values.get(each.name, each.value)) for each in self.parameters)
-        general = dict(self._general)
+        general = self.general
         return replace(
             self,
             f=general["f"],
@@ -139,10 +144,6 @@ class System:
     def rate(self, expression: ca.SX) -> ca.SX:
         """Return the time derivative of an expression of x and t along the plant: L_f + ∂/∂t, same shape."""
         return self.lie_derivative(expression) + ca.jacobian(expression, self.t)
-
-    def general_rate(self, expression: ca.SX) -> ca.SX:
-        """Return ``rate`` along the dynamics with the parameters' symbols in them, same shape."""
-        return ca.jtimes(expression, self.x, self.general_f) + ca.jacobian(expression, self.t)
 
     def _require(self, part: str, expression: ca.SX, rows: int, *, symbols: ca.SX) -> None:
         expression = as_column(f"system {part}", expression)

@@ -1,0 +1,103 @@
+"""A robot of one's own: parts that are optional, and what is refused, in one line."""
+
+from typing import Any
+
+import casadi as ca
+import pytest
+
+from passafe import Drawing, FailSafeScope, Robot, System, TaskFrame
+from passafe.errors import DesignError, ShapeError
+
+X, U, W = ca.SX.sym("x", 2), ca.SX.sym("u", 1), ca.SX.sym("w", 2)
+CART = System(x=X, u=U, f=ca.vertcat(X[1], U), y=X[1])
+
+
+def cart(**parts: Any) -> Robot:  # noqa: ANN401 - parts of every kind
+    return Robot(**{"system": CART, "position": X[0], "fail_safe": -X[1]} | parts)
+
+
+def value(expression: ca.SX, x: tuple[float, float]) -> list[float]:
+    return list(ca.Function("value", [X], [expression])(x).full().ravel())
+
+
+def test_velocity_is_the_rate_of_the_position_if_not_given() -> None:
+    assert value(cart(position=X[0] ** 2).velocity, (3.0, 2.0)) == [12.0]
+
+
+def test_parts_may_be_numbers_or_sequences() -> None:
+    robot = cart(fail_safe=0.0, feedback=[0], storage=X[1] ** 2 / 2, barriers={"wall": [1 - X[0]]})
+
+    assert value(robot.fail_safe, (1.0, 1.0)) == [0.0]
+    assert robot.feedback is not None
+    assert value(robot.barriers["wall"], (0.25, 0.0)) == [0.75]
+
+
+def test_robot_says_of_its_fail_safe_that_nothing_is_stated() -> None:
+    robot = cart()
+
+    assert robot.fail_safe_scope == FailSafeScope(kept_gains=(0.0,))
+    assert "not stated" in robot.fail_safe_condition
+
+
+@pytest.mark.parametrize(
+    ("parts", "words"),
+    [
+        ({"system": 3}, "robot system: got 3 (int), allowed a passafe.System"),
+        ({"position": ca.SX(0, 1)}, "robot position: got 0 rows"),
+        ({"points": 1}, "robot position: got 1 rows, allowed two for each of 1 points"),
+        ({"position": X[1]}, "robot velocity: got none, and the rate of the position depends on u"),
+        ({"fail_safe": X}, r"system fail_safe: got shape \(2, 1\)"),
+        ({"feedback": U}, "system feedback: got the symbols"),
+        ({"storage": X}, "system storage: got shape"),
+        ({"barriers": [X[0]]}, "robot barriers: got .* allowed h by name, a dict"),
+        ({"barriers": {"wall": X}}, "system barrier 'wall': got shape"),
+        ({"task": 1}, "robot task: got 1 .* allowed a passafe.TaskFrame"),
+        ({"task": TaskFrame(command=W, u_h=W)}, "system task u_h: got shape"),
+        ({"task": TaskFrame(command=W, u_h=W[0] + X[1])}, "task u_h: got .* at a command of zero, allowed zero"),
+        ({"drawing": 1}, "robot drawing: got 1 .* allowed a passafe.Drawing"),
+        ({"drawing": Drawing(points=ca.vertcat(U, U))}, "system drawing points: got the symbols"),
+    ],
+)
+def test_parts_that_do_not_fit_are_refused(parts: dict[str, Any], words: str) -> None:
+    with pytest.raises(DesignError, match=words.replace("(int)", r"\(int\)")):
+        cart(**parts)
+
+
+def test_commands_are_counted_in_the_task_frame() -> None:
+    assert cart().commands == 1
+    assert cart(task=TaskFrame(command=W, u_h=W[0] + W[1])).commands == 2
+
+
+def test_rate_of_a_task_command_follows_the_plant() -> None:
+    """For u_h = x₀w₀ + w₁: u̇_h = x₁w₀ + x₀ẇ₀ + ẇ₁."""
+    task, rate = TaskFrame(command=W, u_h=X[0] * W[0] + W[1]), ca.SX.sym("rate", 2)
+    function = ca.Function("rate", [X, U, W, rate], [task.rate(CART, rate)])
+
+    assert float(function([2.0, 3.0], 7.0, [5.0, 1.0], [0.1, 0.01])) == pytest.approx(3.0 * 5.0 + 2.0 * 0.1 + 0.01)
+
+
+def test_task_refuses_a_command_that_is_no_symbol() -> None:
+    with pytest.raises(ShapeError, match="task command"):
+        TaskFrame(command=W * 2, u_h=W)
+    with pytest.raises(DesignError, match="task axes: got 1 names, allowed 2"):
+        TaskFrame(command=W, u_h=W, axes=("x",))
+
+
+@pytest.mark.parametrize(
+    ("parts", "words"),
+    [
+        ({"dimensions": 4}, "drawing dimensions: got 4, allowed 2 or 3"),
+        ({"points": X[0]}, "drawing points: got shape"),
+        ({"heading": X}, "drawing heading: got shape"),
+        ({"links": ((0, 1),)}, "drawing links: got .* allowed pairs of points from 0 to 0"),
+        ({"radii": (0.1, 0.2)}, "drawing radii: got 2 numbers, allowed one for each of 1 points"),
+        ({"outline": ((0.0, 0.0),) * 65}, "drawing outline: got 65 entries, allowed at most 64"),
+    ],
+)
+def test_drawing_refuses_what_does_not_fit(parts: dict[str, Any], words: str) -> None:
+    with pytest.raises(DesignError, match=words):
+        Drawing(**{"points": X} | parts)
+
+
+def test_drawing_counts_its_points_in_space() -> None:
+    assert Drawing(points=ca.vertcat(X, X, X), dimensions=3, links=((0, 1),)).count == 2
