@@ -47,7 +47,7 @@ class CompiledScenario:
     @staticmethod
     def key_of(scenario: Scenario) -> str:
         """Return the part of a scenario that is compiled, as text."""
-        plant = {"model", "parameters", "hold_s", "playout_s"}
+        plant = {"model", "parameters", "robot", "hold_s", "playout_s"}
         part = scenario.model_dump_json(include={"name": True, "rate_hz": True, "plant": plant, "filter": True})
         return f"{len(scenario.plant.x0)} {part}"
 

@@ -14,6 +14,7 @@ from passafe_services.cli.check import warn_at_load
 from passafe_services.cli.errors import OptionError
 from passafe_services.cli.generated_campaign import generated_campaign
 from passafe_services.cli.options import WorkersOption, writable_folder
+from passafe_services.cli.robot_option import OwnRobotOption
 from passafe_services.cli.sweep import exit_if_interrupted, workers_for
 from passafe_services.loop.realtime import available_processors
 from passafe_services.loop.stop import Stop, stop_requests
@@ -48,6 +49,7 @@ def campaign(
     scalar: Annotated[
         bool, typer.Option("--scalar", help="Decide every tick by the scalar filter instead of in batches; slow.")
     ] = False,
+    robot: OwnRobotOption = None,
 ) -> None:
     """Let adversaries drive a scenario from random safe starts, and report the worst rollout.
 
@@ -66,15 +68,23 @@ def campaign(
     """
     if generated == bool(scenarios):
         raise OptionError("SCENARIO", "scenarios and --generated" if generated else "none", "scenarios, or --generated")
+    seeds = range(first_seed, first_seed + rollouts)
     if generated:
-        generated_campaign(writable_folder(out), range(first_seed, first_seed + rollouts), workers)
-    _of_scenarios(scenarios or [], out, range(first_seed, first_seed + rollouts), duration, workers, scalar=scalar)
+        generated_campaign(writable_folder(out), seeds, workers)
+    _of_scenarios(scenarios or [], out, seeds, duration, workers, scalar=scalar, robot=robot)
 
 
 def _of_scenarios(
-    scenarios: list[str], out: Path, seeds: range, duration: float, workers: int, *, scalar: bool
+    scenarios: list[str],
+    out: Path,
+    seeds: range,
+    duration: float,
+    workers: int,
+    *,
+    scalar: bool,
+    robot: str | None,
 ) -> NoReturn:
-    loaded = [load_scenario(name) for name in scenarios]
+    loaded = [load_scenario(name, robot=robot) for name in scenarios]
     for scenario in loaded:
         warn_at_load(scenario)  # refused before any worker starts
     folder = writable_folder(out)

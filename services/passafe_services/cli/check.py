@@ -12,6 +12,7 @@ from rich.table import Table
 from passafe.finding import Finding, Severity, worst
 from passafe_services.cli.errors import UnusableScenarioError
 from passafe_services.cli.failure import REFUSED
+from passafe_services.cli.robot_option import OwnRobotOption
 from passafe_services.scenarios.load import load_scenario
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.check.scenario_check import load_findings, scenario_findings
@@ -26,6 +27,7 @@ def check(
         int, typer.Option("--samples", "-n", metavar="N", min=8, max=100_000, help="Number of states of each kind.")
     ] = 400,
     seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Seed of states and operators.")] = 1,
+    robot: OwnRobotOption = None,
     json: Annotated[bool, typer.Option("--json", help="Print the findings as one JSON list.")] = False,
 ) -> None:
     """Check a scenario before anything moves.
@@ -40,7 +42,7 @@ def check(
 
     Example: `passafe check walls-and-disks`
     """
-    chosen = load_scenario(scenario)
+    chosen = load_scenario(scenario, robot=robot)
     findings = scenario_findings(chosen, samples, seed)
     if json:
         typer.echo(json_text.dumps([asdict(one) | {"severity": one.severity.value} for one in findings], indent=2))

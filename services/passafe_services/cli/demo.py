@@ -8,11 +8,9 @@ from typing import Annotated
 import typer
 from passafe_dashboard.address import require_free_page_port
 from passafe_protocol.identity import ROUTER
-from passafe_protocol.keys import DEFAULT_ROBOT, require_robot_name
 from rich.console import Console
 
 from passafe_services.cli.access_options import InsecureOption, KeysOption, secured_endpoint
-from passafe_services.cli.bus_options import RobotOption
 from passafe_services.cli.demo_outcome import DIED
 from passafe_services.cli.demo_processes import DemoProcesses, rotation_options
 from passafe_services.cli.demo_reports import DemoReports
@@ -30,6 +28,7 @@ from passafe_services.cli.options import (
     ScenarioOption,
     writable_folder,
 )
+from passafe_services.cli.robot_option import LiveRobotOption, name_and_file
 from passafe_services.keys.throw_away import discard_throw_away_keys, throw_away_keys
 from passafe_services.loop.keep_awake import awake_specs
 from passafe_services.loop.process_spec import RestartPolicy
@@ -75,7 +74,7 @@ def demo(
     rotate_s: RotateSOption = DEFAULT_ROTATE_S,
     port: PortOption = 8080,
     router_port: RouterPortOption = DEFAULT_PORT,
-    robot: RobotOption = DEFAULT_ROBOT,
+    robot: LiveRobotOption = None,
     keys: KeysOption = None,
     insecure: InsecureOption = False,
     link: LinkOption = None,
@@ -105,6 +104,7 @@ def demo(
       and the next filter takes over
     """
     console = Console(highlight=False, soft_wrap=True)
+    named, robot_file = name_and_file(robot)
     options = DemoOptions(
         scenario=scenario,
         mode=mode,
@@ -114,6 +114,7 @@ def demo(
         links=tuple(link or ()),
         has_page=not headless,
         folder=out,
+        robot=robot_file,
     )
     request = StartRun(choices=RunChoices(scenario=scenario))
     chosen = options.checked_scenario(request.choices, console.print)  # refused before any process starts
@@ -122,10 +123,10 @@ def demo(
     require_free_router_port(endpoint)
     if not headless:
         require_free_page_port(LOOPBACK, port)
-    with _keys(require_robot_name(robot), endpoint, keys, insecure=insecure) as folder_of_keys:
+    with _keys(named, endpoint, keys, insecure=insecure) as folder_of_keys:
         processes = DemoProcesses(
             endpoint,
-            robot=robot,
+            robot=named,
             keys=folder_of_keys,
             page_port=None if headless else port,
             runs=out,

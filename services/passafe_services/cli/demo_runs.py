@@ -36,6 +36,7 @@ class DemoOptions:
         links: Impaired links.
         has_page: Whether there is a page.
         folder: Folder of the logs.
+        robot: ``FILE.py:FUNCTION`` of the user's robot, for the command line's scenario; ``None``: the scenario's own.
     """
 
     scenario: str
@@ -46,6 +47,7 @@ class DemoOptions:
     links: tuple[str, ...]
     has_page: bool
     folder: Path
+    robot: str | None = None
 
     @property
     def scenarios(self) -> tuple[str, ...]:
@@ -75,6 +77,7 @@ class DemoOptions:
             links=self.links,
             prediction=choices.prediction,
             gatekeeper=choices.gatekeeper,
+            robot=self.robot if choices.scenario == self.scenario else None,
         )
         if rate_hz is None and self.has_page:
             scenario = limited_beside_page(scenario, available_processors(), report)

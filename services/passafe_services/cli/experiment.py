@@ -14,6 +14,7 @@ from passafe_services.cli.check import warn_at_load
 from passafe_services.cli.errors import OptionError
 from passafe_services.cli.experiment_live import live_beside_lockstep, show_agreement
 from passafe_services.cli.options import WorkersOption, writable_folder
+from passafe_services.cli.robot_option import OwnRobotOption
 from passafe_services.cli.sweep import exit_if_interrupted, workers_for
 from passafe_services.loop.realtime import available_processors
 from passafe_services.loop.stop import Stop, stop_requests
@@ -54,6 +55,7 @@ def experiment(
     keep_most: Annotated[
         int, typer.Option("--keep-most", metavar="N", min=0, help="Largest number of logs; the worst runs come first.")
     ] = 6,
+    robot: OwnRobotOption = None,
     live: Annotated[
         int, typer.Option("--live", metavar="N", min=0, help="Cells to run as real processes too, for comparison.")
     ] = 0,
@@ -80,7 +82,7 @@ def experiment(
         write_report,
     )
 
-    study = _study(file, seeds)
+    study = _study(file, seeds, robot)
     folder = writable_folder(out)
     results_file = experiment_results(folder / "results.jsonl", study)
     plan = Plan(study.experiment, results_file.results)
@@ -126,8 +128,8 @@ def _noting_an_interruption(note: Callable[[Stage, int], None], plan: Plan) -> I
         raise
 
 
-def _study(file: str, seeds: int | None) -> Study:
-    study = load_study(file)
+def _study(file: str, seeds: int | None, robot: str | None) -> Study:
+    study = load_study(file, robot)
     if seeds is None:
         return study
     cells = len(cells_of(study.experiment))

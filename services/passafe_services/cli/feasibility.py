@@ -15,6 +15,7 @@ from passafe.workspace import Array
 from passafe_services.cli.errors import OptionError
 from passafe_services.cli.feasibility_options import box_of, grid_of, with_gain
 from passafe_services.cli.options import DEFAULT_SCENARIO, ScenarioOption, writable_folder
+from passafe_services.cli.robot_option import OwnRobotOption
 from passafe_services.scenarios.design import design_of, robot_of
 from passafe_services.scenarios.load import load_scenario
 from passafe_services.tools.feasibility.atlas import LIMITATION, Atlas, AtlasSummary, SampleSummary
@@ -26,6 +27,7 @@ from passafe_services.tools.feasibility.share import Share, random_states
 def feasibility(
     out: Annotated[Path, typer.Option("--out", "-o", metavar="FOLDER", help="Folder for CSV, picture and summary.")],
     scenario: ScenarioOption = DEFAULT_SCENARIO,
+    robot: OwnRobotOption = None,
     axes: Annotated[
         str, typer.Option("--axes", metavar="NAME,NAME", help="Two coordinates of the state to vary; x0 is the first.")
     ] = ("x0,x1"),
@@ -79,13 +81,13 @@ def feasibility(
 
     Example: `passafe feasibility --fix x2=-1 --fix x3=-1 --range -3,3 --gain 1 --out runs/atlas`
     """
-    loaded = with_gain(load_scenario(scenario), gain)
-    robot = robot_of(loaded)
+    loaded = with_gain(load_scenario(scenario, robot=robot), gain)
+    model = robot_of(loaded)
     grid = grid_of(loaded, axes, fix or [], limits or [], cells)
     box = box_of(loaded, low, high)
     if not isfinite(at):
         raise OptionError("--at", at, "a finite number, s")
-    keeping = ConstraintFeasibility(design_of(loaded, robot), at)
+    keeping = ConstraintFeasibility(design_of(loaded, model), at)
     folder = writable_folder(out)
     drawn = random_states(*box, samples, seed)
     columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
@@ -94,7 +96,7 @@ def feasibility(
         sampled = _searched(keeping, drawn, bar, "random states") if samples else None
     atlas = Atlas(scenario=loaded.name, grid=grid, plant_time_s=at, found=found)
     summary = atlas.summary(None if sampled is None else SampleSummary.of(sampled, *box, seed))
-    written = _write(atlas, summary, robot, folder)
+    written = _write(atlas, summary, model, folder)
     _show(summary)
     typer.echo("wrote " + ", ".join(str(path) for path in written))
 

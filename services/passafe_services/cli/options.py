@@ -80,12 +80,14 @@ def scenario_from_options(
     links: Sequence[str] = (),
     prediction: bool | None = None,
     gatekeeper: bool | None = None,
+    robot: str | None = None,
 ) -> Scenario:
     """Return a scenario with the command line's values in place of its own.
 
     Raises:
         ScenarioError: A field that holds what it may not.
         OptionError: A link in another form than ``NAME:KEY=VALUE,…``.
+        RobotCodeError: A ``robot`` that names no function which returns one.
     """
     given = {
         "filter.mode": mode,
@@ -98,7 +100,7 @@ def scenario_from_options(
     overrides: dict[str, Any] = {field: value for field, value in given.items() if value is not None}
     for text in links:
         overrides |= link_overrides(text)
-    return load_scenario(name_or_file, overrides)
+    return load_scenario(name_or_file, overrides, robot)
 
 
 def writable_folder(path: Path, option: str = "--out") -> Path:

@@ -7,10 +7,9 @@ from pathlib import Path
 from typing import Annotated, Final
 
 import typer
-from passafe_protocol.keys import DEFAULT_ROBOT, require_robot_name
 
 from passafe_services.cli.access_options import InsecureOption, KeysOption, secured_endpoint
-from passafe_services.cli.bus_options import DEFAULT_ROUTER, RobotOption, RouterOption, parse_endpoint
+from passafe_services.cli.bus_options import DEFAULT_ROUTER, RouterOption, parse_endpoint
 from passafe_services.cli.driver_text import driver_from
 from passafe_services.cli.failure import run_reporting_errors
 from passafe_services.cli.log_name import log_path
@@ -22,6 +21,7 @@ from passafe_services.cli.options import (
     RunScenarioOption,
 )
 from passafe_services.cli.page_options import OpenPageOption, PageCertificateOption, PageKeyOption, PageTokenOption
+from passafe_services.cli.robot_option import LiveRobotOption, name_and_file
 from passafe_services.loop.health_report import HealthReporter
 from passafe_services.loop.process_name import ProcessName
 from passafe_services.loop.process_options import Device, ProcessOptions
@@ -47,7 +47,7 @@ def run(
     process: Annotated[ProcessName, typer.Argument(metavar="PROCESS", help="Process to run.")],
     scenario: RunScenarioOption = DEFAULT_SCENARIO,
     router: RouterOption = DEFAULT_ROUTER,
-    robot: RobotOption = DEFAULT_ROBOT,
+    robot: LiveRobotOption = None,
     keys: KeysOption = None,
     insecure: InsecureOption = False,
     linked_router: LinkedRouterOption = None,
@@ -155,7 +155,8 @@ def run(
     - `passafe run plant --driver udp-servo:host=192.0.2.9,port=8400` moves a servo instead of the model
     - `passafe run recorder --router 192.0.2.7:7447 --keys keys/recorder.robot --out runs/remote.mcap`
     """
-    effective, named = load_scenario(scenario), require_robot_name(robot)
+    named, robot_file = name_and_file(robot)
+    effective = load_scenario(scenario, robot=robot_file)
     endpoint = secured_endpoint(router, process, named, keys=keys, insecure=insecure, quiet=lifeline)
     linked = [replace(parse_endpoint(text), credentials=endpoint.credentials) for text in linked_router or ()]
     if process is ProcessName.OPERATOR and not lifeline:  # one of `passafe demo` starts before its filter

@@ -19,6 +19,7 @@ from passafe_services.cli.options import (
     scenario_from_options,
     writable_folder,
 )
+from passafe_services.cli.robot_option import OwnRobotOption
 from passafe_services.cli.verdict import exit_code, print_verdict
 from passafe_services.log.log_writer import LogWriter, run_metadata
 from passafe_services.recorder.lockstep_log import LockstepLog
@@ -34,6 +35,7 @@ def simulate(
     duration: DurationOption = None,
     rate: RateOption = None,
     link: LinkOption = None,
+    robot: OwnRobotOption = None,
 ) -> None:
     """Run a scenario in virtual time and write its log.
 
@@ -44,7 +46,9 @@ def simulate(
     - `passafe simulate --out runs/good.mcap`
     - `passafe simulate --mode safe --link plant-to-filter:delay=0.2,loss=0.1 --out runs/bad.mcap`
     """
-    chosen = scenario_from_options(scenario, mode=mode, law=law, duration_s=duration, rate_hz=rate, links=link or ())
+    chosen = scenario_from_options(
+        scenario, mode=mode, law=law, duration_s=duration, rate_hz=rate, links=link or (), robot=robot
+    )
     warn_at_load(chosen)
     metadata = run_metadata(scenario_json=chosen.model_dump_json(), versions=versions(), driver="lockstep")
     writable_folder(out.parent)

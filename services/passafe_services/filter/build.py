@@ -25,6 +25,7 @@ from passafe_services.filter.playout_schedule import PlayoutSchedule
 from passafe_services.filter.predictor import Predictor
 from passafe_services.filter.resume_ramp import ResumeRamp
 from passafe_services.filter.send_time import SendTime
+from passafe_services.filter.task_map import command_map
 from passafe_services.filter.unpredicted_node import UnpredictedFilterNode
 from passafe_services.filter.unpredicted_state import UnpredictedState
 from passafe_services.plant_contract.plant_model import PlantModel
@@ -89,9 +90,10 @@ def filter_node(
         period_ns=model.period_ns,
         schedule=PlayoutSchedule(period_ns=model.period_ns, playout_ns=model.playout_ns, epoch=epoch),
         commands=CommandIntake(
-            request_of(scenario, model.robot.system.m, CommandSendTime(clock_id, plant_clock)),
+            request_of(scenario, model.robot.commands, CommandSendTime(clock_id, plant_clock)),
             CommandEventEmitter(round(scenario.operator.stale_s * 1e9), round(scenario.operator.resume_s * 1e9)),
         ),
+        command_map=command_map(model.robot),
         plant_clock=plant_clock,
         clock_id=clock_id,
         state_stale_ns=round(scenario.filter.stale_s * 1e9),
@@ -116,7 +118,7 @@ def request_of(scenario: Scenario, inputs: int, send_time: SendTime) -> PassThro
 
     Args:
         scenario: The scenario.
-        inputs: m.
+        inputs: Coordinates of a command.
         send_time: Estimates when commands were sent.
 
     Raises:

@@ -24,6 +24,7 @@ from passafe_services.filter.override_text import OverrideText
 from passafe_services.filter.plant_clock import PlantClock
 from passafe_services.filter.playout_schedule import PlayoutSchedule
 from passafe_services.filter.send_time import SendTime
+from passafe_services.filter.task_map import CommandMap
 from passafe_services.filter.telemetry import STATUS, Telemetry, TickRecord
 from passafe_services.node import Outgoing
 
@@ -48,6 +49,7 @@ class DecisionLoop:
         period_ns: int,
         schedule: PlayoutSchedule,
         commands: CommandIntake,
+        command_map: CommandMap,
         plant_clock: PlantClock,
         clock_id: int,
         state_stale_ns: int,
@@ -63,6 +65,7 @@ class DecisionLoop:
             period_ns: Period of a step, ns.
             schedule: Assigns a plant time to every step.
             commands: Decides which commands count.
+            command_map: Map from a command to u_h.
             plant_clock: Clock of the plant, which the commands' request knows as well.
             clock_id: Which monotonic clock the loop reads.
             state_stale_ns: Time without a newer state after which nothing is sent, ns.
@@ -78,6 +81,7 @@ class DecisionLoop:
         self._status_events = StatusEventEmitter()
         self._override_events = OverrideEventEmitter(explainer, override_text, max(core.design.limits.magnitude))
         self._commands = commands
+        self._command_map = command_map
         self._plant_clock = plant_clock
         self._period_ns = period_ns
         self._state_stale_ns = state_stale_ns
@@ -191,9 +195,9 @@ class DecisionLoop:
         predicted = path.predict(effective_ns)
         tank_j = predicted.tank_j
         starts = self._starts and predicted.phase is _WAITING  # a moving plant has an input in force
-        decision = self._core.decide(
-            predicted.sample.x, predicted.u, request.u_h, request.u_h_rate, tank_j, effective_ns * 1e-9, start=starts
-        )
+        x, u = predicted.sample.x, predicted.u
+        u_h, u_h_rate = self._command_map.inputs(x, u, request.u_h, request.u_h_rate)
+        decision = self._core.decide(x, u, u_h, u_h_rate, tank_j, effective_ns * 1e-9, start=starts)
         self._starts = False
         self._tick += 1
         outgoing.append((INPUT, path.message(self._tick, decision.u, effective_ns, self._commands.stop.cleared)))

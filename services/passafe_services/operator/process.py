@@ -17,7 +17,7 @@ def start(options: ProcessOptions) -> None:
     with ExitStack() as stack:
         if options.device is Device.KEYBOARD:
             terminal = stack.enter_context(Terminal())
-            m = robot_of(options.scenario).system.m
+            m = robot_of(options.scenario).commands
             source = build_source(KeyboardSource(kind="keyboard"), m, keys=terminal.poll)
             node = OperatorNode(source, epoch=options.epoch, takes_over=options.take_over, show=terminal.show)
         else:

@@ -29,7 +29,9 @@ def robot_of(scenario: Scenario) -> Robot:
     if unknown:
         allowed = ", ".join(model.parameters) + suggestion(unknown[0], model.parameters)
         raise ScenarioError(scenario.name, "plant.parameters", ", ".join(unknown), allowed)
-    extra: dict[str, float] = {"gamma_1": _largest_gain(scenario, 0), "dt_s": scenario.dt_s}
+    extra: dict[str, float] = {}
+    if scenario.plant.robot is None:
+        extra = {"gamma_1": _largest_gain(scenario, 0), "dt_s": scenario.dt_s}
     if model.name == "lagged-point":
         extra["gamma_2"] = _largest_gain(scenario, 1)
     if model.name == "joint-chain":
@@ -61,13 +63,40 @@ def _joints(scenario: Scenario) -> int:
 
 
 def storage_of(scenario: Scenario, robot: Robot) -> ca.SX:
-    """Return the scenario's storage function V(x), J."""
+    """Return the scenario's storage function V(x), J.
+
+    Raises:
+        ScenarioError: The robot's own, and it brings none.
+    """
     passivity = scenario.filter.passivity
+    if passivity.storage == "own":
+        if robot.storage is None:
+            raise ScenarioError(scenario.name, "filter.passivity.storage", "own", "a robot that brings its storage")
+        return robot.storage
     if passivity.storage == "kinetic":
         return kinetic_energy(robot.velocity)
     if passivity.storage == "spring":
         return spring_energy(robot.position, robot.velocity, stiffness=passivity.spring_stiffness_per_s2)
     return squared_norm(robot.system.x)
+
+
+def feedback_of(scenario: Scenario, robot: Robot) -> ca.SX:
+    """Return the scenario's feedback u_fb(x), shape (m, 1).
+
+    Raises:
+        ScenarioError: The robot's own, and it brings none; or gains, and it has not one input for each coordinate.
+    """
+    config = scenario.filter.feedback
+    if config.kind == "own":
+        if robot.feedback is None:
+            raise ScenarioError(scenario.name, "filter.feedback.kind", "own", "a robot that brings a feedback")
+        return robot.feedback
+    if not config.k_p and not config.k_d:
+        return ca.SX.zeros(robot.system.m)
+    if robot.position.numel() != robot.system.m:
+        got = f"k_p, k_d for {robot.position.numel()} coordinates and {robot.system.m} inputs"
+        raise ScenarioError(scenario.name, "filter.feedback", got, 'as many of both, or kind = "own"')
+    return robot.proportional_derivative(k_p=config.k_p, k_d=config.k_d)
 
 
 def barriers_of(scenario: Scenario, robot: Robot) -> tuple[Barrier, ...]:
@@ -105,7 +134,7 @@ def design_of(scenario: Scenario, robot: Robot) -> FilterDesign:
     passivity = config.passivity
     return FilterDesign(
         system=robot.system,
-        u_fb=robot.proportional_derivative(k_p=config.feedback.k_p, k_d=config.feedback.k_d),
+        u_fb=feedback_of(scenario, robot),
         fail_safe=robot.fail_safe,
         barriers=barriers_of(scenario, robot),
         passivity=Passivity(

@@ -31,8 +31,9 @@ class DrivingAxes:
         Raises:
             DesignError: Limits of another number of axes than the robot has.
         """
-        points = scenario.plant.robot_model.points
-        m = 2 * points if points else len(scenario.plant.x0) // 2
+        model = scenario.plant.robot_model
+        points = model.points
+        m = model.commands or (2 * points if points else len(scenario.plant.x0) // 2)
         limits = scenario.filter.limits(m)
         planes = tuple(tuple(range(first, min(first + 2, m))) for first in range(0, m, 2))
         full = tuple(min(AUTHORITY, (high - low) / 2) for low, high in zip(limits.low, limits.high, strict=True))

@@ -62,3 +62,16 @@ class LinkTraceError(ScenarioError):
 def names_or_file(name: str, shipped: Sequence[str]) -> str:
     """Return what is allowed in the place of an unknown name, with the name that was most likely meant."""
     return f"a TOML file or one of {', '.join(shipped)}{suggestion(name, shipped)}"
+
+
+class RobotCodeError(NotAllowedError):
+    """A user's function that returns no robot, or a file without it.
+
+    Attributes:
+        source: File and function, or entry point.
+    """
+
+    def __init__(self, source: str, got: str, allowed: str) -> None:
+        self.source = source
+        self.prefix = f"robot {source}: "
+        super().__init__("function", " ".join(got.split()), allowed)

@@ -13,6 +13,8 @@ from passafe_services.scenarios.bounded_file import require_bounded
 from passafe_services.scenarios.errors import ScenarioError, UnknownScenarioError, UnreadableScenarioError
 from passafe_services.scenarios.field_problems import problems_of, shown
 from passafe_services.scenarios.links import link_changes, link_settings
+from passafe_services.scenarios.robot_models import ROBOT_MODELS
+from passafe_services.scenarios.robots.robot_source import installed_robot, robot_of_file
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.suggestion import suggestion
 
@@ -23,22 +25,24 @@ def shipped_scenarios() -> list[str]:
     return sorted(entry.name.removesuffix(".toml") for entry in entries if entry.name.endswith(".toml"))
 
 
-def load_scenario(name_or_file: str, overrides: Mapping[str, Any] | None = None) -> Scenario:
+def load_scenario(name_or_file: str, overrides: Mapping[str, Any] | None = None, robot: str | None = None) -> Scenario:
     """Return a shipped scenario by name, or one from a TOML or JSON file.
 
     Args:
         name_or_file: For example ``notomista-cai-2020`` or ``./mine.toml``.
         overrides: Values to put in place of the file's, by dotted name: ``{"filter.mode": "off"}``. An entry of a
             list is reached by its number or, where it has one, by its name: ``filter.barriers.disk.radius``.
+        robot: ``FILE.py:FUNCTION`` of the user's robot, which takes the place of the scenario's model.
 
     Raises:
         UnknownScenarioError: Neither a shipped name nor a file.
         UnreadableScenarioError: A file that is no TOML or JSON.
         ScenarioError: A field that holds what it may not.
+        RobotCodeError: A function that returns no robot.
     """
     if name_or_file in shipped_scenarios():
         text = (files("passafe_services.scenarios") / f"{name_or_file}.toml").read_text(encoding="utf-8")
-        return scenario_from(tomllib.loads(text), name_or_file, overrides)
+        return scenario_from(tomllib.loads(text), name_or_file, overrides, robot)
     path = Path(name_or_file)
     try:
         if not path.is_file():  # raises where a folder on the way may not be searched
@@ -48,25 +52,33 @@ def load_scenario(name_or_file: str, overrides: Mapping[str, Any] | None = None)
         data = json.loads(text) if path.suffix == ".json" else tomllib.loads(text)
     except (OSError, ValueError, RecursionError) as error:
         raise UnreadableScenarioError(path, str(error)) from error
-    return scenario_from(data, str(path), overrides)
+    return scenario_from(data, str(path), overrides, robot)
 
 
-def scenario_from(data: Any, source: str, overrides: Mapping[str, Any] | None = None) -> Scenario:  # noqa: ANN401 - JSON or TOML may hold anything; this is the check
+def scenario_from(
+    data: Any,  # noqa: ANN401 - JSON or TOML may hold anything; this is the check
+    source: str,
+    overrides: Mapping[str, Any] | None = None,
+    robot: str | None = None,
+) -> Scenario:
     """Return the scenario that parsed TOML or JSON describes.
 
     Args:
         data: What the parser returned.
         source: Name or file, for messages.
         overrides: As for ``load_scenario``.
+        robot: Likewise.
 
     Raises:
         ScenarioError: Fields that hold what they may not; all of them are named.
         LinkTraceError: A recorded trace of a link that cannot be used.
+        RobotCodeError: A function that returns no robot.
     """
     if not isinstance(data, dict):
         raise ScenarioError(source, "file", type(data).__name__, "a table of fields")
     for dotted, value in (overrides or {}).items():
         _put(data, source, dotted, value)
+    _put_robot(data, robot)
     try:
         scenario = Scenario.model_validate(data)
     except ValidationError as error:
@@ -75,6 +87,23 @@ def scenario_from(data: Any, source: str, overrides: Mapping[str, Any] | None = 
     link_settings(scenario)  # a trace that cannot be read is reported now, not when the processes start
     link_changes(scenario)
     return scenario
+
+
+def _put_robot(data: dict[str, Any], file: str | None) -> None:
+    """Put the robot of a user's file or of an entry point into a scenario's data, where there is one."""
+    plant = data.get("plant")
+    if not isinstance(plant, dict):
+        return  # refused by the schema
+    model, parameters = plant.get("model"), plant.get("parameters", {})
+    is_named = isinstance(parameters, dict) and all(isinstance(value, int | float) for value in parameters.values())
+    if not is_named:
+        return
+    if file is not None:
+        plant["robot"] = robot_of_file(file, parameters).model_dump(mode="json")
+    elif plant.get("robot") is None and isinstance(model, str) and model not in ROBOT_MODELS:
+        found = installed_robot(model, parameters)
+        if found is not None:
+            plant["robot"] = found.model_dump(mode="json")
 
 
 def _put(data: dict[str, Any], source: str, dotted: str, value: object) -> None:

@@ -22,6 +22,7 @@ class RobotModel:
         build: Function of the core that returns the robot.
         parameters: Names of the parameters that a scenario may set.
         points: Number of points in the plane that the robot moves; 0 for joints.
+        commands: Coordinates of a command; ``None``: two for each point, one for each joint.
         position_unit: Unit of a coordinate of the position.
         input_unit: Unit of u: a force on a unit of mass, a torque on a unit of inertia.
     """
@@ -30,6 +31,7 @@ class RobotModel:
     build: Callable[..., Robot]
     parameters: tuple[str, ...] = ("sigma",)
     points: int = 1
+    commands: int | None = None
     position_unit: str = "m"
     input_unit: str = "m/s²"
 

@@ -1,8 +1,9 @@
 """Schema of scenario files: pydantic models with ranges and units in the names, unknown keys refused."""
 
+from functools import partial
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from passafe.human_input import PROPORTIONS
 from passafe_services.scenarios.barrier_kinds.barrier_kind import SingleBarrier
@@ -13,15 +14,20 @@ from passafe_services.scenarios.fields import Config, NonNegative, Positive, Vec
 from passafe_services.scenarios.limits_schema import InputLimitsConfig
 from passafe_services.scenarios.link_schema import LinkChangeConfig, LinkName, ScenarioLink, changed_links
 from passafe_services.scenarios.robot_models import ROBOT_MODELS, RobotModel
+from passafe_services.scenarios.robots.carried_robot import CarriedRobot, built_robot
+from passafe_services.scenarios.robots.shipped import SHIPPED
 from passafe_services.scenarios.single_barriers import single_barriers
 from passafe_services.scenarios.source_schema import SourceConfig
+from passafe_services.suggestion import suggestion
 
 
 class PlantConfig(Config):
     """The robot: a model of the core, its parameters and its start.
 
     Attributes:
-        model: Robot model of the core.
+        robot: A robot that is not of the core, as data: written by passafe into effective scenarios and logs, never
+            by hand.
+        model: Robot model of the core, or a robot of an installed distribution (``docs/how-to/own-robot.md``).
         parameters: Its parameters by name.
         x0: Initial state: positions, then velocities, m and m/s or rad and rad/s.
         playout_s: How long before its effect an input should arrive, s, beyond the largest recent transit time: the
@@ -33,7 +39,8 @@ class PlantConfig(Config):
         driver: What reads and moves the robot; its exact model by default.
     """
 
-    model: Literal["damped-point", "drag-point", "lagged-point", "saturating-point", "two-points", "joint-chain"]
+    robot: CarriedRobot | None = None
+    model: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]{0,59}$")]
     parameters: dict[str, float] = Field(default_factory=dict)
     x0: Vector
     playout_s: Annotated[float, Field(ge=0, le=2)] = 0.005
@@ -44,8 +51,26 @@ class PlantConfig(Config):
 
     @property
     def robot_model(self) -> RobotModel:
-        """Return the model of that name."""
-        return ROBOT_MODELS[self.model]
+        """Return the model of that name, or that of the robot that the scenario carries."""
+        if self.robot is None:
+            return ROBOT_MODELS[self.model]
+        return RobotModel(
+            name=self.model,
+            build=partial(built_robot, self.robot),
+            parameters=tuple({**self.robot.built_with, **self.robot.parameters}),
+            points=self.robot.points,
+            commands=self.robot.commands,
+            input_unit=self.robot.input_unit or "units of u",
+        )
+
+    @field_validator("model", mode="after")
+    @classmethod
+    def _is_known(cls, model: str, info: ValidationInfo) -> str:
+        if info.data.get("robot") is None and model not in ROBOT_MODELS:
+            names = (*ROBOT_MODELS, *SHIPPED)
+            listed = ", ".join(map(repr, names)) + ", a robot of an installed distribution, or any with --robot"
+            raise ValueError(f"got {model!r}, allowed {listed}{suggestion(model, names)}")
+        return model
 
 
 class AsSentEstimator(Config):
@@ -102,13 +127,15 @@ class OperatorConfig(Config):
 
 
 class FeedbackConfig(Config):
-    """The state feedback u_fb = −k_p·position − k_d·velocity.
+    """The state feedback u_fb = −k_p·position − k_d·velocity, or any expression that the robot brings.
 
     Attributes:
+        kind: ``gains``, or ``own`` for the robot's own.
         k_p: Proportional gain, 1/s².
         k_d: Derivative gain, 1/s.
     """
 
+    kind: Literal["gains", "own"] = "gains"
     k_p: NonNegative = 0.0
     k_d: NonNegative = 0.0
 
@@ -118,7 +145,8 @@ class PassivityConfig(Config):
 
     Attributes:
         kind: ``power`` bounds the power margin, ``tank`` spends an energy tank.
-        storage: V: ``squared-norm`` ‖x‖², ``kinetic`` ½‖v‖², ``spring`` ½‖v‖² + ½·spring_stiffness_per_s2·‖p‖².
+        storage: V: ``squared-norm`` ‖x‖², ``kinetic`` ½‖v‖², ``spring`` ½‖v‖² + ½·spring_stiffness_per_s2·‖p‖²,
+            ``own`` the robot's own.
         spring_stiffness_per_s2: Stiffness of the spring in V, 1/s².
         slack_weight: ρ_u, the cost of one unit of slack squared against one unit of u squared.
         class_k: γ_u, of the continuous law only.
@@ -129,7 +157,7 @@ class PassivityConfig(Config):
     """
 
     kind: Literal["power", "tank"] = "power"
-    storage: Literal["squared-norm", "kinetic", "spring"] = "squared-norm"
+    storage: Literal["squared-norm", "kinetic", "spring", "own"] = "squared-norm"
     spring_stiffness_per_s2: Positive = 1.0
     slack_weight: Annotated[float, Field(ge=1e3, le=1e9)] = 1e6
     class_k: ClassKConfig = ClassKConfig(kind="linear", gain=100.0)

@@ -7,7 +7,7 @@ import casadi as ca
 import numpy as np
 
 from passafe_services.operator.errors import SourceConfigError
-from passafe_services.scenarios.design import robot_of
+from passafe_services.scenarios.design import feedback_of, robot_of
 from passafe_services.scenarios.schema import Scenario
 
 SAME: Final = 1e-6
@@ -35,11 +35,11 @@ class SteeredRobot:
         Raises:
             SourceConfigError: The force does not act at once, or the coordinates differ.
         """
-        robot, feedback = robot_of(scenario), scenario.filter.feedback
+        robot = robot_of(scenario)
         system, k = robot.system, robot.system.m
         u_h = ca.SX.sym("u_h", k)
-        u = robot.proportional_derivative(k_p=feedback.k_p, k_d=feedback.k_d) + u_h
-        if system.n != 2 * k:
+        u = feedback_of(scenario, robot) + u_h
+        if system.n != 2 * k or robot.task is not None:
             raise _not_steerable(scenario)
         acceleration = ca.substitute(system.f[k:], system.u, u)
         slopes = ca.Function("slopes", [system.x, u_h], [ca.jacobian(acceleration, ca.vertcat(system.x, u_h))])

@@ -31,7 +31,7 @@ def source_of(scenario: Scenario, *, folder: Path | None = None) -> CommandSourc
         return _human(config, scenario)
     if isinstance(config, AdversarySource):
         return adversary_of(config, scenario)
-    return build_source(config, robot_of(scenario).system.m, folder=folder)
+    return build_source(config, robot_of(scenario).commands, folder=folder)
 
 
 def crossover_loop(config: HumanSource) -> CrossoverLoop:

@@ -19,6 +19,7 @@ from passafe_services.scenarios.barrier_kinds.disk import DiskBarrier
 from passafe_services.scenarios.barrier_kinds.ellipse import EllipseBarrier
 from passafe_services.scenarios.barrier_kinds.half_plane import HalfPlaneBarrier
 from passafe_services.scenarios.barrier_kinds.keep_apart import ApartBarrier
+from passafe_services.scenarios.barrier_kinds.own_barrier import OwnBarrier
 from passafe_services.scenarios.barrier_kinds.room import RoomBarrier
 from passafe_services.scenarios.barrier_kinds.speed_limit import SpeedBarrier
 
@@ -30,6 +31,7 @@ SHIPPED: Final[tuple[type[BarrierKind], ...]] = (
     SpeedBarrier,
     CoordinatesBarrier,
     ApartBarrier,
+    OwnBarrier,
 )
 
 ENTRY_POINTS: Final = "passafe.barrier_kinds"

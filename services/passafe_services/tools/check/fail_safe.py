@@ -9,7 +9,7 @@ import numpy as np
 from passafe.barrier_chain import Barrier
 from passafe.design import FilterDesign
 from passafe.finding import Finding, Severity
-from passafe.models.robot import Robot
+from passafe.models.robot import NOT_STATED, Robot
 from passafe_services.scenarios.design import barriers_of
 from passafe_services.scenarios.schema import Scenario
 
@@ -21,9 +21,23 @@ CURVED: Final = 1e-9
 def fail_safe_findings(scenario: Scenario, robot: Robot, design: FilterDesign) -> Iterator[Finding]:
     """Yield a finding for each barrier of the position, one for the law's strength."""
     barriers = zip(scenario.barriers, barriers_of(scenario, robot), strict=True)
+    if robot.fail_safe_condition == NOT_STATED:
+        yield _not_stated()
+        return
     yield from (_kept(robot, barrier) for config, barrier in barriers if config.is_of_position)
     yield _note("law", robot.fail_safe_condition)
     yield _within_limits(scenario, robot, design)
+
+
+def _not_stated() -> Finding:
+    return Finding(
+        severity=Severity.WARNING,
+        topic=TOPIC,
+        subject="law",
+        found=NOT_STATED,
+        advice="give the robot a fail_safe_scope and a fail_safe_condition; until then, when inputs stop, h may become "
+        "negative",
+    )
 
 
 def _kept(robot: Robot, barrier: Barrier) -> Finding:

@@ -46,11 +46,12 @@ def shipped_experiments() -> list[str]:
     return sorted(entry.name.removesuffix(".toml") for entry in EXAMPLES.iterdir() if entry.name.endswith(".toml"))
 
 
-def load_study(name_or_file: str) -> Study:
+def load_study(name_or_file: str, robot: str | None = None) -> Study:
     """Return a shipped experiment by name, or one from a TOML file, with its scenario.
 
     Args:
         name_or_file: For example ``delay`` or ``./mine.toml``.
+        robot: ``FILE.py:FUNCTION`` of the user's robot.
 
     Raises:
         UnknownExperimentError: Neither a shipped name nor a file.
@@ -72,7 +73,7 @@ def load_study(name_or_file: str) -> Study:
         raise UnreadableExperimentError(path, str(error)) from error
     experiment = experiment_from(data, name_or_file)
     named = experiment.scenario
-    scenario = load_scenario(named if named in shipped_scenarios() else str(folder / named))
+    scenario = load_scenario(named if named in shipped_scenarios() else str(folder / named), robot=robot)
     return Study(experiment=experiment, scenario=scenario.model_dump(mode="json", exclude_unset=True))
 
 

@@ -1,0 +1,132 @@
+"""Functions that return robots: of a file that the command line names, or of an installed distribution."""
+
+import sys
+from collections.abc import Callable, Mapping
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from typing import Any, Final
+
+from pydantic import ValidationError
+
+from passafe.arguments import described
+from passafe.errors import DesignError, PassafeError
+from passafe.models.robot import Robot
+from passafe_services.scenarios.errors import RobotCodeError
+from passafe_services.scenarios.field_problems import problems_of
+from passafe_services.scenarios.robots.carried_robot import CarriedRobot
+from passafe_services.scenarios.robots.shipped import SHIPPED
+from passafe_services.suggestion import suggestion
+
+ENTRY_POINTS: Final = "passafe.robots"
+"""Group of entry points by which installed distributions add robots."""
+
+FORM: Final = "FILE.py:FUNCTION"
+
+RobotFunction = Callable[..., Any]
+
+
+def installed_robots() -> Mapping[str, EntryPoint]:
+    """Return the entry points of robots by name; none of them is loaded."""
+    return {entry.name: entry for entry in sorted(entry_points(group=ENTRY_POINTS), key=lambda entry: entry.name)}
+
+
+def installed_robot(name: str, parameters: Mapping[str, float]) -> CarriedRobot | None:
+    """Return a robot that passafe ships, or that of an entry point; ``None`` if there is none of that name.
+
+    Raises:
+        RobotCodeError: Its function cannot be loaded, raises, or returns no robot.
+    """
+    if name in SHIPPED:
+        return carried(SHIPPED[name], f"{SHIPPED[name].__module__}:{name}", parameters)
+    entry = installed_robots().get(name)
+    if entry is None:
+        return None
+    source = f"entry point {name}"
+    return carried(_loaded(entry.load, source), source, parameters)
+
+
+def is_robot_file(text: str) -> bool:
+    """Return whether a text has the form ``FILE.py:FUNCTION``, and is no name."""
+    return ".py:" in text
+
+
+def robot_of_file(text: str, parameters: Mapping[str, float]) -> CarriedRobot:
+    """Return the robot that a function of a file returns: runs the file, once in each process.
+
+    Args:
+        text: ``FILE.py:FUNCTION``.
+        parameters: Keyword arguments of the function.
+
+    Raises:
+        RobotCodeError: No such file or function, or one that raises or returns no robot.
+    """
+    path, separator, name = text.rpartition(":")
+    if not separator or not path.endswith(".py") or not name.isidentifier():
+        raise RobotCodeError(text, repr(text), FORM)
+    file = Path(path)
+    if not file.is_file():
+        raise RobotCodeError(text, "no such file", FORM)
+    functions = _functions(file.resolve())
+    function = functions.get(name)
+    if not callable(function):
+        known = [each for each, value in functions.items() if callable(value) and not each.startswith("_")]
+        raise RobotCodeError(text, f"no function {name!r}", "one of the file" + suggestion(name, known))
+    return carried(function, text, parameters)
+
+
+def carried(function: RobotFunction, source: str, parameters: Mapping[str, float]) -> CarriedRobot:
+    """Return what a function returns, as data.
+
+    Raises:
+        RobotCodeError: It raises, or returns no robot.
+    """
+    robot = _loaded(lambda: function(**parameters), source)
+    if not isinstance(robot, Robot):
+        raise RobotCodeError(source, f"the return value {described(robot)}", "a passafe.Robot")
+    try:
+        return CarriedRobot.of(robot, made_by=Path(source).name, built_with=parameters)
+    except DesignError as error:
+        raise RobotCodeError(source, str(error.got), error.allowed) from error
+    except ValidationError as error:
+        first = problems_of(error, CarriedRobot)[0]
+        raise RobotCodeError(source, f"{first.field} {first.got}", first.allowed) from error
+
+
+@cache
+def _functions(path: Path) -> Mapping[str, Any]:
+    """Return the names that a file defines; the files beside it can be imported while it runs."""
+    spec = spec_from_file_location(f"passafe_robot_{path.stem}", path)
+    if spec is None or spec.loader is None:
+        raise RobotCodeError(str(path), "a file that is no Python", FORM)
+    module, loader = module_from_spec(spec), spec.loader
+    sys.path.insert(0, str(path.parent))
+    try:
+        _loaded(lambda: loader.exec_module(module), str(path))
+    finally:
+        sys.path.remove(str(path.parent))
+    return vars(module)
+
+
+def _loaded(run: Callable[[], Any], source: str) -> Any:  # noqa: ANN401 - a stranger's function may return anything
+    """Return what a stranger's code returns; whatever it raises becomes one line that names it."""
+    try:
+        return run()
+    except PassafeError as error:
+        raise RobotCodeError(source, str(error), "a function that returns a passafe.Robot") from error
+    except (Exception, SystemExit) as error:
+        where = _line_of(error, source)
+        raise RobotCodeError(
+            source, f"{type(error).__name__}{where}: {error}", "a function that returns a passafe.Robot"
+        ) from error
+
+
+def _line_of(error: BaseException, source: str) -> str:
+    """Return the last line of the stranger's own file that led to an error, in words."""
+    file, trace, line = source.rpartition(":")[0] or source, error.__traceback__, 0
+    while trace is not None:
+        if Path(trace.tb_frame.f_code.co_filename).name == Path(file).name:
+            line = trace.tb_lineno
+        trace = trace.tb_next
+    return f" in line {line}" if line else ""
