@@ -77,6 +77,8 @@ if TYPE_CHECKING:  # imported under their own names: exported, for type checkers
     from passafe.row_share import StateBox as StateBox
     from passafe.sampled_plant import Sample as Sample
     from passafe.sampled_plant import SampledPlant as SampledPlant
+    from passafe.state_set import ErrorGrowth as ErrorGrowth
+    from passafe.state_set import StateSet as StateSet
     from passafe.storage import kinetic_energy as kinetic_energy
     from passafe.storage import spring_energy as spring_energy
     from passafe.storage import squared_norm as squared_norm
@@ -130,6 +132,7 @@ _NAMES_OF: Final = {
     "passafe.passivity": ("Passivity", "power_margin"),
     "passafe.certificate": ("Tolerance",),
     "passafe.sampled_plant": ("Sample", "SampledPlant"),
+    "passafe.state_set": ("ErrorGrowth", "StateSet"),
     "passafe.storage": ("kinetic_energy", "spring_energy", "squared_norm"),
     "passafe.system": ("System",),
     "passafe.tank": ("Tank",),

@@ -3,9 +3,10 @@
 Paper, section 3.1 and remark 2; high-order control barrier functions as in Xiao & Belta (2019).
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
+from typing import TypeAlias
 
 import casadi as ca
 
@@ -19,6 +20,10 @@ from passafe.norms import without_singular_points
 from passafe.slopes import broken_at
 from passafe.smooth_parts import smooth_parts
 from passafe.system import System
+
+Reserve: TypeAlias = Callable[[ca.SX], ca.SX]
+"""From an expression of x and t to a bound of how much less its rate may be than the model says, the same where no
+input reaches it."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -55,12 +60,14 @@ class BarrierChain:
 
     Attributes:
         barrier: Where it comes from; a part is numbered, for example ``room[2]``.
+        system: The plant that it is derived on.
         psi: ψ₀(x, t) … ψ_r(x, u, t), scalar expressions.
         reach: How the input reaches ψ_r.
         alternatives: Chains of all branches of a maximum; none where there is nothing to choose.
     """
 
     barrier: Barrier
+    system: System
     psi: tuple[ca.SX, ...]
     reach: InputReach
     alternatives: tuple["BarrierChain", ...] = ()
@@ -79,6 +86,22 @@ class BarrierChain:
     def branches(self) -> tuple["BarrierChain", ...]:
         """Chains of smooth functions: the alternatives, or itself alone."""
         return self.alternatives or (self,)
+
+    def on_member(self, system: System, name: str) -> "BarrierChain":
+        """Return the chain on a plant that differs from this one in what ψ_r alone contains.
+
+        Args:
+            system: The plant.
+            name: Of the barrier there.
+        """
+        barrier = replace(self.barrier, name=name)
+        if self.alternatives:
+            others = tuple(branch.on_member(system, name) for branch in self.alternatives)
+            last = chosen_of(others, [branch.psi[-1] for branch in others])
+        else:
+            others = ()
+            last = system.rate(self.psi[-2]) + barrier.class_k[self.relative_degree - 1](self.psi[-2])
+        return replace(self, barrier=barrier, system=system, psi=(*self.psi[:-1], last), alternatives=others)
 
     def chosen(self, values: Sequence[ca.SX]) -> ca.SX:
         """Return the value that belongs to the branch which holds best at x and t, scalar.
@@ -99,12 +122,13 @@ def chosen_of(branches: Sequence[BarrierChain], values: Sequence[ca.SX]) -> ca.S
     return value
 
 
-def derive_chains(system: System, barrier: Barrier) -> tuple[BarrierChain, ...]:
+def derive_chains(system: System, barrier: Barrier, reserve: Reserve | None = None) -> tuple[BarrierChain, ...]:
     """Find the relative degree of a barrier and derive its chains: one, or one for each part of a minimum.
 
     Args:
         system: The plant.
         barrier: h and its class-K functions, which all parts share.
+        reserve: What ψ₁ … ψ_{r−1} are lessened by, where the plant may not follow its model.
 
     Returns:
         The chains, each with as many ψ as its relative degree asks for, plus ψ₀. Parts that are positive numbers have
@@ -127,9 +151,10 @@ def derive_chains(system: System, barrier: Barrier) -> tuple[BarrierChain, ...]:
     if not rows:
         raise DesignError(part, f"{barrier.h}, which is never negative", "a function that is negative somewhere")
     if len(rows) == 1:
-        return (_chain_of_row(system, barrier, rows[0]),)
+        return (_chain_of_row(system, barrier, rows[0], reserve),)
     return tuple(
-        _chain_of_row(system, replace(barrier, name=f"{barrier.name}[{i}]"), row) for i, row in enumerate(rows, 1)
+        _chain_of_row(system, replace(barrier, name=f"{barrier.name}[{i}]"), row, reserve)
+        for i, row in enumerate(rows, 1)
     )
 
 
@@ -155,21 +180,21 @@ def _undecided(part: str, row: Sequence[ca.SX]) -> tuple[ca.SX, ...]:
     return tuple(branch for branch in row if not branch.is_constant())
 
 
-def _chain_of_row(system: System, barrier: Barrier, row: Sequence[ca.SX]) -> BarrierChain:
+def _chain_of_row(system: System, barrier: Barrier, row: Sequence[ca.SX], reserve: Reserve | None) -> BarrierChain:
     """Return the chain of a maximum of smooth branches."""
     smooth = [without_singular_points(branch) for branch in row]
     whole = barrier if smooth[0] is barrier.h else replace(barrier, h=reduce(ca.fmax, smooth))
-    branches = tuple(_derive(system, replace(whole, h=h) if len(smooth) > 1 else whole) for h in smooth)
+    branches = tuple(_derive(system, replace(whole, h=h) if len(smooth) > 1 else whole, reserve) for h in smooth)
     if len(branches) == 1:
         return branches[0]
     # All have the same relative degree: they share their class-K functions, whose number follows from it.
     levels = range(branches[0].relative_degree + 1)
     psi = tuple(chosen_of(branches, [branch.psi[k] for branch in branches]) for k in levels)
     weakest = min((branch.reach for branch in branches), key=lambda reach: reach.ratio)
-    return BarrierChain(barrier=whole, psi=psi, reach=weakest, alternatives=branches)
+    return BarrierChain(barrier=whole, system=system, psi=psi, reach=weakest, alternatives=branches)
 
 
-def _derive(system: System, barrier: Barrier) -> BarrierChain:
+def _derive(system: System, barrier: Barrier, reserve: Reserve | None) -> BarrierChain:
     """Return the chain of a smooth h."""
     part = f"barrier {barrier.name!r}"
     psi = [barrier.h]
@@ -181,6 +206,8 @@ def _derive(system: System, barrier: Barrier) -> BarrierChain:
             raise RelativeDegreeError(barrier.name, system.n)
         if ca.depends_on(psi[-1], system.u):  # below the relative degree rounding alone is left of u
             psi[-1], unshaped = ca.substitute([psi[-1], unshaped], [system.u], [ca.SX.zeros(system.m)])
+        if reserve is not None and len(psi) > 1:
+            psi[-1] -= reserve(psi[-2])
         _require_slope(part, unshaped, len(psi) - 1)
         gamma = next(gammas, None)
         rate = system.rate(psi[-1])
@@ -195,7 +222,7 @@ def _derive(system: System, barrier: Barrier) -> BarrierChain:
             f"{len(barrier.class_k)} functions",
             f"{wanted}: relative degree {wanted - 1} and one more",
         )
-    return BarrierChain(barrier=barrier, psi=tuple(psi), reach=reach)
+    return BarrierChain(barrier=barrier, system=system, psi=tuple(psi), reach=reach)
 
 
 def _require_effect(part: str, reach: InputReach) -> None:

@@ -28,6 +28,7 @@ class Request(Stage[T], frozen=True, eq=False, gc=False):
         tank: Energy E in the tank, J, 1.
         t: Plant time at which the input takes effect, s, 1.
         start: 1 where there was no input before, else 0.
+        x_error: Largest error of each state, n; none where rows hold for the model alone.
     """
 
     x: T
@@ -37,6 +38,7 @@ class Request(Stage[T], frozen=True, eq=False, gc=False):
     tank: T
     t: T
     start: T
+    x_error: T
 
 
 class Linearization(Stage[T], frozen=True, eq=False, gc=False):
@@ -82,6 +84,9 @@ class Program(ReferenceInput[T], frozen=True, eq=False, gc=False):
         trust: Radius of the trust region in which margins are valid, m.
         deviation: Bound of what is unknown of every enforced barrier over a period, in the units of ψ_r.
         power_deviation: The same of the power margin, W, 1; 0 where passivity is not enforced.
+        uncertainty: What members of a family of plants take of every enforced barrier, in the units of ψ_r; none for
+            the model alone.
+        power_uncertainty: The same of the power margin, W; none likewise, or where passivity is not enforced.
         unbounded: Number of these that are not known, 1.
         G: Rows of the constraints, of unit length, shape (C, k).
         d: Their bounds, C.
@@ -92,6 +97,8 @@ class Program(ReferenceInput[T], frozen=True, eq=False, gc=False):
     trust: T
     deviation: T
     power_deviation: T
+    uncertainty: T
+    power_uncertainty: T
     unbounded: T
     G: Matrix[T]
     d: T
@@ -135,7 +142,8 @@ class Evaluation(Stage[T], frozen=True, eq=False, gc=False):
         u_plus: u⁺, m.
         v: (u⁺ − u)/dt − φ, m, per second.
         psi: ψ₀ … ψ_r of every barrier at (x, u⁺), one barrier after the other.
-        eps: Margin ε of every enforced barrier between samples under u⁺, in the units of ψ_r.
+        eps: Margin ε of every enforced barrier between samples under u⁺, in the units of ψ_r, and what members of a
+            family of plants take.
         h_u: Power margin at (x, u⁺), W, 1.
     """
 

@@ -10,6 +10,7 @@ from passafe.barrier_chain import BarrierChain
 from passafe.decision_functions import DecisionFunctions
 from passafe.decision_schema import Answer, Linearization, NormTangents, Program, Request
 from passafe.design import FilterDesign, Law
+from passafe.plant_family import PlantFamily
 from passafe.stage import Stage
 from passafe.symbolic.conflict_proof import conflict
 from passafe.symbolic.constraint_program import Deviations, constraint_program, constraint_rows
@@ -48,19 +49,22 @@ class Derivation:
     functions: DecisionFunctions[ca.Function]
 
     @classmethod
-    def of(cls, design: FilterDesign, chains: Sequence[BarrierChain]) -> "Derivation":
+    def of(
+        cls, design: FilterDesign, chains: Sequence[BarrierChain], family: PlantFamily | None = None
+    ) -> "Derivation":
         """Derive everything.
 
         Args:
             design: What to derive it from.
             chains: One for each of its barriers.
+            family: The plants for which rows are to hold; ``None`` for the model alone.
         """
         request, linearization = _request(design), _linearization(design)
-        barriers = EnforcedBarriers.of(design, chains)
+        barriers = EnforcedBarriers.of(design, chains, family)
         reference = reference_input(design, request)
         trust = trust_radius(design.limits, linearization, reference.u_ref)
-        passivity = EnforcedPassivity.of(design, request.tank)
-        deviations = Deviations.of(barriers, passivity, linearization.u_lin, trust)
+        passivity = EnforcedPassivity.of(design, request.tank, family)
+        deviations = Deviations.of(barriers, passivity, linearization.u_lin, trust, request.x_error)
         constraints = constraint_rows(barriers, passivity, linearization, reference, deviations)
         program, root = constraint_program(design, constraints, request, reference, trust, deviations)
         rows = RowLayout.of(constraints, design.limits)
@@ -130,6 +134,7 @@ def _request(design: FilterDesign) -> Request[ca.SX]:
         tank=ca.SX.sym("tank"),
         t=system.t,
         start=ca.SX.sym("start"),
+        x_error=ca.SX.sym("x_error", 0 if design.uncertainty is None else system.n),
     )
 
 

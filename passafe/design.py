@@ -155,6 +155,9 @@ class FilterDesign:
         if not isinstance(self.uncertainty, Uncertainty):
             raise DesignError("uncertainty", described(self.uncertainty), "an Uncertainty, or None")
         self.uncertainty.require_fits(self.system)
+        if self.law is not Law.SAMPLED or not self.between_samples or self.gatekeeper:
+            got = f"law {self.law.value}, between_samples {self.between_samples}, gatekeeper {self.gatekeeper}"
+            raise DesignError("uncertainty", got, "law sampled with between_samples, without gatekeeper")
         if self.uncertainty.actuator_lag_s and inf in (
             *(self.limits.fall_per_s or (inf,)),
             *(self.limits.rise_per_s or ()),

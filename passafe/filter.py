@@ -16,9 +16,8 @@ from typing import Final
 
 import numpy as np
 
-from passafe.arguments import one_number, vectors
+from passafe.arguments import numbers, one_number, vectors
 from passafe.attempts import Attempts
-from passafe.barrier_chain import derive_chains
 from passafe.calmer_inputs import CalmerInputs
 from passafe.decision import ANSWERS, Attempt, Decision, Status
 from passafe.decision_block import DecisionBlock
@@ -26,10 +25,12 @@ from passafe.decision_functions import DecisionFunctions
 from passafe.decision_schema import keeps_barriers
 from passafe.derivation import Derivation
 from passafe.design import FilterDesign, Law
-from passafe.errors import DesignError
+from passafe.errors import ShapeError
 from passafe.fallback import Fallback, between
 from passafe.infeasibility import DistanceToInfeasibility
 from passafe.input_search import InputSearch
+from passafe.member_chains import design_chains
+from passafe.plant_family import PlantFamily
 from passafe.quadratic_program import QuadraticProgram
 from passafe.symbolic.evaluation import UNPROTECTED
 from passafe.symbolic.trust_region import LEAST_TRUST
@@ -63,11 +64,12 @@ class SafetyPassivityFilter:
         Raises:
             DesignError: Some part of the design cannot be used.
         """
-        if design.uncertainty is not None:
-            raise DesignError("uncertainty", "sets", "None: rows do not hold for sets yet")
         self.design = design
-        self.chains = tuple(chain for barrier in design.barriers for chain in derive_chains(design.system, barrier))
-        self.derivation = derivation = Derivation.of(design, self.chains)
+        uncertainty = design.uncertainty
+        family = None if uncertainty is None else PlantFamily.of(design, uncertainty)
+        self.chains = tuple(design_chains(design, family))
+        self.derivation = derivation = Derivation.of(design, self.chains, family)
+        self._state_error = () if uncertainty is None else uncertainty.state_error or (0.0,) * design.system.n
         self._block = block = DecisionBlock(derivation.layout)
         self._functions: DecisionFunctions[Callable[[], None]] = DecisionFunctions.of(
             lambda name: block.space.bind(getattr(derivation.functions, name))
@@ -80,7 +82,7 @@ class SafetyPassivityFilter:
         self._input_search = None if derivation.is_affine else InputSearch(enforced)
         has_rollout = bool(enforced.chains) and design.law is Law.SAMPLED
         self._fallback = Fallback(design, enforced.chains) if has_rollout else None
-        self.compares_courses = enforced.has_margins and has_rollout
+        self.compares_courses = enforced.has_margins and has_rollout and family is None
         self._calmer_inputs = CalmerInputs(design)
         self._least_trust: Array = LEAST_TRUST * np.array(design.limits.magnitude)
         self._sizes = (design.system.n, *(design.system.m,) * 3)
@@ -110,6 +112,7 @@ class SafetyPassivityFilter:
         t_s: float = 0.0,
         *,
         start: bool = False,
+        x_error: Sequence[float] | None = None,
     ) -> Decision:
         """Return the input to hold over the next period.
 
@@ -124,6 +127,8 @@ class SafetyPassivityFilter:
             t_s: Plant time at which the input takes effect, s; without effect where no barrier moves.
             start: Whether there was no input before: then the answer is the one nearest to û that keeps every row,
                 limits of the rate left out, instead of the one nearest to u + dt·φ.
+            x_error: Largest error of each state, n numbers, state units; the design's ``uncertainty.state_error`` if it
+                is not given. Only for a design with ``uncertainty``.
 
         Returns:
             A decision for any arguments, NaN and infinity included: its u is finite and within the
@@ -133,6 +138,7 @@ class SafetyPassivityFilter:
             ShapeError: An argument of the wrong length, or that holds something that is no real number.
         """
         block, functions = self._block, self._functions
+        error = self._state_error if x_error is None else self._given_error(x_error)
         if (
             type(x) in _PLAIN
             and type(u) in _PLAIN
@@ -143,11 +149,11 @@ class SafetyPassivityFilter:
             and (len(x), len(u), len(u_h), len(u_h_rate)) == self._sizes
         ):
             try:
-                block.write_request(*x, *u, *u_h, *u_h_rate, tank_j, t_s, start)
+                block.write_request(*x, *u, *u_h, *u_h_rate, tank_j, t_s, start, *error)
             except struct.error:  # not all of them are plain numbers
-                self._convert_request(x, u, u_h, u_h_rate, tank_j, t_s, start)
+                self._convert_request(x, u, u_h, u_h_rate, tank_j, t_s, start, error)
         else:
-            self._convert_request(x, u, u_h, u_h_rate, tank_j, t_s, start)
+            self._convert_request(x, u, u_h, u_h_rate, tank_j, t_s, start, error)
         if start:
             functions.linearize()
         attempt = self._attempt(functions.prepare if start else functions.prepare_usual)
@@ -166,14 +172,29 @@ class SafetyPassivityFilter:
             block.read_input(),
         )
 
+    def _given_error(self, x_error: object) -> tuple[float, ...]:
+        found = numbers("x_error", x_error)
+        if len(found) != len(self._state_error):
+            allowed = "a design with uncertainty" if not self._state_error else f"{len(self._state_error)} numbers"
+            raise ShapeError("x_error", f"{len(found)} numbers", allowed)
+        return found
+
     def _convert_request(
-        self, x: object, u: object, u_h: object, u_h_rate: object, tank_j: object, t_s: object, start: object
+        self,
+        x: object,
+        u: object,
+        u_h: object,
+        u_h_rate: object,
+        tank_j: object,
+        t_s: object,
+        start: object,
+        error: Sequence[float],
     ) -> None:
         """Write a request that is not made of lists and tuples of floats; that takes longer than all the rest."""
         given = {"x": x, "u": u, "u_h": u_h, "u_h_rate": u_h_rate}
         scalars = {"tank_j": tank_j, "t_s": t_s, "start": start}
-        numbers = chain.from_iterable(vectors(given, self._sizes))
-        self._block.write_request(*numbers, *(one_number(field, value) for field, value in scalars.items()))
+        found = chain.from_iterable(vectors(given, self._sizes))
+        self._block.write_request(*found, *(one_number(field, value) for field, value in scalars.items()), *error)
 
     def _reconsider(self, attempt: Attempt) -> Attempt:
         """Settle what is not settled, resolve what cannot be, and guard what may lead to no good."""
@@ -183,6 +204,8 @@ class SafetyPassivityFilter:
             attempt = self._resolve()
         elif attempt.assessment.waste > 0.0 and attempt.status is not Status.PASSED:
             attempt = self._attempts.nearer(attempt)
+        if self.design.uncertainty is not None:
+            return attempt  # rows hold for all members, the backup law's courses for the model alone
         is_unguarded = attempt.assessment.lowest_psi < UNPROTECTED or self.design.gatekeeper
         return self._guard(attempt) if is_unguarded and attempt.status in ANSWERS else attempt
 

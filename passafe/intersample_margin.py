@@ -14,7 +14,7 @@ give p(τ) ≥ (1 − φ₁(τ)/φ₁(T)) p(0) ≥ 0. Then ψ_{r−2} … ψ₀ 
 2002, lemma 3.4), sampled or not. b is known exactly; only V is a bound, and ratio·V is of the order of T².
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import expm1
 from typing import Final, NamedTuple
 
@@ -97,6 +97,9 @@ class HeldRow:
         bend: ratio·b, the part of the second condition that is known.
         p: p.
         usable_s: φ₁(T), s: γ̃(p) is no more than p/φ₁(T) for p > 0.
+        ratio_s: ratio, s.
+        decay_per_s: λ, 1/s.
+        q: q.
         change: Bound of ratio·|ḃ| as a sum of given bounds of h's derivatives, if there are any.
     """
 
@@ -104,6 +107,9 @@ class HeldRow:
     bend: ca.SX
     p: ca.SX
     usable_s: float
+    ratio_s: float
+    decay_per_s: float
+    q: ca.SX
     change: BoundSum | None = None
 
     def deviation(self, system: System, tube: Tube, held_s: float, input_radius: ca.SX) -> DeviationBound:
@@ -132,27 +138,50 @@ class HeldRow:
         return DeviationBound(size, tube.known * ball.known * known)
 
 
-def held_row(system: System, chain: BarrierChain, held_s: float) -> HeldRow:
+def held_row(system: System, chain: BarrierChain, held_s: float, *, decay_per_s: float | None = None) -> HeldRow:
     """Return the conditions for ψ_{r−1} ≥ 0 of a barrier under a held input.
 
     Args:
         system: The plant.
         chain: The barrier's.
         held_s: T, how long the input is held at most, s.
+        decay_per_s: λ, 1/s, where it is given.
     """
     r = chain.relative_degree
-    p, gamma = chain.psi[r - 1], chain.barrier.class_k[r - 1]
+    p = chain.psi[r - 1]
     q = system.rate(p)
     bend = system.rate(q)
-    decay = decay_rate(system, q, bend, held_s)
+    decay = decay_rate(system, q, bend, held_s) if decay_per_s is None else decay_per_s
+    row = _held(p, q, bend, chain, held_s, decay)
+    return replace(row, value=chain.psi[r]) if _is_usable(chain.barrier.class_k[r - 1], row.usable_s) else row
+
+
+def general_row(system: System, chain: BarrierChain, held_s: float) -> HeldRow:
+    """Return ``held_row`` with the symbols of the system's parameters in it; λ is that of their values."""
+    p = chain.psi[chain.relative_degree - 1]
+    q = system.general_rate(p)
+    bend = system.general_rate(q)
+    decay = decay_rate(system, system.at_nominal(q), system.at_nominal(bend), held_s)
+    return _held(p, q, bend, chain, held_s, decay)
+
+
+def _held(p: ca.SX, q: ca.SX, bend: ca.SX, chain: BarrierChain, held_s: float, decay: float) -> HeldRow:
+    gamma = chain.barrier.class_k[chain.relative_degree - 1]
     usable_s = held_s if not decay else -expm1(-decay * held_s) / decay
     ratio_s = held_s / 2 if not decay else (held_s - usable_s) / decay / usable_s
-    value = chain.psi[r] if _is_usable(gamma, usable_s) else q + usable(gamma, p, usable_s)
-    change = BoundSum.of_chain(chain, decay, ratio_s)
-    return HeldRow(value=value, bend=ratio_s * (bend + decay * q), p=p, usable_s=usable_s, change=change)
+    return HeldRow(
+        value=q + usable(gamma, p, usable_s),
+        bend=ratio_s * (bend + decay * q),
+        p=p,
+        usable_s=usable_s,
+        ratio_s=ratio_s,
+        decay_per_s=decay,
+        q=q,
+        change=BoundSum.of_chain(chain, decay, ratio_s),
+    )
 
 
-def held_power(system: System, passivity: Passivity, tank_j: ca.SX, held_s: float) -> HeldRow:
+def held_power(system: System, passivity: Passivity, tank_j: ca.SX, held_s: float, *, general: bool = False) -> HeldRow:
     """Return the conditions on the power under a held input: for E ≥ E_r, or without a tank for h_u ≥ 0 all the time.
 
     With a tank p = E − E_r and q = Ė = h_u. Without one h_u(τ) ≥ h_u(0) + τ·(ḣ_u(0) − V) is to be at least 0.
@@ -162,16 +191,29 @@ def held_power(system: System, passivity: Passivity, tank_j: ca.SX, held_s: floa
         passivity: Storage function and tank.
         tank_j: E, symbol, J.
         held_s: T, how long the input is held at most, s.
+        general: Whether the symbols of the system's parameters stay in it.
     """
-    h_u = power_margin(system, passivity.V)
-    rate, tank, bounds = system.rate(h_u), passivity.tank, passivity.derivative_bounds
+    if general:
+        h_u = system.power - system.general_rate(passivity.V)
+        rate = system.general_rate(h_u)
+    else:
+        h_u = power_margin(system, passivity.V)
+        rate = system.rate(h_u)
+    tank, value, p, bounds = passivity.tank, h_u, ca.SX(0), passivity.derivative_bounds
     ratio_s = held_s if tank is None else held_s / 2
-    change = None if bounds is None else BoundSum(bounds=bounds, weights=(0.0, ratio_s))
-    if tank is None:
-        return HeldRow(value=h_u, bend=ratio_s * rate, p=ca.SX(0), usable_s=held_s, change=change)
-    p = tank_j - tank.reserve_j
-    value = h_u + usable(Linear(gain=tank.rate_per_s), p, held_s)
-    return HeldRow(value=value, bend=ratio_s * rate, p=p, usable_s=held_s, change=change)
+    if tank is not None:
+        p = tank_j - tank.reserve_j
+        value = h_u + usable(Linear(gain=tank.rate_per_s), p, held_s)
+    return HeldRow(
+        value=value,
+        bend=ratio_s * rate,
+        p=p,
+        usable_s=held_s,
+        ratio_s=ratio_s,
+        decay_per_s=0.0,
+        q=h_u,
+        change=None if bounds is None else BoundSum(bounds=bounds, weights=(0.0, ratio_s)),
+    )
 
 
 def _is_usable(gamma: ClassK, usable_s: float) -> bool:

@@ -6,6 +6,7 @@ diagonal bounds J's from above and whose other entries bound |J|'s (comparison o
 III).
 """
 
+from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 import casadi as ca
@@ -42,6 +43,56 @@ class Tube(NamedTuple):
     known: ca.SX
 
 
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class HeldMotion:
+    """Dynamics ẋ = f with all that is not known of them while an input is held.
+
+    Attributes:
+        f: Expression of x and the symbols that stay, shape (n, 1).
+        x: State symbol, shape (n, 1).
+        x_radius: By how much each state may differ from x at the beginning, expression, shape (n, 1).
+        held: Symbols that stay, at values that are not known exactly, shape (k, 1).
+        held_radius: By how much each of those may differ from its present value, expression, shape (k, 1).
+        constants: Those of ``held`` whose present value is always the same.
+        values: These values, as many.
+        push: Bound of what acts on each state's rate besides f, shape (n, 1).
+    """
+
+    f: ca.SX
+    x: ca.SX
+    x_radius: ca.SX
+    held: ca.SX
+    held_radius: ca.SX
+    constants: ca.SX
+    values: tuple[float, ...]
+    push: ca.DM
+
+    @classmethod
+    def of(cls, system: System, input_radius: ca.SX) -> "HeldMotion":
+        """Return the motion of a plant as modelled, under any held input within a radius of u."""
+        return cls(
+            f=system.f,
+            x=system.x,
+            x_radius=ca.SX.zeros(system.n),
+            held=system.u,
+            held_radius=input_radius,
+            constants=ca.SX(0, 1),
+            values=(),
+            push=ca.DM.zeros(system.n),
+        )
+
+    @property
+    def n(self) -> int:
+        """Number of states."""
+        return int(self.x.numel())
+
+    @property
+    def speed(self) -> Tube:
+        """Bound of |ẋ| at the beginning, as the radius of a ``Tube``."""
+        f = enclose(self.f, ca.vertcat(self.x, self.held), ca.vertcat(self.x_radius, self.held_radius))
+        return Tube(ca.fabs(f.centre) + f.radius + self.push, f.known)
+
+
 def reachable_tube(system: System, held_s: float, input_radius: ca.SX, *, guesses: int = 1) -> Tube:
     """Return the tube around x within ``held_s`` seconds under any held input near u.
 
@@ -58,39 +109,69 @@ def reachable_tube(system: System, held_s: float, input_radius: ca.SX, *, guesse
     Raises:
         DesignError: The dynamics have an operation without an enclosure.
     """
-    f = enclose(system.f, system.u, input_radius)
-    speed = ca.fabs(f.centre) + f.radius
-    A = constant_jacobian(system)
-    if A is not None:
-        return Tube(ca.DM(_integral_of_magnitude(A.full(), held_s)) @ speed, f.known)
-    J = ca.jacobian(system.f, system.x)
-    near = _comparison_matrix(system, J, ca.SX.zeros(system.n), input_radius)
+    return tube_of(HeldMotion.of(system, input_radius), held_s, guesses=guesses)
+
+
+def tube_of(motion: HeldMotion, held_s: float, *, guesses: int = 1) -> Tube:
+    """Return the tube of a motion around where it begins, as ``reachable_tube`` does.
+
+    Where J depends on constants alone, M is a matrix of numbers, and the bound is (∫₀ᵀe^{Ms}ds)·sup|f|.
+
+    Args:
+        motion: Dynamics and what is not known of them.
+        held_s: T, how long the input is held at most, s.
+        guesses: See ``reachable_tube``.
+    """
+    speed, speed_known = motion.speed
+    J = ca.simplify(ca.jacobian(motion.f, motion.x))
+    if not ca.symvar(J):
+        A = ca.DM(ca.densify(J)).full()
+        return Tube(ca.DM(integral_of_magnitude(A, held_s)) @ speed, speed_known)
+    M = metzler_bound(motion)
+    if M is not None:
+        return Tube(ca.DM(integral_of_exponential(M, held_s)) @ speed, speed_known)
+    J = ca.jacobian(motion.f, motion.x)
+    near = comparison_matrix(motion, J, ca.SX.zeros(motion.n))
     guess = GROWTH * _refined(near.radius, speed, held_s)
-    over = _comparison_matrix(system, J, guess, input_radius)
+    over = comparison_matrix(motion, J, guess)
     for _ in range(guesses - 1):
         guess = GROWTH * _refined(over.radius, speed, held_s)
-        over = _comparison_matrix(system, J, guess, input_radius)
+        over = comparison_matrix(motion, J, guess)
     radius = _refined(over.radius, speed, held_s)
     fits = ca.logic_and(
         ca.mmax(radius - guess) <= 0, ca.mmax(_reached(over.radius, radius, speed, held_s) - radius) <= 0
     )
-    return Tube(radius, ca.if_else(fits, f.known * over.known, 0))
+    return Tube(radius, ca.if_else(fits, speed_known * over.known, 0))
 
 
-def constant_jacobian(system: System) -> ca.DM | None:
-    """Return ∂f/∂x where it is constant, shape (n, n), else ``None``."""
-    J = ca.simplify(ca.jacobian(system.f, system.x))
-    return None if ca.symvar(J) else ca.DM(ca.densify(J))
+def metzler_bound(motion: HeldMotion) -> Array | None:
+    """Return M, shape (n, n), where ∂f/∂x depends on constants alone, else ``None``.
+
+    Its diagonal bounds that of ∂f/∂x from above for every value of the constants, its other entries the magnitudes.
+    """
+    J = ca.simplify(ca.jacobian(motion.f, motion.x))
+    known = {symbol.element_hash() for symbol in ca.vertsplit(motion.constants)}
+    if any(symbol.element_hash() not in known for symbol in ca.symvar(J)):
+        return None
+    M = comparison_matrix(motion, J, ca.SX.zeros(motion.n))
+    at_values = ca.substitute([M.radius], [motion.constants], [ca.SX(ca.DM(list(motion.values)))])[0]
+    return np.asarray(ca.DM(ca.densify(at_values)).full())
 
 
-def _integral_of_magnitude(A: Array, held_s: float) -> Array:
+def integral_of_exponential(M: Array, held_s: float) -> Array:
+    """Return ∫₀ᵀe^{Ms}ds, shape (n, n)."""
+    n = len(M)
+    block = np.zeros((2 * n, 2 * n))
+    block[:n, :n], block[:n, n:] = M, np.eye(n)
+    return np.asarray(expm(block * held_s)[:n, n:])
+
+
+def integral_of_magnitude(A: Array, held_s: float) -> Array:
     """Return a matrix that is no less than ∫₀ᵀ|e^{As}|ds anywhere: |e^{A(s+σ)}| ≤ |e^{As}|e^{Mσ} on every piece."""
     n, piece_s = len(A), held_s / PIECES
     M = np.abs(A)
     np.fill_diagonal(M, np.maximum(np.diag(A), 0.0))
-    block = np.zeros((2 * n, 2 * n))
-    block[:n, :n], block[:n, n:] = M, np.eye(n)
-    within = expm(block * piece_s)[:n, n:]
+    within = integral_of_exponential(M, piece_s)
     step, reached, total = expm(A * piece_s), np.eye(n), np.zeros((n, n))
     for _ in range(PIECES):
         total += np.abs(reached)
@@ -98,10 +179,11 @@ def _integral_of_magnitude(A: Array, held_s: float) -> Array:
     return np.asarray(total @ within)
 
 
-def _comparison_matrix(system: System, J: ca.SX, radius: ca.SX, input_radius: ca.SX) -> Tube:
-    """Return M as the radius of a ``Tube`` of matrices, shape (n, n)."""
-    ball = enclose(ca.vec(ca.densify(J)), ca.vertcat(system.x, system.u), ca.vertcat(radius, input_radius))
-    n = system.n
+def comparison_matrix(motion: HeldMotion, J: ca.SX, radius: ca.SX) -> Tube:
+    """Return M as the radius of a ``Tube`` of matrices, shape (n, n); ``radius`` is that of the tube."""
+    symbols, radii = ca.vertcat(motion.x, motion.held), ca.vertcat(motion.x_radius + radius, motion.held_radius)
+    ball = enclose(ca.vec(ca.densify(J)), symbols, radii)
+    n = motion.n
     M = ca.reshape(ca.fabs(ball.centre) + ball.radius, n, n)
     signed = ca.reshape(ball.centre + ball.radius, n, n)
     for i in range(n):

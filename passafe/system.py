@@ -145,6 +145,10 @@ class System:
         """Return the time derivative of an expression of x and t along the plant: L_f + ∂/∂t, same shape."""
         return self.lie_derivative(expression) + ca.jacobian(expression, self.t)
 
+    def general_rate(self, expression: ca.SX) -> ca.SX:
+        """Return ``rate`` along the dynamics with the parameters' symbols in them, same shape."""
+        return ca.jtimes(expression, self.x, self.general_f) + ca.jacobian(expression, self.t)
+
     def _require(self, part: str, expression: ca.SX, rows: int, *, symbols: ca.SX) -> None:
         expression = as_column(f"system {part}", expression)
         if expression.shape != (rows, 1):

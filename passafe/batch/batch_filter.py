@@ -54,6 +54,9 @@ class BatchFilter:
         self._answer: Answer[Array] = Answer.of(batch.view)
         self.status: NDArray[np.int8] = np.zeros(batch.count, dtype=np.int8)
         self.scalar: NDArray[np.bool_] = np.zeros(batch.count, dtype=np.bool_)
+        uncertainty, n = core.design.uncertainty, core.design.system.n
+        given = () if uncertainty is None else uncertainty.state_error or (0.0,) * n
+        self._state_error: Array = np.array(given).reshape(-1, 1)
         self._first_axis = 0
         self._points = self._nearest_points()
 
@@ -84,6 +87,7 @@ class BatchFilter:
         u_h_rate: Array | float,
         tank_j: Array | float = 0.0,
         t_s: Array | float = 0.0,
+        x_error: Array | None = None,
         *,
         start: bool = False,
         scalar: bool = False,
@@ -97,6 +101,7 @@ class BatchFilter:
             u_h_rate: Their time derivatives, shape (m, elements).
             tank_j: Energies in the tanks, J, shape (elements,).
             t_s: Plant times, s, shape (elements,).
+            x_error: Largest errors of the states, shape (n, elements) or (n, 1); the design's if not given.
             start: Whether there was no input before; then the scalar filter decides.
             scalar: Whether the scalar filter shall decide for every element.
         """
@@ -104,6 +109,7 @@ class BatchFilter:
         request.x[:, used], request.u[:, used] = x, u
         request.u_h[:, used], request.u_h_rate[:, used] = u_h, u_h_rate
         request.tank[:, used], request.t[:, used] = tank_j, t_s
+        request.x_error[:, used] = self._state_error if x_error is None else x_error
         if start or scalar or self.core.design.gatekeeper:
             self.scalar[:] = True
         else:
@@ -172,6 +178,7 @@ class BatchFilter:
             part[:, element].tolist() for part in (request.x, request.u, request.u_h, request.u_h_rate)
         )
         tank_j, t_s = float(request.tank[0, element]), float(request.t[0, element])
-        decision = self.core.decide(x, u, u_h, u_h_rate, tank_j, t_s, start=start)
+        x_error = request.x_error[:, element].tolist() or None
+        decision = self.core.decide(x, u, u_h, u_h_rate, tank_j, t_s, start=start, x_error=x_error)
         self.batch.block[:, element] = decision.block
         self.status[element] = decision.status

@@ -1,14 +1,14 @@
 """The constraints of the quadratic program, and the program's numbers that follow from a request."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import casadi as ca
 
 from passafe.decision_schema import Linearization, Program, ReferenceInput, Request
 from passafe.design import FilterDesign, Law
 from passafe.passivity import power_margin
-from passafe.reachable_tube import reachable_tube
+from passafe.reachable_tube import reachable_tube, tube_of
 from passafe.rows import ConstraintRow, continuous_rows, stack
 from passafe.symbolic.enforced_barriers import EnforcedBarriers
 from passafe.symbolic.enforced_passivity import EnforcedPassivity
@@ -22,15 +22,25 @@ class Deviations:
         barriers: Of every enforced barrier, shape (H, 1), in the units of ψ_r.
         power: Of the power margin, W.
         unknown: Number of these that are not known.
+        uncertainty: What members of a family of plants take of every enforced barrier, in the units of ψ_r; empty for
+            the model alone.
+        power_uncertainty: The same of the power margin, W.
     """
 
     barriers: ca.SX
     power: ca.SX
     unknown: ca.SX
+    uncertainty: ca.SX = field(default_factory=lambda: ca.SX(0, 1))
+    power_uncertainty: ca.SX = field(default_factory=lambda: ca.SX(0, 1))
 
     @classmethod
     def of(
-        cls, barriers: EnforcedBarriers, passivity: EnforcedPassivity | None, u_lin: ca.SX, trust: ca.SX
+        cls,
+        barriers: EnforcedBarriers,
+        passivity: EnforcedPassivity | None,
+        u_lin: ca.SX,
+        trust: ca.SX,
+        x_error: ca.SX,
     ) -> "Deviations":
         """Return the deviations for all inputs within ``trust`` of u_lin.
 
@@ -39,7 +49,22 @@ class Deviations:
             passivity: Enforced, if it is.
             u_lin: Shape (m, 1).
             trust: Radius in each axis, shape (m, 1).
+            x_error: Error of x, where a family of plants is asked for.
         """
+        if barriers.family is not None:
+            x_radius = ca.fabs(x_error)
+            tube = tube_of(barriers.family.motion(x_radius, trust), barriers.design.held_s)
+            sizes, less, unknown = barriers.member_bounds(tube, x_radius, u_lin, trust)
+            if passivity is None:
+                return cls(barriers=sizes, power=ca.SX(0), unknown=unknown, uncertainty=less)
+            bound = passivity.member_bound(tube, x_radius, u_lin, trust)
+            return cls(
+                barriers=sizes,
+                power=bound.deviation,
+                unknown=unknown + 1 - bound.known,
+                uncertainty=less,
+                power_uncertainty=bound.uncertainty,
+            )
         if not barriers.has_margins and (passivity is None or not passivity.has_margin):
             return cls(barriers=ca.SX.zeros(len(barriers.held)), power=ca.SX(0), unknown=ca.SX(0))
         tube = reachable_tube(barriers.design.system, barriers.design.held_s, trust)
@@ -71,9 +96,16 @@ def constraint_rows(
         rate = (reference.u_ref - system.u) / design.dt_s
         return continuous_rows(system, barriers.chains, h_u, demand, rate, design.dt_s)
     u_ref, u_lin = reference.u_ref, linearization.u_lin
-    rows = barriers.rows(u_ref, u_lin, deviations.barriers, linearization.with_margins, linearization.tightening)
+    rows = barriers.rows(
+        u_ref,
+        u_lin,
+        deviations.barriers,
+        deviations.uncertainty,
+        linearization.with_margins,
+        linearization.tightening,
+    )
     if passivity is not None:
-        rows.append(passivity.row(u_ref, u_lin, deviations.power))
+        rows += passivity.rows(u_ref, u_lin, deviations.power, deviations.power_uncertainty)
     return rows
 
 
@@ -97,13 +129,15 @@ def constraint_program(
     """
     G, d, root = stack(rows, design.system.m, reach=design.limits.reach)
     # fmin, fmax and mmax swallow a NaN; this is nothing for ordinary numbers and spoils the residual otherwise.
-    asked = [request.x, request.u, request.u_h, request.u_h_rate, request.tank, request.t]
+    asked = [request.x, request.u, request.u_h, request.u_h_rate, request.tank, request.t, request.x_error]
     guarded = ca.vertcat(*asked, reference.phi, *(row.value for row in rows))
     program = Program(
         **reference.fields(),
         trust=trust,
         deviation=deviations.barriers,
         power_deviation=deviations.power,
+        uncertainty=deviations.uncertainty,
+        power_uncertainty=deviations.power_uncertainty,
         unbounded=deviations.unknown,
         G=G,
         d=d,

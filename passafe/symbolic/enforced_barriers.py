@@ -8,7 +8,9 @@ import casadi as ca
 
 from passafe.barrier_chain import BarrierChain
 from passafe.design import FilterDesign, Law
-from passafe.intersample_margin import DeviationBound, HeldRow, held_row
+from passafe.intersample_margin import DeviationBound, HeldRow, general_row, held_row
+from passafe.member_bound import MemberBound, member_bound
+from passafe.plant_family import PlantFamily
 from passafe.reachable_tube import Tube
 from passafe.rows import TINY, ConstraintRow, row_at
 from passafe.system import System
@@ -25,17 +27,26 @@ class HeldBarrier:
         system: The plant.
         chain: The barrier's.
         rows: Conditions of each of its branches.
+        general: A family of plants, and the same with the symbols of its coordinates in them; none without a family.
     """
 
     system: System
     chain: BarrierChain
     rows: tuple[HeldRow, ...]
+    general: tuple[tuple[PlantFamily, HeldRow], ...] = ()
 
     @classmethod
-    def of(cls, system: System, chain: BarrierChain, held_s: float) -> "HeldBarrier":
+    def of(cls, chain: BarrierChain, held_s: float, family: PlantFamily | None) -> "HeldBarrier":
         """Return the conditions of a chain under an input that is held for ``held_s`` seconds at most."""
-        rows = tuple(held_row(system, branch, held_s) for branch in chain.branches)
-        return cls(system=system, chain=chain, rows=rows)
+        system = chain.system
+        if family is None:
+            return cls(system=system, chain=chain, rows=tuple(held_row(system, b, held_s) for b in chain.branches))
+        general = tuple(general_row(family.system, branch, held_s) for branch in chain.branches)
+        rows = tuple(
+            held_row(system, branch, held_s, decay_per_s=row.decay_per_s)
+            for branch, row in zip(chain.branches, general, strict=True)
+        )
+        return cls(system=system, chain=chain, rows=rows, general=tuple((family, row) for row in general))
 
     @property
     def value(self) -> ca.SX:
@@ -62,6 +73,18 @@ class HeldBarrier:
             knowns.append(known)
         return DeviationBound(self.chain.chosen(sizes), self.chain.chosen(knowns))
 
+    def member_bound(self, tube: Tube, held_s: float, x_radius: ca.SX, trust: ca.SX) -> MemberBound:
+        """Return the bounds for all members of a family, from states within ``x_radius`` of x.
+
+        Args:
+            tube: Of all of them, expressions of the system's u.
+            held_s: T, s.
+            x_radius: Error of x, shape (n, 1).
+            trust: By how much each axis of the held input may differ from u, shape (m, 1).
+        """
+        found = [member_bound(family, row, tube, held_s, x_radius, trust) for family, row in self.general]
+        return MemberBound(*(self.chain.chosen(each) for each in zip(*found, strict=True)))
+
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class EnforcedBarriers:
@@ -72,22 +95,27 @@ class EnforcedBarriers:
         chains: Chains of the enforced barriers; none where the mode does not enforce safety.
         held: The conditions of each on an input that is held.
         has_margins: Whether rows have margins between samples.
+        family: The plants for which rows are to hold; ``None`` for the model alone.
     """
 
     design: FilterDesign
     chains: tuple[BarrierChain, ...]
     held: tuple[HeldBarrier, ...]
     has_margins: bool
+    family: PlantFamily | None = None
 
     @classmethod
-    def of(cls, design: FilterDesign, chains: Sequence[BarrierChain]) -> "EnforcedBarriers":
+    def of(
+        cls, design: FilterDesign, chains: Sequence[BarrierChain], family: PlantFamily | None = None
+    ) -> "EnforcedBarriers":
         """Return the barriers that the design's mode enforces, of all its chains."""
         enforced = tuple(chains) if design.mode.enforces_safety else ()
         return cls(
             design=design,
             chains=enforced,
-            held=tuple(HeldBarrier.of(design.system, chain, design.held_s) for chain in enforced),
+            held=tuple(HeldBarrier.of(chain, design.held_s, family) for chain in enforced),
             has_margins=design.law is Law.SAMPLED and design.between_samples and bool(enforced),
+            family=family,
         )
 
     @property
@@ -119,8 +147,32 @@ class EnforcedBarriers:
             sizes.append(ca.SX.zeros(len(self.held)))
         return ca.vertcat(*sizes), unknown
 
+    def member_bounds(self, tube: Tube, x_radius: ca.SX, u_lin: ca.SX, trust: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
+        """Return deviation and uncertainty of every barrier for a family of plants, and how many are unknown.
+
+        Args:
+            tube: Of all members, for all inputs within ``trust`` of u_lin, expressions of the system's u.
+            x_radius: Error of x, shape (n, 1).
+            u_lin: Shape (m, 1).
+            trust: Radius in each axis, shape (m, 1).
+        """
+        sizes, uncertain, unknown = [ca.SX(0, 1)], [ca.SX(0, 1)], ca.SX(0)
+        for held in self.held:
+            bound = held.member_bound(tube, self.design.held_s, x_radius, trust)
+            size, less, known = ca.substitute([*bound], [self.design.system.u], [u_lin])
+            sizes.append(size)
+            uncertain.append(less)
+            unknown += 1 - known
+        return ca.vertcat(*sizes), ca.vertcat(*uncertain), unknown
+
     def rows(
-        self, u_ref: ca.SX, u_lin: ca.SX, deviation: ca.SX, margins: ca.SX, tightening: ca.SX
+        self,
+        u_ref: ca.SX,
+        u_lin: ca.SX,
+        deviation: ca.SX,
+        uncertainty: ca.SX,
+        margins: ca.SX,
+        tightening: ca.SX,
     ) -> list[ConstraintRow]:
         """Return the sampled law's rows, kept with the tightening to spare.
 
@@ -130,12 +182,13 @@ class EnforcedBarriers:
             u_ref: Where w is zero, shape (m, 1).
             u_lin: Where tangents touch, shape (m, 1).
             deviation: Of every barrier.
+            uncertainty: Of every barrier, for a family of plants; else empty.
             margins: 1 to have margins, 0 to leave them out.
             tightening: Scalar, units of u.
         """
         system, rows = self.design.system, []
         for i, (chain, held) in enumerate(zip(self.chains, self.held, strict=True)):
-            function = held.value
+            function = held.value if self.family is None else held.value - uncertainty[i]
             if self.has_margins:
                 bends = ca.substitute(held.bend, system.u, u_lin) < deviation[i]
                 function = function + ca.if_else(bends, margins, 0) * (held.bend - deviation[i])
@@ -147,6 +200,8 @@ class EnforcedBarriers:
     def margins(self, u_plus: ca.SX, deviation: ca.SX) -> ca.SX:
         """Return every ε at u⁺: what ``HeldRow.value`` has to be at least, in the units of ψ_r; 0 where none is wanted.
 
+        What members of a family take comes on top.
+
         Args:
             u_plus: Shape (m, 1).
             deviation: Of every barrier.
@@ -156,7 +211,7 @@ class EnforcedBarriers:
         bends = ca.vertcat(ca.SX(0, 1), *(held.bend for held in self.held))
         return ca.fmax(deviation - ca.substitute(bends, self.design.system.u, u_plus), 0)
 
-    def graded(self, u_plus: ca.SX, eps: ca.SX, deviation: ca.SX) -> tuple[ca.SX, ca.SX]:
+    def graded(self, u_plus: ca.SX, eps: ca.SX, deviation: ca.SX, uncertainty: ca.SX) -> tuple[ca.SX, ca.SX]:
         """Return shortfall and waste of an answer, scalars, units of u.
 
         The shortfall is the distance by which u⁺ violates a row with its margin, ≤ 0 if it keeps all. The waste is how
@@ -166,12 +221,14 @@ class EnforcedBarriers:
             u_plus: Shape (m, 1).
             eps: Margins of all barriers.
             deviation: What is unknown of them.
+            uncertainty: What members of a family take of them; else empty.
         """
         u, sampled = self.design.system.u, self.design.law is Law.SAMPLED
         missing, lost = [ca.SX(0)], [ca.SX(0)]
         for i, held in enumerate(self.held if sampled else ()):
             value, gradient = ca.substitute([held.value, ca.gradient(held.value, u)], [u], [u_plus])
             length = ca.fmax(ca.norm_2(gradient), TINY)
+            value = value if self.family is None else value - uncertainty[i]
             if self.has_margins:
                 per_unit = 1 / length
                 missing.append((eps[i] - value) * per_unit)

@@ -1,12 +1,16 @@
 """The passivity row of the sampled law, and the slack that an input really takes."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import reduce
 
 import casadi as ca
 
 from passafe.design import FilterDesign, Law
 from passafe.intersample_margin import HeldRow, held_power
+from passafe.member_bound import MemberBound, member_bound
 from passafe.passivity import Passivity
+from passafe.plant_family import PlantFamily
 from passafe.reachable_tube import Tube
 from passafe.rows import PASSIVITY_ROW, ConstraintRow, row_at
 from passafe.system import System
@@ -19,34 +23,50 @@ class EnforcedPassivity:
     Attributes:
         system: The plant.
         passivity: What is demanded.
-        held: Its two conditions.
+        held: Its two conditions, by the name of the row: one pair, or one for each end of a family.
+        general: The same with the symbols of a family's coordinates in them; ``None`` without a family.
         dt_s: T, s: the period. What an input takes that is held for longer is the plant's own doing, like its
             fail-safe.
         has_margin: Whether the row has a margin between samples.
+        family: The plants for which the demand is to be met; ``None`` for the model alone.
     """
 
     system: System
     passivity: Passivity
-    held: HeldRow
+    held: Mapping[str, HeldRow]
+    general: HeldRow | None
     dt_s: float
     has_margin: bool
+    family: PlantFamily | None
 
     @classmethod
-    def of(cls, design: FilterDesign, tank_j: ca.SX) -> "EnforcedPassivity | None":
+    def of(cls, design: FilterDesign, tank_j: ca.SX, family: PlantFamily | None = None) -> "EnforcedPassivity | None":
         """Return the demand of a design under the sampled law; ``None`` where its mode demands nothing.
 
         Args:
             design: The design.
             tank_j: E, symbol, J.
+            family: The plants for which it is to be met; ``None`` for the model alone.
         """
         if not design.mode.enforces_passivity or design.law is not Law.SAMPLED:
             return None
+        passivity, dt_s = design.passivity, design.dt_s
+        general, members = None, {"": design.system}
+        if family is not None:
+            general = held_power(family.system, passivity, tank_j, dt_s, general=True)
+            members = family.members(family.ends(general.q))
+        held = {
+            f"{PASSIVITY_ROW}[{text}]" if text else PASSIVITY_ROW: held_power(system, passivity, tank_j, dt_s)
+            for text, system in members.items()
+        }
         return cls(
             system=design.system,
-            passivity=design.passivity,
-            held=held_power(design.system, design.passivity, tank_j, design.dt_s),
-            dt_s=design.dt_s,
+            passivity=passivity,
+            held=held,
+            general=general,
+            dt_s=dt_s,
             has_margin=design.between_samples,
+            family=family,
         )
 
     def deviation(self, tube: Tube, u_lin: ca.SX, trust: ca.SX) -> tuple[ca.SX, ca.SX]:
@@ -57,34 +77,59 @@ class EnforcedPassivity:
             u_lin: Shape (m, 1).
             trust: Radius in each axis, shape (m, 1).
         """
-        both = self.held.deviation(self.system, tube, self.dt_s, trust)
+        (held,) = self.held.values()
+        both = held.deviation(self.system, tube, self.dt_s, trust)
         size, known = ca.substitute([*both], [self.system.u], [u_lin])
         return ca.if_else(known, size, 0), 1 - known
 
-    def row(self, u_ref: ca.SX, u_lin: ca.SX, deviation: ca.SX) -> ConstraintRow:
-        """Return the soft row, in w: that of the two conditions which asks for more at u_lin, or its tangent there.
+    def member_bound(self, tube: Tube, x_radius: ca.SX, u_lin: ca.SX, trust: ca.SX) -> MemberBound:
+        """Return deviation and uncertainty for all members of the family, W; nothing without one.
+
+        Args:
+            tube: Of all members for inputs within ``trust`` of u_lin, expressions of the system's u.
+            x_radius: Error of x, shape (n, 1).
+            u_lin: Shape (m, 1).
+            trust: Radius in each axis, shape (m, 1).
+        """
+        if self.family is None or self.general is None:
+            return MemberBound(ca.SX(0), ca.SX(0, 1), ca.SX(1))
+        bound = member_bound(self.family, self.general, tube, self.dt_s, x_radius, trust)
+        return MemberBound(*ca.substitute([*bound], [self.system.u], [u_lin]))
+
+    def rows(self, u_ref: ca.SX, u_lin: ca.SX, deviation: ca.SX, uncertainty: ca.SX) -> list[ConstraintRow]:
+        """Return the soft rows, in w: of two conditions that which asks for more at u_lin, or its tangent there.
 
         Args:
             u_ref: Where w is zero, shape (m, 1).
             u_lin: Where the tangent touches, shape (m, 1).
             deviation: W.
+            uncertainty: What members of a family take, W; empty without one.
         """
-        function = self.held.value
-        if self.has_margin:
-            bends = ca.substitute(self.held.bend, self.system.u, u_lin) < deviation
-            function = function + ca.if_else(bends, 1, 0) * (self.held.bend - deviation)
-        row = row_at(self.system, PASSIVITY_ROW, function, u_ref, u_lin)
-        return ConstraintRow(
-            name=row.name, value=row.value, gradient=row.gradient, slack_price=self.passivity.slack_weight
-        )
+        rows = []
+        for name, held in self.held.items():
+            function = held.value if self.family is None else held.value - uncertainty
+            if self.has_margin:
+                bends = ca.substitute(held.bend, self.system.u, u_lin) < deviation
+                function = function + ca.if_else(bends, 1, 0) * (held.bend - deviation)
+            row = row_at(self.system, name, function, u_ref, u_lin)
+            rows.append(
+                ConstraintRow(
+                    name=row.name, value=row.value, gradient=row.gradient, slack_price=self.passivity.slack_weight
+                )
+            )
+        return rows
 
-    def slack(self, u_plus: ca.SX, deviation: ca.SX) -> ca.SX:
-        """Return the δ ≥ 0 with which u⁺ keeps the row for the whole period, W, whatever the program took it for.
+    def slack(self, u_plus: ca.SX, deviation: ca.SX, uncertainty: ca.SX) -> ca.SX:
+        """Return the δ ≥ 0 with which u⁺ keeps the rows for the whole period, W, whatever the program took it for.
 
         Args:
             u_plus: Shape (m, 1).
             deviation: W.
+            uncertainty: What members of a family take, W; empty without one.
         """
-        value, bend = ca.substitute([self.held.value, self.held.bend], [self.system.u], [u_plus])
+        return reduce(ca.fmax, (self._slack(held, u_plus, deviation, uncertainty) for held in self.held.values()))
+
+    def _slack(self, held: HeldRow, u_plus: ca.SX, deviation: ca.SX, uncertainty: ca.SX) -> ca.SX:
+        value, bend = ca.substitute([held.value, held.bend], [self.system.u], [u_plus])
         margin = ca.fmax(deviation - bend, 0) if self.has_margin else ca.SX(0)
-        return ca.fmax(margin - value, 0)
+        return ca.fmax(margin - value if self.family is None else margin + uncertainty - value, 0)

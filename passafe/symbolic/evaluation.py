@@ -56,18 +56,21 @@ def evaluate(
     u_plus = design.limits.clip(unclipped, request.u, program.low, program.high)
     psi, h_u = _at(design, chains, u_plus)
     eps = linearization.with_margins * barriers.margins(u_plus, program.deviation)
+    is_for_model = barriers.family is None
     counted = answer.z[m] / root if root else ca.SX(0)
-    slack = counted if passivity is None else passivity.slack(u_plus, program.power_deviation)
+    slack = (
+        counted if passivity is None else passivity.slack(u_plus, program.power_deviation, program.power_uncertainty)
+    )
     has_margins = barriers.has_margins or (passivity is not None and passivity.has_margin)
     evaluation = Evaluation(
         margins=G @ answer.z - d,
         u_plus=u_plus,
         v=(u_plus - request.u) / design.dt_s - program.phi,
         psi=psi,
-        eps=eps,
+        eps=eps if is_for_model else eps + program.uncertainty,
         h_u=h_u,
     )
-    shortfall, lost = barriers.graded(u_plus, eps, program.deviation)
+    shortfall, lost = barriers.graded(u_plus, eps, program.deviation, program.uncertainty)
     waste = lost - SPARED * ca.mmax(program.trust)
     unknown = linearization.with_margins * program.unbounded
     outside = (
@@ -81,7 +84,8 @@ def evaluate(
         outside,
         unknown,
         slack - design.passivity.relaxed_above,
-        UNPROTECTED - lowest_psi,
+        # Courses of the backup law are the model's: for a family of plants they prove nothing.
+        *([UNPROTECTED - lowest_psi] if is_for_model else []),
         waste,
     ]
     assessment = Assessment(

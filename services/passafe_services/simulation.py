@@ -47,8 +47,9 @@ class CompiledScenario:
     @staticmethod
     def key_of(scenario: Scenario) -> str:
         """Return the part of a scenario that is compiled, as text."""
-        plant = {"model", "parameters", "robot", "hold_s", "playout_s"}
-        part = scenario.model_dump_json(include={"name": True, "rate_hz": True, "plant": plant, "filter": True})
+        plant = {"model", "parameters", "robot", "hold_s", "playout_s", "guard"}
+        whole = dict.fromkeys(("name", "rate_hz", "filter", "uncertainty"), True)
+        part = scenario.model_dump_json(include={**whole, "plant": plant})
         return f"{len(scenario.plant.x0)} {part}"
 
 

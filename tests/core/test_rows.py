@@ -21,7 +21,8 @@ def sampled_passivity_row(design: FilterDesign, u_ref: ca.SX, tank: ca.SX) -> Co
     """Return the sampled law's passivity row without a margin between samples."""
     enforced = EnforcedPassivity.of(replace(design, between_samples=False), tank)
     assert enforced is not None
-    return enforced.row(u_ref, u_ref, ca.SX(0))
+    (row,) = enforced.rows(u_ref, u_ref, ca.SX(0), ca.SX(0, 1))
+    return row
 
 
 class Derived:

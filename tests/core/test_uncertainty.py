@@ -8,7 +8,6 @@ from core_designs import paper_design
 
 from passafe.design import FilterDesign
 from passafe.errors import PassafeError
-from passafe.filter import SafetyPassivityFilter
 from passafe.uncertainty import Uncertainty
 
 
@@ -58,9 +57,10 @@ def test_something_else_than_a_set_is_refused() -> None:
         paper_design(uncertainty={"mass": (0.8, 1.2)})
 
 
-def test_a_filter_refuses_sets_that_its_rows_ignore() -> None:
-    with pytest.raises(PassafeError, match="rows do not hold for sets yet"):
-        SafetyPassivityFilter(paper_design(uncertainty=Uncertainty()))
+@pytest.mark.parametrize("part", [{"law": "continuous"}, {"between_samples": False}, {"gatekeeper": True}])
+def test_parts_that_are_the_models_alone_are_refused(part: Mapping[str, object]) -> None:
+    with pytest.raises(PassafeError, match="law sampled with between_samples, without gatekeeper"):
+        paper_design(uncertainty=Uncertainty(), **part)
 
 
 def test_a_lag_needs_limits_of_both_rates() -> None:

@@ -118,7 +118,7 @@ def test_misspelt_link_suggests_the_link() -> None:
 def test_misspelt_parameter_suggests_that_of_the_model() -> None:
     scenario = load_scenario("notomista-cai-2020", {"plant.parameters": {"sgima": 1.0}})
 
-    with pytest.raises(ScenarioError, match=r"plant.parameters: got sgima, allowed sigma; did you mean sigma\?"):
+    with pytest.raises(ScenarioError, match=r"plant.parameters: got sgima, allowed sigma, mass; did you mean sigma\?"):
         robot_of(scenario)
 
 

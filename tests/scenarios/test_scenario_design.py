@@ -70,7 +70,7 @@ def test_the_drag_point_is_not_linear() -> None:
 
 def test_parameters_and_states_of_other_models_are_named() -> None:
     with pytest.raises(ScenarioError, match=r"plant\.parameters"):
-        robot_of(load_scenario(NAME, {"plant.parameters": {"mass": 1.0}}))
+        robot_of(load_scenario(NAME, {"plant.parameters": {"drag": 1.0}}))
     with pytest.raises(ScenarioError, match=r"plant\.x0"):
         robot_of(load_scenario(NAME, {"plant.x0": [1.0]}))
     with pytest.raises(DesignError, match="sigma"):

@@ -6,6 +6,7 @@ from typing import Final, cast
 from passafe_services.drivers.errors import DriverError
 from passafe_services.drivers.model_driver import ModelDriver
 from passafe_services.drivers.plant_driver import PlantDriver
+from passafe_services.drivers.true_model_driver import TrueModelDriver
 from passafe_services.drivers.udp_servo import UdpServo
 from passafe_services.plant_contract.plant_model import PlantModel
 from passafe_services.scenarios.driver_schema import (
@@ -37,6 +38,9 @@ def driver_of(scenario: Scenario, model: PlantModel, config: AnyDriver | None = 
     """
     config = scenario.plant.driver if config is None else config
     x0, period_ns = scenario.plant.x0, model.period_ns
+    truth = scenario.plant.truth
+    if isinstance(config, ModelDriverConfig) and truth is not None:
+        return TrueModelDriver.of(scenario, model, truth)
     if isinstance(config, ModelDriverConfig):
         return ModelDriver(model.dynamics, x0=x0, period_ns=period_ns)
     if isinstance(config, MujocoDriverConfig):

@@ -16,11 +16,13 @@ class Reading(Struct, frozen=True, gc=False):
         at_ns: Time at which the robot was in that state, clock of the plant node, ns.
         sample: The model's own account of the period before, where the model is the robot; else ``None``, and the
             plant node derives outputs and energies from the states read.
+        true_x: True state of a simulated robot, where x is read with errors; else empty.
     """
 
     x: Vector
     at_ns: int
     sample: Sample | None = None
+    true_x: Vector = ()
 
 
 class PlantDriver(Protocol):

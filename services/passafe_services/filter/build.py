@@ -15,6 +15,7 @@ from passafe_services.filter.command_intake import CommandIntake
 from passafe_services.filter.command_send_time import CommandSendTime
 from passafe_services.filter.dead_man import DeadManFade
 from passafe_services.filter.decision_loop import DecisionLoop
+from passafe_services.filter.inexact_predictor import InexactPredictor
 from passafe_services.filter.input_sequencer import InputSequencer
 from passafe_services.filter.newest_command import NewestCommand
 from passafe_services.filter.node import FilterNode
@@ -105,10 +106,11 @@ def filter_node(
     tank, period_ns, hold_ns = tank_of(scenario), model.period_ns, model.hold_ns
     if not scenario.filter.prediction:
         return UnpredictedFilterNode(decisions, UnpredictedState(tank), period_ns=period_ns, hold_ns=hold_ns)
+    predictor = Predictor if scenario.is_exact else InexactPredictor
     repeats = min(scenario.filter.repeats, MAX_VECTOR // model.robot.system.m)
     return FilterNode(
         decisions,
-        Predictor(model.dynamics, model.fail_safe, tank, period_ns),
+        predictor(model.dynamics, model.fail_safe, tank, period_ns),
         InputSequencer(period_ns=period_ns, hold_ns=hold_ns, repeats=repeats),
     )
 

@@ -6,6 +6,7 @@ from passafe_protocol.messages import PlantInput, PlantState, Received, Vector
 from passafe_protocol.topics import COMMAND, STATE, Topic
 
 from passafe_services.filter.decision_loop import DecisionLoop
+from passafe_services.filter.inexact_predictor import InexactPredictor
 from passafe_services.filter.input_sequencer import InputSequencer
 from passafe_services.filter.predictor import Predicted, Predictor
 from passafe_services.node import Outgoing
@@ -21,7 +22,9 @@ class FilterNode:
     name = "filter"
     subscribes: tuple[Topic, ...] = (COMMAND, STATE)
 
-    def __init__(self, decisions: DecisionLoop, predictor: Predictor, sequencer: InputSequencer) -> None:
+    def __init__(
+        self, decisions: DecisionLoop, predictor: Predictor | InexactPredictor, sequencer: InputSequencer
+    ) -> None:
         """Start with nothing received.
 
         Args:

@@ -2,6 +2,7 @@
 
 from passafe_services.drivers.build import driver_of
 from passafe_services.drivers.plant_driver import PlantDriver
+from passafe_services.plant.guard import Guard
 from passafe_services.plant.node import PlantNode
 from passafe_services.plant.stop_latch import NO_STOP, StopLatch
 from passafe_services.plant.unpredicted_node import UnpredictedPlantNode
@@ -44,4 +45,5 @@ def plant_node(
         limits=model.limits,
         latch=StopLatch(started_with),
         driver=driver,
+        guard=Guard(model.guard_core) if scenario.has_guard else None,
     )

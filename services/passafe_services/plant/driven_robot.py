@@ -3,12 +3,13 @@
 from collections.abc import Callable, Sequence
 from typing import Final
 
-from passafe_protocol.messages import Event, PlantPhase, PlantState, Vector
+from passafe_protocol.messages import Event, GuardAction, PlantPhase, PlantState, Vector
 from passafe_protocol.topics import EVENT, STATE
 
 from passafe.sampled_plant import SampledPlant
 from passafe_services.drivers.plant_driver import PlantDriver
 from passafe_services.node import Outgoing
+from passafe_services.plant.guard import Guard, Guarded
 from passafe_services.plant.input_account import InputAccount
 from passafe_services.plant.state_reader import StateReader
 from passafe_services.plant.stop_latch import StopLatch
@@ -25,7 +26,7 @@ class DrivenRobot:
 
     The robot rests (``WAITING``) until plant time begins with the first input. When inputs stop, the last one is
     held (``HOLDING``), then the model's fail-safe law takes over (``FAIL_SAFE``). While an emergency stop is latched,
-    the law is in force whatever the node would choose: no input has a way around the latch.
+    the law is in force whatever the node would choose: no input has a way around the latch, nor does a guard change it.
 
     A driver without a clock of its own is stepped through every period that passed; one with a clock has moved on
     meanwhile, so that only the newest of them reads, applies and is reported.
@@ -48,6 +49,7 @@ class DrivenRobot:
         x0: Sequence[float],
         period_ns: int,
         playout_ns: int,
+        guard: Guard | None = None,
     ) -> None:
         """Begin before the first input.
 
@@ -60,8 +62,11 @@ class DrivenRobot:
             x0: State that counts before the first reading, n numbers.
             period_ns: Period of a step, ns.
             playout_ns: Time between arrival and effect of the first input, ns.
+            guard: Judges every input before it is applied; none if not given.
         """
         self._fail_safe = fail_safe
+        self._guard = guard
+        self._guarded = _unguarded((0.0,) * plant.system.m)
         self._account = account
         self._latch = latch
         self._period_ns = period_ns
@@ -163,11 +168,23 @@ class DrivenRobot:
         else:
             choose_input()
         if is_reported and self.phase is not WAITING:
-            self._reader.apply(self._u, self._origin_ns + self.plant_ns)
+            self._pass_guard(outgoing)
+            self._reader.apply(self._guarded.u, self._origin_ns + self.plant_ns)
         if self.phase is not before and (before is FAIL_SAFE or self.phase is FAIL_SAFE):
             outgoing.append((EVENT, self._fail_safe_event()))
         if is_reported and not self.is_blind:
             outgoing.append((STATE, self._state()))
+
+    def _pass_guard(self, outgoing: list[Outgoing]) -> None:
+        """Have the guard judge the input of the period; add an event if it acts for another cause."""
+        guard = self._guard
+        if guard is None or self._latch.is_latched or self.is_blind:
+            self._guarded = _unguarded(self._u)
+            return
+        self._guarded = guarded = guard.judge(self._reader.sample.x, self._guarded.u, self._u, self.plant_ns)
+        event = guard.event(guarded, self.plant_ns)
+        if event is not None:
+            outgoing.append((EVENT, event))
 
     def _fail_safe_event(self) -> Event:
         at = f"plant time {self.plant_ns / 1e9:.3f} s"
@@ -179,12 +196,12 @@ class DrivenRobot:
 
     def _state(self) -> PlantState:
         sample, account, latch = self._reader.sample, self._account, self._latch
-        transit = account.transit
+        transit, guarded, guard = account.transit, self._guarded, self._guard
         return PlantState(
             self.plant_ns,
             sample.x,
             sample.y,
-            self._u,
+            guarded.u,
             self.applied_tick,
             self.phase,
             self._energy_in_j,
@@ -201,4 +218,13 @@ class DrivenRobot:
             latch.stop,
             latch.source,
             latch.cleared,
+            guarded.action,
+            () if guarded.u == self._u else self._u,
+            guarded.cause,
+            0 if guard is None else guard.changed,
+            self._reader.true_x,
         )
+
+
+def _unguarded(u: Vector) -> Guarded:
+    return Guarded(u, GuardAction.NONE, "")

@@ -11,6 +11,7 @@ from passafe_services.drivers.model_driver import ModelDriver
 from passafe_services.drivers.plant_driver import PlantDriver
 from passafe_services.node import Outgoing
 from passafe_services.plant.driven_robot import WAITING, DrivenRobot
+from passafe_services.plant.guard import Guard
 from passafe_services.plant.input_account import InputAccount
 from passafe_services.plant.input_check import InputCheck
 from passafe_services.plant.sequenced_inputs import REFUSED, SequencedInputs
@@ -44,6 +45,7 @@ class PlantNode:
         limits: Limits,
         latch: StopLatch | None = None,
         driver: PlantDriver | None = None,
+        guard: Guard | None = None,
     ) -> None:
         """Begin at rest, before the first input.
 
@@ -56,6 +58,7 @@ class PlantNode:
             limits: Limits of magnitude and norm; inputs beyond them are refused. Rates are not checked.
             latch: Emergency stop; one that is not latched if not given.
             driver: Reads and moves the robot, open; the exact model if not given.
+            guard: Judges every input before it is applied; none if not given.
         """
         self._period_ns = period_ns
         self._check = InputCheck(limits)
@@ -65,7 +68,15 @@ class PlantNode:
         self._latch = StopLatch() if latch is None else latch
         driver = ModelDriver(plant, x0=x0, period_ns=period_ns) if driver is None else driver
         self._robot = DrivenRobot(
-            driver, plant, fail_safe, self._account, self._latch, x0=x0, period_ns=period_ns, playout_ns=playout_ns
+            driver,
+            plant,
+            fail_safe,
+            self._account,
+            self._latch,
+            x0=x0,
+            period_ns=period_ns,
+            playout_ns=playout_ns,
+            guard=guard,
         )
 
     @property

@@ -20,6 +20,7 @@ class StateReader:
     Attributes:
         sample: The newest sample.
         is_blind: Whether there is no reading that is young enough to lead from.
+        true_x: True state of a simulated robot that is read with errors; else empty.
     """
 
     def __init__(
@@ -37,6 +38,7 @@ class StateReader:
         self._driver, self._plant, self._period_ns = driver, plant, period_ns
         self.sample = plant.at(x0)
         self.is_blind = False
+        self.true_x: Vector = ()
         self._u = u
         self._read_ns: int | None = None
         self._applied: deque[tuple[int, Vector]] = deque(maxlen=-(-OLDEST_NS // period_ns) + 1)
@@ -67,7 +69,7 @@ class StateReader:
         elapsed_s = 0.0 if self._read_ns is None else (at_ns - self._read_ns) * 1e-9
         x = self._led(reading.x, reading.at_ns, at_ns)
         self.sample = self._account.sample(self.sample.x, self._u, x, elapsed_s)
-        self._read_ns = at_ns
+        self._read_ns, self.true_x = at_ns, reading.true_x
 
     def _led(self, x: Vector, from_ns: int, to_ns: int) -> Vector:
         """Return the state that the model reaches in the whole periods between, rounded to the nearest number."""

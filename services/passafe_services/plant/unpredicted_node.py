@@ -11,6 +11,7 @@ from passafe_services.drivers.model_driver import ModelDriver
 from passafe_services.drivers.plant_driver import PlantDriver
 from passafe_services.node import Outgoing
 from passafe_services.plant.driven_robot import RUNNING, WAITING, DrivenRobot
+from passafe_services.plant.guard import Guard
 from passafe_services.plant.input_account import InputAccount
 from passafe_services.plant.input_check import InputCheck
 from passafe_services.plant.playout_buffer import MOST_PENDING, PlayoutBuffer
@@ -39,6 +40,7 @@ class UnpredictedPlantNode:
         limits: Limits,
         latch: StopLatch | None = None,
         driver: PlantDriver | None = None,
+        guard: Guard | None = None,
     ) -> None:
         """Begin at rest; see ``PlantNode``."""
         self._check = InputCheck(limits)
@@ -48,7 +50,15 @@ class UnpredictedPlantNode:
         self._latch = StopLatch() if latch is None else latch
         driver = ModelDriver(plant, x0=x0, period_ns=period_ns) if driver is None else driver
         self._robot = DrivenRobot(
-            driver, plant, fail_safe, self._account, self._latch, x0=x0, period_ns=period_ns, playout_ns=playout_ns
+            driver,
+            plant,
+            fail_safe,
+            self._account,
+            self._latch,
+            x0=x0,
+            period_ns=period_ns,
+            playout_ns=playout_ns,
+            guard=guard,
         )
 
     @property

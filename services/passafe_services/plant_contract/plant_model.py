@@ -1,13 +1,15 @@
 """Model of the plant, shared by plant and filter: dynamics, fail-safe, limits, and times in whole periods."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Self
 
+from passafe.filter import SafetyPassivityFilter
 from passafe.limits import Limits
 from passafe.models.robot import Robot
 from passafe.sampled_plant import SampledPlant
 from passafe_services.plant_contract.fail_safe import FailSafe
-from passafe_services.scenarios.design import limits_of, robot_of, sampled_plant_of
+from passafe_services.scenarios.design import guard_design_of, limits_of, robot_of, sampled_plant_of
 from passafe_services.scenarios.schema import Scenario
 
 
@@ -28,6 +30,7 @@ class PlantModel:
         period_ns: Period of a step, ns.
         playout_ns: Play-out time, whole periods, ns.
         hold_ns: Longest time for which an input may be in force, ns.
+        scenario: The scenario.
     """
 
     robot: Robot
@@ -37,6 +40,12 @@ class PlantModel:
     period_ns: int
     playout_ns: int
     hold_ns: int
+    scenario: Scenario
+
+    @cached_property
+    def guard_core(self) -> SafetyPassivityFilter:
+        """Rows of the guard at the plant, compiled when they are asked for: the filter has no use for them."""
+        return SafetyPassivityFilter(guard_design_of(self.scenario, self.robot))
 
     @classmethod
     def of(cls, scenario: Scenario) -> Self:
@@ -56,4 +65,5 @@ class PlantModel:
             period_ns=tick_ns,
             playout_ns=round(scenario.plant.playout_s * scenario.rate_hz) * tick_ns,
             hold_ns=hold_ns,
+            scenario=scenario,
         )

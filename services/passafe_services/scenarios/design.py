@@ -1,5 +1,8 @@
 """Builds the core's objects of a scenario: robot, storage, barriers, filter design, sampled plant."""
 
+from dataclasses import replace
+from typing import Final
+
 import casadi as ca
 
 from passafe.barrier_chain import Barrier
@@ -14,7 +17,14 @@ from passafe.storage import kinetic_energy, spring_energy, squared_norm
 from passafe.tank import Tank
 from passafe_services.scenarios.errors import ScenarioError
 from passafe_services.scenarios.schema import Scenario
+from passafe_services.scenarios.uncertain_robot import guard_uncertainty_of, uncertainty_of
 from passafe_services.suggestion import suggestion
+
+NEAREST: Final = 1.0 - 2.0**-40
+"""k_i·dt of a guard: all but a millionth of a millionth of the way to the input that it is asked."""
+
+FINER: Final = 0.4
+"""Tolerance of a guard as a share of the filter's, which keeps rows by as much as its own tolerance at least."""
 
 
 def robot_of(scenario: Scenario) -> Robot:
@@ -159,7 +169,37 @@ def design_of(scenario: Scenario, robot: Robot) -> FilterDesign:
         hold_s=scenario.plant.hold_s,
         law=Law(config.law),
         mode=Mode(config.mode),
+        uncertainty=uncertainty_of(scenario, robot) if has_robust_rows(scenario) else None,
     )
+
+
+def guard_design_of(scenario: Scenario, robot: Robot) -> FilterDesign:
+    """Return the design of the guard at the plant: the safety rows alone, nearest to the input that it is asked.
+
+    The rows are those of the filter, hold included, and its tolerance is finer, so that what the filter certified
+    passes. k_i is as large as a sampled law can have it, so that only limits of the rate keep the guard from what it is
+    asked.
+
+    Raises:
+        ScenarioError: As for ``limits_of``.
+        DesignError: As for ``design_of``.
+    """
+    design = design_of(scenario, robot)
+    return replace(
+        design,
+        tolerance=replace(design.tolerance, residual=FINER * design.tolerance.residual),
+        u_fb=ca.SX.zeros(robot.system.m),
+        k_i=NEAREST / scenario.dt_s,
+        law=Law.SAMPLED,
+        mode=Mode.SAFE,
+        gatekeeper=False,
+        uncertainty=guard_uncertainty_of(scenario, robot),
+    )
+
+
+def has_robust_rows(scenario: Scenario) -> bool:
+    """Return whether the rows of the scenario's filter hold for its sets."""
+    return scenario.uncertainty is not None and scenario.uncertainty.in_filter
 
 
 def limits_of(scenario: Scenario, robot: Robot) -> Limits:

@@ -137,7 +137,7 @@ def _followed(model: type[BaseModel], location: Sequence[int | str]) -> tuple[li
     place: Any = model
     for part in location:
         members = _models(place)
-        if not members and part in {SINGLE, LISTED}:
+        if part in {SINGLE, LISTED} and not any(part in member.model_fields for member in members):
             continue
         of_kind = [member for member in members if part in _tags(member)]
         if len(members) > 1 and of_kind:  # pydantic names the member of a union; a file does not

@@ -29,7 +29,7 @@ class RobotModel:
 
     name: str
     build: Callable[..., Robot]
-    parameters: tuple[str, ...] = ("sigma",)
+    parameters: tuple[str, ...] = ("sigma", "mass")
     points: int = 1
     commands: int | None = None
     position_unit: str = "m"
@@ -40,11 +40,18 @@ ROBOT_MODELS: Final = {
     model.name: model
     for model in (
         RobotModel(name="damped-point", build=damped_point),
-        RobotModel(name="drag-point", build=drag_point, parameters=("sigma", "drag")),
-        RobotModel(name="lagged-point", build=lagged_point, parameters=("sigma", "lag_s")),
-        RobotModel(name="saturating-point", build=saturating_point, parameters=("sigma", "force")),
+        RobotModel(name="drag-point", build=drag_point, parameters=("sigma", "drag", "mass")),
+        RobotModel(name="lagged-point", build=lagged_point, parameters=("sigma", "lag_s", "mass")),
+        RobotModel(name="saturating-point", build=saturating_point, parameters=("sigma", "force", "mass")),
         RobotModel(name="two-points", build=two_points, points=2),
-        RobotModel(name="joint-chain", build=joint_chain, points=0, position_unit="rad", input_unit="rad/s²"),
+        RobotModel(
+            name="joint-chain",
+            build=joint_chain,
+            parameters=("sigma",),
+            points=0,
+            position_unit="rad",
+            input_unit="rad/s²",
+        ),
     )
 }
 """Every model by its name."""

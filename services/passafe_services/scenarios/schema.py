@@ -18,6 +18,8 @@ from passafe_services.scenarios.robots.carried_robot import CarriedRobot, built_
 from passafe_services.scenarios.robots.shipped import SHIPPED
 from passafe_services.scenarios.single_barriers import single_barriers
 from passafe_services.scenarios.source_schema import SourceConfig
+from passafe_services.scenarios.truth_schema import TruthConfig
+from passafe_services.scenarios.uncertainty_schema import GuardConfig, UncertaintyConfig
 from passafe_services.suggestion import suggestion
 
 
@@ -37,6 +39,8 @@ class PlantConfig(Config):
         start_low: Lowest corner of the box from which campaigns draw their starts; −3 by default.
         start_high: Highest corner; 3 by default.
         driver: What reads and moves the robot; its exact model by default.
+        truth: What the simulated robot really is, where it is not its model.
+        guard: Guard at the plant; none if not given.
     """
 
     robot: CarriedRobot | None = None
@@ -48,6 +52,8 @@ class PlantConfig(Config):
     start_low: Vector | None = None
     start_high: Vector | None = None
     driver: DriverConfig = ModelDriverConfig()
+    truth: TruthConfig | None = None
+    guard: GuardConfig | None = None
 
     @property
     def robot_model(self) -> RobotModel:
@@ -222,6 +228,7 @@ class Scenario(Config):
         plant: The robot.
         operator: Who drives.
         filter: The filter.
+        uncertainty: Sets of what the robot may do otherwise than its model; none if it is its model.
         links: Impaired links at the start, by name.
         link_changes: Planned changes of links.
     """
@@ -235,6 +242,7 @@ class Scenario(Config):
     plant: PlantConfig
     operator: OperatorConfig
     filter: FilterConfig
+    uncertainty: UncertaintyConfig | None = None
     links: dict[LinkName, ScenarioLink] = Field(default_factory=dict)
     link_changes: tuple[LinkChangeConfig, ...] = ()
 
@@ -242,6 +250,17 @@ class Scenario(Config):
     def dt_s(self) -> float:
         """Period of one tick, s."""
         return 1.0 / self.rate_hz
+
+    @property
+    def has_guard(self) -> bool:
+        """Return whether there is a guard at the plant."""
+        return self.plant.guard is not None and self.plant.guard.enabled
+
+    @property
+    def is_exact(self) -> bool:
+        """Return whether the plant moves as its model does under the inputs of the filter, to the last bit."""
+        is_model = self.plant.driver.kind == "model" and self.plant.truth is None
+        return is_model and self.uncertainty is None and not self.has_guard
 
     @property
     def barriers(self) -> tuple[SingleBarrier, ...]:

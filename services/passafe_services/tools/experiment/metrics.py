@@ -140,7 +140,9 @@ def metrics_of(
     trajectory = trace.trajectory()
     answers = trace.answers()
     passivity = scenario.filter.passivity
-    margins = RecomputedMargins.of(trajectory, evaluator, passivity, POINTS_PER_PERIOD, answers)
+    margins = RecomputedMargins.of(
+        trajectory, evaluator, passivity, POINTS_PER_PERIOD, answers, is_exact=scenario.is_exact
+    )
     phases = trace.phases()
     properties = judge_driving(answers, trace.running_states(), scenario.dt_s)
     properties |= judge_properties(scenario, trace.inputs(), answers, trajectory, margins, Tolerances())

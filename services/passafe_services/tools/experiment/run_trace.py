@@ -163,7 +163,7 @@ class RunTrace:
                 state.input_lead_ns,
                 state.energy_in_j,
                 state.energy_stored_j,
-                *state.x,
+                *(state.true_x or state.x),
                 *state.u,
             )
 

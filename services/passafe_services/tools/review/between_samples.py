@@ -57,6 +57,8 @@ class RecomputedMargins:
         passivity: PassivityConfig,
         points: int,
         decisions: Decisions | None = None,
+        *,
+        is_exact: bool = True,
     ) -> Self:
         """Recompute the extrema.
 
@@ -66,8 +68,9 @@ class RecomputedMargins:
             passivity: The tank.
             points: Instants to evaluate per period, its end included.
             decisions: Decisions of the filter, for the slack that they granted; nothing else is taken from them.
+            is_exact: Whether the plant is its model.
         """
-        margins = MarginsInProgress(evaluator, passivity, points)
+        margins = MarginsInProgress(evaluator, passivity, points, is_exact=is_exact)
         for session in trajectory.sessions():
             margins.take(session, is_start=True, has_next=False)
         if decisions is not None:
@@ -82,13 +85,16 @@ class MarginsInProgress:
         evaluator: Functions of the scenario.
         passivity: The tank.
         points: Instants to evaluate per period, its end included.
+        is_exact: Whether the plant is its model.
 
     Attributes:
         energy: Account of the tank, which takes the slacks of the decisions.
     """
 
-    def __init__(self, evaluator: PlantEvaluator, passivity: PassivityConfig, points: int) -> None:
-        self.energy = EnergyInProgress(evaluator, passivity, points)
+    def __init__(
+        self, evaluator: PlantEvaluator, passivity: PassivityConfig, points: int, *, is_exact: bool = True
+    ) -> None:
+        self.energy = EnergyInProgress(evaluator, passivity, points, is_exact=is_exact)
         self._evaluator = evaluator
         self._points = points
         self._longest_s = 0.0

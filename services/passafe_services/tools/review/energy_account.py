@@ -73,10 +73,14 @@ class EnergyInProgress:
         evaluator: Functions of the scenario.
         passivity: The tank.
         points: Instants to evaluate per period, its end included.
+        is_exact: Whether the plant is its model; else its own account of the energy counts.
     """
 
-    def __init__(self, evaluator: PlantEvaluator, passivity: PassivityConfig, points: int) -> None:
+    def __init__(
+        self, evaluator: PlantEvaluator, passivity: PassivityConfig, points: int, *, is_exact: bool = True
+    ) -> None:
         self._evaluator = evaluator
+        self._is_exact = is_exact
         self._passivity = passivity
         self._points = points
         self._level_j: dict[int, float] = {}
@@ -98,7 +102,7 @@ class EnergyInProgress:
             has_next: Whether the last sample comes again as the first of another piece.
         """
         session = int(trajectory.session[0])
-        gained_j = _gained(trajectory, self._evaluator)
+        gained_j = _gained(trajectory, self._evaluator) if self._is_exact else logged_gain(trajectory)
         first_j = self._level_j.get(session)
         level_j = ledger_from(first_j, gained_j, self._passivity)
         self._level_j[session] = float(level_j[-1])

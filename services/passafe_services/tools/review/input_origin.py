@@ -78,7 +78,7 @@ class OriginRecord:
 
     wants: ClassVar[Wants] = {
         TICK.name: ("tick", "u", "x_hat", "effective_plant_ns"),
-        STATE.name: ("phase", "input_epoch", "applied_tick", "u", "plant_ns", "x"),
+        STATE.name: ("phase", "input_epoch", "applied_tick", "u", "u_asked", "plant_ns", "x"),
     }
 
     def __init__(self, n: int, *, is_predicted: bool) -> None:
@@ -109,7 +109,7 @@ class OriginRecord:
                 rows = np.flatnonzero(runs & (epochs == epoch))
                 applied = _Applied(
                     block.numbers("applied_tick")[rows],
-                    block.ragged("u").take(rows),
+                    _asked(block).take(rows),
                     block.numbers("plant_ns")[rows],
                     block.ragged("x").matrix(self._n)[rows],
                 )
@@ -166,6 +166,18 @@ class OriginRecord:
         difference = relative(decided.x_hat[place].T, in_force.x.T)
         difference[wrong] = 0.0  # it is another state
         self.agreement.compare("predicted state", difference, at_s, PREDICTED, name)
+
+
+def _asked(block: MessageBlock) -> Ragged:
+    """Return the inputs that the plant was asked for: those in force, unless its guard has changed them."""
+    in_force, asked = block.ragged("u"), block.ragged("u_asked")
+    changed = asked.counts > 0
+    if not changed.any():
+        return in_force
+    counts = np.where(changed, asked.counts, in_force.counts)
+    width = int(counts.max())
+    both = np.where(changed[:, None], asked.matrix(width), in_force.matrix(width))
+    return Ragged(both[np.arange(width) < counts[:, None]], counts)
 
 
 class _Decided(NamedTuple):

@@ -96,7 +96,7 @@ class PlantReview:
 
     wants: ClassVar[Wants] = {
         STATE.name: (
-            *("plant_ns", "x", "y", "u", "phase", "energy_in_j", "energy_stored_j", "stop", "stop_source"),
+            *("plant_ns", "x", "true_x", "y", "u", "phase", "energy_in_j", "energy_stored_j", "stop", "stop_source"),
             *("header.sent_ns", "header.clock_id"),
         )
     }
@@ -192,6 +192,7 @@ class PlantReview:
         self._drive.add_states(plant_ns[moves], runs[moves], session=block.epoch, wall_ns=int(wall_ns[-1]))
         x, u = self._vectors(block, "x", self._n), self._vectors(block, "u", self._m)
         self._check.take_states(block, x)
+        x = self._true(block, x)
         if not moves.any():
             return
         if session.first_ns is None:
@@ -227,6 +228,12 @@ class PlantReview:
         held, number = session.held
         gap_ns = int(plant_ns[0]) - int(np.rint(held.t_s[0] * NS_PER_S))
         return held.followed_by(piece, gap_ns / NS_PER_S if int(sequence[0]) == number + 1 else 0.0)
+
+    def _true(self, block: MessageBlock, x: FloatArray) -> FloatArray:
+        """Return the true states where the plant tells them, else those read, shape (n, N)."""
+        column = block.ragged("true_x")
+        found: FloatArray = np.where(column.counts == self._n, column.matrix(self._n).T, x)
+        return found
 
     def _vectors(self, block: MessageBlock, path: str, allowed: int) -> FloatArray:
         column = block.ragged(path)

@@ -120,13 +120,19 @@ def judge_run(
         "energy": _energy(margins, scenario, tolerances),
         "bounded": bounded,
         "certified": certified,
-        "consistent": at_most(
-            margins.mismatch_max,
-            tolerances.mismatch_relative,
-            required=True,
-            what="distance of each state from the model's prediction from the previous state, relative",
-        ),
+        "consistent": _consistent(margins, scenario, tolerances),
     }
+
+
+def _consistent(margins: RecomputedMargins, scenario: Scenario, tolerances: Tolerances) -> Property:
+    """Judge whether the plant moved as its model does; where it is not the model, nothing is judged."""
+    judged = at_most(
+        margins.mismatch_max,
+        tolerances.mismatch_relative,
+        required=scenario.is_exact,
+        what="distance of each state from the model's prediction from the previous state, relative",
+    )
+    return judged if scenario.is_exact else judged.model_copy(update={"holds": None})
 
 
 def judge_margins(margins: RecomputedMargins, scenario: Scenario, tolerances: Tolerances) -> dict[str, Property]:
@@ -168,7 +174,7 @@ def judge_completeness(found: Completeness) -> Property:
     return Property(
         holds=missing == 0 and found.is_finished and found.shows_start and not doubt,
         required=True,
-        worst=float(missing) if missing or not doubt else None,  # then it is not messages that are missing
+        worst=float(missing),
         at_s=found.first_gap_s,
         requirement="messages of command, input, state and tick missing = 0, from the first state to the end",
         allowed="= 0",

@@ -87,13 +87,17 @@ class RunReview:
         self._evaluator = evaluator
         self._m = robot_of(scenario).system.m
         period_ns = scenario.dt_s * NS_PER_S
-        self.margins = MarginsInProgress(evaluator, scenario.filter.passivity, points_per_period)
+        self.margins = MarginsInProgress(
+            evaluator, scenario.filter.passivity, points_per_period, is_exact=scenario.is_exact
+        )
         self.drive = DriveRecord()
         self.decisions = DecisionRecord(round(period_ns), self.tolerances.certificate, self.margins.energy, self.drive)
-        self.states = StateCheck(evaluator)
+        self.states = StateCheck(evaluator, is_exact=scenario.is_exact)
         self.plant = PlantReview(path, len(scenario.plant.x0), self._m, self.margins, self.drive, self.states)
         self.limits = InputLimitRecord(scenario, self.tolerances.input_relative)
-        self.origin = OriginRecord(len(scenario.plant.x0), is_predicted=scenario.filter.prediction)
+        self.origin = OriginRecord(
+            len(scenario.plant.x0), is_predicted=scenario.filter.prediction and scenario.is_exact
+        )
         self.inputs = InputAgreement(self._m)
         self.derived = DecisionCheck(scenario)
         self.tank = TankCheck(
@@ -133,12 +137,15 @@ class RunReview:
         """Return the properties that what processes report agrees with what is derived anew, by name."""
         if not self.derives:
             return {}
+        scenario = self.identity.scenario
         return {
             "states-agree": self.states.agreement.property(),
             "inputs-agree": self.inputs.agreement.property(),
-            "predictions-agree": self.origin.agreement.property(required=self.identity.scenario.filter.prediction),
+            "predictions-agree": self.origin.agreement.property(
+                required=scenario.filter.prediction and scenario.is_exact
+            ),
             "decisions-agree": self.derived.agreement.property(),
-            "tank-agrees": self.tank.agreement.property(required=self.identity.scenario.filter.prediction),
+            "tank-agrees": self.tank.agreement.property(required=scenario.filter.prediction),
             "scenario-agrees": self.configuration.agreement.property(),
         }
 

@@ -18,13 +18,15 @@ class StateCheck:
 
     Args:
         evaluator: Functions of the scenario.
+        is_exact: Whether the plant is its model; else the energy supplied does not follow from states and inputs.
 
     Attributes:
         agreement: Differences.
     """
 
-    def __init__(self, evaluator: PlantEvaluator) -> None:
+    def __init__(self, evaluator: PlantEvaluator, *, is_exact: bool = True) -> None:
         self._evaluator = evaluator
+        self._is_exact = is_exact
         self.agreement = LogAgreement("outputs, energies and phases of states that do not follow from x and u = 0")
 
     def take_states(self, block: MessageBlock, x: FloatArray) -> None:
@@ -48,6 +50,8 @@ class StateCheck:
 
     def take_motion(self, trajectory: Trajectory) -> None:
         """Take samples that follow one another."""
+        if not self._is_exact:
+            return
         for period_s in np.unique(trajectory.period_s[trajectory.period_s > 0]):
             (begun,) = np.nonzero(trajectory.period_s == period_s)
             with np.errstate(over="ignore", invalid="ignore"):
