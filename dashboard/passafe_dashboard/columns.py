@@ -10,6 +10,8 @@ from typing import Final
 
 from passafe_protocol.messages import FilterTick, PlantState
 from passafe_services.scenarios.barrier_kinds.barrier_kind import SingleBarrier
+from passafe_services.scenarios.design import robot_of
+from passafe_services.scenarios.drawn_places import DrawnPlaces
 from passafe_services.scenarios.schema import Scenario
 
 from passafe_dashboard.decimation import Keep
@@ -52,12 +54,14 @@ class ColumnLayout:
         levels: Number of ψ of each barrier, h included.
         points: Number of points in the plane the state begins with; 0 for joints.
         states: Length of the state.
+        drawn: Points of a robot that is not drawn where its state begins; ``None``: there.
     """
 
     barriers: tuple[SingleBarrier, ...]
     levels: tuple[int, ...]
     points: int = 1
     states: int = 2
+    drawn: DrawnPlaces | None = None
 
     @classmethod
     def of(cls, scenario: Scenario) -> "ColumnLayout":
@@ -67,6 +71,7 @@ class ColumnLayout:
             levels=tuple(len(barrier.class_k) for barrier in scenario.barriers),
             points=scenario.plant.robot_model.points,
             states=len(scenario.plant.x0),
+            drawn=None if scenario.plant.robot is None else DrawnPlaces.of(robot_of(scenario)),
         )
 
     @property
@@ -131,7 +136,13 @@ class ColumnLayout:
 
     def state_values(self, state: PlantState, h: Sequence[float]) -> list[float]:
         """Return the values of ``state_columns`` for a state that fits, with h of every barrier at that state."""
-        return [*state.x[: 2 * self.points], *h]
+        return [*(number for place in self.places(state.x)[: self.points] for number in place), *h]
+
+    def places(self, x: Sequence[float]) -> list[tuple[float, float]]:
+        """Return the points that are drawn of a state, m."""
+        if self.drawn is not None:
+            return self.drawn.at(x[: self.states])[0]
+        return [(x[2 * point], x[2 * point + 1]) for point in range(self.points)]
 
     def fits(self, state: PlantState) -> bool:
         """Return whether a state is long enough to be one of this scenario."""

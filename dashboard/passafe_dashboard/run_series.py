@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from passafe_protocol.messages import FilterStatus, FilterTick
 from passafe_services.scenarios.barrier_kinds.barrier_kind import SingleBarrier
+from passafe_services.scenarios.design import robot_of
+from passafe_services.scenarios.drawn_places import DrawnPlaces
 from passafe_services.tools.review.plant_evaluator import PlantEvaluator
 from passafe_services.tools.review.run_log import RunLog
 from passafe_services.tools.review.trajectory import NS_PER_S
@@ -42,7 +44,8 @@ class RunSeries:
         power_margin_w: Power margin h_u(x, u), W, shape (N,).
         barriers: Every barrier, in the order of ``h``.
         statuses: Status of the filter, in order of time.
-        points: Number of points in the plane the state begins with; 0 for joints.
+        points: Number of points in the plane; 0 for joints.
+        places: Position of each point, m, shape (2·points, N); ``None``: with which the state begins.
     """
 
     times_s: FloatArray
@@ -53,6 +56,7 @@ class RunSeries:
     barriers: tuple[SingleBarrier, ...]
     statuses: tuple[StatusSpan, ...]
     points: int = 1
+    places: FloatArray | None = None
 
     def __post_init__(self) -> None:
         """Check that the arrays fit together."""
@@ -67,7 +71,7 @@ class RunSeries:
         if not samples:
             raise SeriesError("times_s", "no samples", "at least one")
         least = max(1, self.points) * PLANE_DIMENSIONS
-        if states < least:
+        if self.places is None and states < least:
             raise SeriesError("x", f"{states} rows", f"{least} or more: positions come first")
 
     @property
@@ -78,7 +82,8 @@ class RunSeries:
 
     def position(self, point: int) -> FloatArray:
         """Return the position in the plane of a point, counted from 0, m, shape (2, N)."""
-        return self.x[PLANE_DIMENSIONS * point : PLANE_DIMENSIONS * (point + 1)]
+        places = self.x if self.places is None else self.places
+        return places[PLANE_DIMENSIONS * point : PLANE_DIMENSIONS * (point + 1)]
 
 
 def series_of(log: RunLog, evaluator: PlantEvaluator) -> RunSeries:
@@ -91,6 +96,8 @@ def series_of(log: RunLog, evaluator: PlantEvaluator) -> RunSeries:
     scenario = log.identity.scenario
     trajectory = trajectory_of(log)
     ticks = ((tick.body.effective_plant_ns / NS_PER_S, tick.body.status) for tick in log.of(FilterTick))
+    drawn = None if scenario.plant.robot is None else DrawnPlaces.of(robot_of(scenario))
+    points = scenario.plant.robot_model.points if drawn is None else drawn.count
     return RunSeries(
         times_s=trajectory.t_s,
         x=trajectory.x,
@@ -99,7 +106,8 @@ def series_of(log: RunLog, evaluator: PlantEvaluator) -> RunSeries:
         power_margin_w=evaluator.power_margin(trajectory.x, trajectory.u),
         barriers=scenario.barriers,
         statuses=status_spans(ticks, period_s=scenario.dt_s),
-        points=scenario.plant.robot_model.points,
+        points=points,
+        places=None if drawn is None else drawn.many(trajectory.x)[: PLANE_DIMENSIONS * points],
     )
 
 

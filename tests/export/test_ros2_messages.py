@@ -1,3 +1,6 @@
+from math import pi, sqrt
+
+import pytest
 from msgspec.structs import replace
 from passafe_protocol.messages import EmergencyStop
 from passafe_services.scenarios.load import load_scenario
@@ -15,6 +18,15 @@ def test_two_points_have_poses_of_their_own() -> None:
     found = topics_of(RosMessages(scenario), replace(state(1), x=scenario.plant.x0))
 
     assert {"/passafe/pose_1", "/passafe/pose_2", "/passafe/twist_1"} <= set(found)
+
+
+def test_a_car_is_turned_by_its_heading() -> None:
+    found = topics_of(RosMessages(load_scenario("unicycle-posts")), replace(state(1), x=(1.0, 2.0, pi / 2, 0.5, 0.0)))
+
+    pose, speed = found["/passafe/pose"].pose, found["/passafe/twist"].twist.linear
+    assert (pose.position.x, pose.position.y) == (1.0, 2.0)
+    assert (pose.orientation.z, pose.orientation.w) == pytest.approx((sqrt(0.5), sqrt(0.5)))
+    assert (speed.x, speed.y) == pytest.approx((0.0, 0.5))
 
 
 def test_joints_have_states_and_no_poses() -> None:

@@ -170,3 +170,18 @@ def test_without_a_scenario_there_are_numbers_alone() -> None:
 
 def _state_of(x: tuple[float, ...]) -> PlantState:
     return replace(state(0), x=x)
+
+
+def test_a_car_is_turned_and_has_an_outline() -> None:
+    car = load_scenario("unicycle-posts")
+    at = replace(_state_of(car.plant.x0), x=(1.0, 2.0, math.pi / 2, 0.0, 0.0))
+    pushed = replace(tick(0), x_hat=at.x, u=(4.0, 0.0), u_nominal=(0.0, 0.0))
+
+    views = {view.topic.name: view.message for view in Scene(car).robot(at, pushed, WALL_NS)}
+
+    [transform] = views[TRANSFORMS.name].transforms
+    assert (transform.rotation.z, transform.rotation.w) == pytest.approx((math.sqrt(0.5), math.sqrt(0.5)))
+    [robot] = views[ROBOT.name].entities
+    assert len(robot.lines[0].points) == 5
+    [ahead] = robot.arrows
+    assert 2 * math.atan2(ahead.pose.orientation.z, ahead.pose.orientation.w) == pytest.approx(math.pi / 2)

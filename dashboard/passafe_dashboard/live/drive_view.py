@@ -9,6 +9,7 @@ from math import hypot
 from typing import Any, TypeAlias
 
 from passafe_protocol.messages import FilterTick
+from passafe_services.scenarios.drawn_places import DrawnPlaces
 
 from passafe_dashboard.columns import measured_h
 from passafe_dashboard.live.barrier_gaps import LEAST_PULL, Gap
@@ -56,18 +57,26 @@ def _gaps(feed: Feed, gaps: Sequence[Gap], h: Sequence[float]) -> list[Json]:
 
 def _held_directions(feed: Feed, tick: FilterTick) -> list[Json]:
     """Return, by barrier and point, the direction towards it and how far the decision may go that way, units of u."""
-    margins = {row.name: row.margin for row in tick.rows}
+    margins, drawn = {row.name: row.margin for row in tick.rows}, feed.layout.drawn
     return [
         {
             "name": gap.name,
             "point": point,
             "towards": (pull[0] / size, pull[1] / size),
-            "margin": margins[gap.name] / size,  # while the other points do as decided
+            "margin": margins[gap.name] / size * _reach(drawn, tick, point, pull),  # while the others do as decided
         }
         for gap in feed.gaps(tick.x_hat, tick.effective_plant_ns)
         for point, pull in enumerate(gap.pulls)
         if gap.name in margins and (size := hypot(*pull)) > LEAST_PULL
     ]
+
+
+def _reach(drawn: DrawnPlaces | None, tick: FilterTick, point: int, pull: tuple[float, float]) -> float:
+    """Return how much input a unit of a point's acceleration takes; 1 where the input is that acceleration."""
+    if drawn is None:
+        return 1.0
+    size = hypot(*pull)
+    return drawn.reach(tick.x_hat, point, (pull[0] / size, pull[1] / size))
 
 
 def _energy(feed: Feed, tick: FilterTick) -> Json | None:

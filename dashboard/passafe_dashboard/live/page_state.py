@@ -129,6 +129,7 @@ def _filter_json(feed: Feed, tick: FilterTick) -> Json:
         "u": tick.u,
         "u_nominal": tick.u_nominal,
         "u_h": tick.u_h,
+        **_pushes_json(feed, tick),
         "override": _override_json(tick),
         "rows": [
             {"name": row.name, "active": row.active, "margin": row.margin, "dual": row.dual, "share": row.share}
@@ -160,6 +161,7 @@ def _plant_json(feed: Feed, state: PlantState) -> Json:
         "phase": state.phase.name,
         "meaning": PHASE_MEANINGS[state.phase],
         "x": state.x,
+        **_drawn_json(feed, state),
         "y": state.y,
         "u": state.u,
         "h": [{"name": name, "value": value} for name, value in h.items()],
@@ -170,6 +172,24 @@ def _plant_json(feed: Feed, state: PlantState) -> Json:
         "inputs_late": state.inputs_late,
         "inputs_refused": state.inputs_refused,
     }
+
+
+def _drawn_json(feed: Feed, state: PlantState) -> Json:
+    """Return places, angle and velocities of a robot that is not drawn where its state begins; nothing of others."""
+    drawn = feed.layout.drawn
+    if drawn is None or not feed.layout.fits(state):
+        return {}
+    places, heading, velocities = drawn.at(state.x[: feed.layout.states])
+    return {"places": places, "heading": heading, "velocities": velocities}
+
+
+def _pushes_json(feed: Feed, tick: FilterTick) -> Json:
+    """Return what was asked and decided as accelerations of the robot's points, where its input is something else."""
+    drawn = feed.layout.drawn
+    if drawn is None or drawn.pushes is None or len(tick.x_hat) != feed.layout.states:
+        return {}
+    allowed = [sent - nominal + asked for sent, nominal, asked in zip(tick.u, tick.u_nominal, tick.u_h, strict=False)]
+    return {"pushes": {"asked": drawn.push(tick.x_hat, tick.u_h), "allowed": drawn.push(tick.x_hat, allowed)}}
 
 
 def stop_json(feed: Feed) -> Json:

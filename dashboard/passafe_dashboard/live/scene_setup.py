@@ -6,6 +6,7 @@ from typing import Any, Final
 import numpy as np
 from passafe_services.scenarios.barrier_kinds.outline import Outline
 from passafe_services.scenarios.design import robot_of
+from passafe_services.scenarios.drawn_places import DrawnPlaces
 from passafe_services.scenarios.schema import Scenario
 
 from passafe_dashboard.run_record.scene_payload import scene_payload
@@ -22,7 +23,7 @@ PERIOD_SAMPLES: Final = 200
 def live_scene(scenario: Scenario) -> dict[str, Any]:
     """Return the scene as JSON values: that of a report, and the bounds of the view in the plane."""
     robot = robot_of(scenario)
-    layout = SignalLayout.of(scenario, inputs=robot.system.m, coordinates=robot.position.numel())
+    layout = SignalLayout.of(scenario, robot)
     scene = scene_payload(layout, scenario.plant.robot_model.position_unit)
     if layout.points:
         scene["bounds"] = _bounds(scenario)
@@ -34,8 +35,7 @@ def _bounds(scenario: Scenario) -> Box:
     """Return lowest and highest corner of the view: walls, bounded outlines wherever they move, the start."""
     outlines = [barrier.outline for barrier in scenario.barriers]
     places = [place for outline in outlines if outline is not None for place in _extent(outline)]
-    x0 = scenario.plant.x0
-    places += [(x0[2 * i], x0[2 * i + 1]) for i in range(scenario.plant.robot_model.points)]
+    places += DrawnPlaces.of(robot_of(scenario)).at(scenario.plant.x0)[0]
     walls = [outline for outline in outlines if outline is not None and not outline.is_closed]
     low, high = [], []
     for axis in range(2):

@@ -15,6 +15,7 @@ from passafe_dashboard.reports.comparison_rows import comparison_rows
 from passafe_dashboard.reports.report_run import ReportRun
 from passafe_dashboard.reports.run_descriptions import description, marks
 from passafe_dashboard.run_record.chart_plan import ChartPlan, chart_plans
+from passafe_dashboard.run_record.collector import RunCollector
 from passafe_dashboard.run_record.run_payload import run_payload
 from passafe_dashboard.run_record.signals import SEVERITY
 from passafe_dashboard.script_bundle import script_bundle
@@ -91,15 +92,19 @@ def report_parts(
         has_barriers=bool(first.layout.barriers),
         scene_title="Robot in the plane" if planar else "Joints",
         scene_text=_scene_text(planar, runs),
-        scene_note=_SCENE_NOTES[planar],
+        scene_note=_scene_note(first),
     )
     return ReportParts(title=title, markup=markup, data=_data(runs, plans))
 
 
-_SCENE_NOTES: Final = {
-    True: "Trail until the cursor; what follows is faint. Arrows: input asked (dashed) and allowed.",
-    False: "Angle of each joint at the cursor, between its limits.",
-}
+def _scene_note(record: RunCollector) -> str:
+    """Return what is to be seen of the robot."""
+    layout = record.layout
+    if not layout.points:
+        return "Angle of each joint at the cursor, between its limits."
+    trail = "Trail until the cursor; what follows is faint."
+    has_arrows = layout.drawn is None or layout.drawn.pushes is None
+    return f"{trail} Arrows: input asked (dashed) and allowed." if has_arrows else trail
 
 
 def inline_script(text: str) -> str:

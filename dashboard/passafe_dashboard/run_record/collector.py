@@ -57,7 +57,7 @@ class RunCollector:
     def __init__(self, scenario: Scenario, evaluator: PlantEvaluator) -> None:
         robot = robot_of(scenario)
         self.scenario = scenario
-        self.layout = layout = SignalLayout.of(scenario, inputs=robot.system.m, coordinates=int(robot.position.numel()))
+        self.layout = layout = SignalLayout.of(scenario, robot)
         self._evaluator = evaluator
         period_ns = round(scenario.dt_s * 1e9)
         ticks, states, places = layout.tick_columns, layout.state_columns, layout.place_columns

@@ -16,8 +16,17 @@ def scene_payload(layout: SignalLayout, unit: str) -> dict[str, Any]:
         unit: Unit of a coordinate of the position.
     """
     if layout.points:
-        return {"kind": "plane", "points": layout.points, "outlines": _outlines(layout)}
+        return {"kind": "plane", "points": layout.points, "outlines": _outlines(layout), **_body(layout)}
     return {"kind": "joints", "unit": unit, "joints": [_joint(layout, i) for i in range(layout.coordinates)]}
+
+
+def _body(layout: SignalLayout) -> dict[str, Any]:
+    """Return the body of a robot that has one: its outline, the column of its angle, and links between points."""
+    drawn = layout.drawn
+    if drawn is None:
+        return {}
+    heading = f"q_{2 * drawn.count}" if drawn.has_heading else None
+    return {"outline": drawn.outline, "heading": heading, "links": drawn.links, "arrows": drawn.pushes is None}
 
 
 def _outlines(layout: SignalLayout) -> list[dict[str, Any]]:

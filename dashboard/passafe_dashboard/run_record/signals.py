@@ -9,8 +9,10 @@ from passafe_protocol.messages import BY_SEVERITY, FilterStatus, PlantPhase
 from passafe_services.log.message_block import MessageBlock
 from passafe_services.scenarios.barrier_kinds.barrier_kind import SingleBarrier
 from passafe_services.scenarios.barrier_kinds.motion import MotionKind
+from passafe_services.scenarios.drawn_places import DrawnPlaces
 from passafe_services.scenarios.schema import Scenario
 
+from passafe.models.robot import Robot
 from passafe_dashboard.number_text import number
 from passafe_dashboard.run_record.bucket_table import FloatArray, IntArray
 
@@ -66,8 +68,9 @@ class SignalLayout:
         levels: Number of ψ of each barrier, h included.
         states: Length of the state.
         inputs: Length of the input.
-        points: Number of points in the plane the state begins with; 0 for joints.
-        coordinates: Number of coordinates of the position.
+        points: Number of points in the plane that are drawn; 0 for joints.
+        coordinates: Number of coordinates of the position, or of what is drawn: two a point, and the body's angle.
+        drawn: Points of a robot that is not drawn where its state begins; ``None``: there.
     """
 
     barriers: tuple[SingleBarrier, ...]
@@ -76,17 +79,21 @@ class SignalLayout:
     inputs: int
     points: int
     coordinates: int
+    drawn: DrawnPlaces | None = None
 
     @classmethod
-    def of(cls, scenario: Scenario, *, inputs: int, coordinates: int) -> "SignalLayout":
-        """Return the layout of a scenario, given the lengths of input and position."""
+    def of(cls, scenario: Scenario, robot: Robot) -> "SignalLayout":
+        """Return the layout of a scenario and its robot."""
+        places = DrawnPlaces.of(robot)
+        drawn = places if scenario.plant.robot is not None and places.count else None
         return cls(
             barriers=scenario.barriers,
             levels=tuple(len(barrier.class_k) for barrier in scenario.barriers),
             states=len(scenario.plant.x0),
-            inputs=inputs,
-            points=scenario.plant.robot_model.points,
-            coordinates=coordinates,
+            inputs=robot.system.m,
+            points=robot.points if drawn is None else drawn.count,
+            coordinates=int(robot.position.numel()) if drawn is None else 2 * drawn.count + drawn.has_heading,
+            drawn=drawn,
         )
 
     def h_unit(self, barrier: int) -> str:
@@ -144,7 +151,8 @@ class SignalLayout:
 
     def places(self, x: FloatArray, t_s: FloatArray) -> FloatArray:
         """Return the values of ``place_columns`` for states x, shape (n, N), at plant times t_s, s, shape (N,)."""
-        return np.vstack([x[: self.coordinates], *(motion.displacements_m(t_s) for _, motion in self.moving)])
+        here = x[: self.coordinates] if self.drawn is None else self.drawn.many(x)
+        return np.vstack([here, *(motion.displacements_m(t_s) for _, motion in self.moving)])
 
     def tick_rows(self, block: MessageBlock) -> Rows:
         """Return which ticks are of this scenario, by their places in the block."""

@@ -24,6 +24,8 @@ from foxglove_schemas_protobuf.Vector3_pb2 import Vector3
 from passafe_protocol.messages import FilterTick, PlantState
 
 from passafe_services.scenarios.barrier_kinds.outline import Outline
+from passafe_services.scenarios.design import robot_of
+from passafe_services.scenarios.drawn_places import DrawnPlaces
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.viewer.view_message import ViewMessage, ViewTopic, timestamp
 
@@ -60,7 +62,8 @@ class Scene:
     """
 
     def __init__(self, scenario: Scenario) -> None:
-        self._points = scenario.plant.robot_model.points
+        self._drawn = DrawnPlaces.of(robot_of(scenario))
+        self._points = self._drawn.count
         self._joints = 0 if self._points else len(scenario.plant.x0) // 2
         self._outlines = [(one.name, one.outline) for one in scenario.barriers if one.outline is not None]
 
@@ -76,7 +79,7 @@ class Scene:
             yield ViewMessage(JOINTS, self._joint_states(state, time_ns), time_ns)
         if not self._points:
             return
-        places = [(state.x[2 * k], state.x[2 * k + 1]) for k in range(self._points)]
+        places, heading, _ = self._drawn.at(state.x)
         frames = ["robot" if self._points == 1 else f"robot_{k + 1}" for k in range(self._points)]
         stamp = timestamp(time_ns)
         transforms = [
@@ -85,12 +88,12 @@ class Scene:
                 parent_frame_id=WORLD,
                 child_frame_id=frame,
                 translation=Vector3(x=x, y=y),
-                rotation=Quaternion(w=1.0),
+                rotation=_turned(heading),
             )
             for frame, (x, y) in zip(frames, places, strict=True)
         ]
         yield ViewMessage(TRANSFORMS, FrameTransforms(transforms=transforms), time_ns)
-        poses = [_pose(*place) for place in places]
+        poses = [_pose(*place, heading) for place in places]
         yield ViewMessage(POSES, PosesInFrame(timestamp=stamp, frame_id=WORLD, poses=poses), time_ns)
         size = Vector3(x=ROBOT_M, y=ROBOT_M, z=ROBOT_M)
         entities = [
@@ -99,11 +102,29 @@ class Scene:
                 frame_id=WORLD,
                 id=frame,
                 spheres=[SpherePrimitive(pose=_pose(*place), size=size, color=_POINT)],
-                arrows=[] if tick is None else _arrows(tick, k, place),
+                lines=self._body(place, heading),
+                arrows=[] if tick is None else self._arrows(tick, k, place),
             )
             for k, (frame, place) in enumerate(zip(frames, places, strict=True))
         ]
         yield ViewMessage(ROBOT, SceneUpdate(entities=entities), time_ns)
+
+    def _body(self, place: tuple[float, float], heading: float | None) -> list[Any]:
+        """Return the outline of the body, if the robot has one."""
+        if heading is None:
+            return []
+        corners = [Point3(x=x, y=y) for x, y in self._drawn.outline]
+        pose = _pose(*place, heading)
+        return [LinePrimitive(type=LinePrimitive.LINE_LOOP, pose=pose, thickness=0.02, points=corners, color=_POINT)]
+
+    def _arrows(self, tick: FilterTick, point: int, place: tuple[float, float]) -> list[Any]:
+        """Return the arrows of what was asked for and of what was sent to a point."""
+        found = []
+        for vector, colour in ((tick.u_nominal, _ASKED), (tick.u, _SENT)):
+            pushed = self._drawn.push(tick.x_hat, vector)
+            arrow = _arrow(pushed[2 * point : 2 * point + 2], place, colour)
+            found += [] if arrow is None else [arrow]
+        return found
 
     def barriers(self, plant_ns: int, tick: FilterTick | None, time_ns: int) -> Iterator[ViewMessage]:
         """Yield the outlines of all barriers at a plant time: grey, orange where the row binds, red where h < 0."""
@@ -149,15 +170,6 @@ def _colour(name: str, tick: FilterTick | None) -> Any:  # noqa: ANN401 - as abo
     return _BINDS if any(row.name == name and row.active for row in tick.rows) else _KEPT
 
 
-def _arrows(tick: FilterTick, point: int, place: tuple[float, float]) -> list[Any]:
-    """Return the arrows of what was asked for and of what was sent to a point."""
-    found = []
-    for vector, colour in ((tick.u_nominal, _ASKED), (tick.u, _SENT)):
-        arrow = _arrow(vector[2 * point : 2 * point + 2], place, colour)
-        found += [] if arrow is None else [arrow]
-    return found
-
-
 def _arrow(vector: Sequence[float], place: tuple[float, float], colour: Any) -> Any:  # noqa: ANN401 - as above
     length = min(hypot(*vector) * ARROW_M_PER_INPUT, LONGEST_ARROW_M)
     if length < _STILL:
@@ -175,5 +187,10 @@ def _arrow(vector: Sequence[float], place: tuple[float, float], colour: Any) -> 
     )
 
 
-def _pose(x: float, y: float) -> Any:  # noqa: ANN401 - as above
-    return Pose(position=Vector3(x=x, y=y), orientation=Quaternion(w=1.0))
+def _pose(x: float, y: float, heading: float | None = None) -> Any:  # noqa: ANN401 - as above
+    return Pose(position=Vector3(x=x, y=y), orientation=_turned(heading))
+
+
+def _turned(heading: float | None) -> Any:  # noqa: ANN401 - as above
+    """Return the rotation by an angle in the plane."""
+    return Quaternion(w=1.0) if heading is None else Quaternion(z=sin(heading / 2), w=cos(heading / 2))

@@ -8,10 +8,13 @@
  * @typedef {{angle: number, half: number, name: string}} Cut */
 
 /** Returns what was asked of an operator's axes and what was allowed of it, as numbers of the input.
- * @param {{u_h: number[], u: number[], u_nominal: number[]}} filter
+ * Where the input is no acceleration of the point, as with a car, what it amounts to is sent beside it.
+ * @param {{u_h: number[], u: number[], u_nominal: number[], pushes?: {asked: number[], allowed: number[]}}} filter
  * @param {number[]} axes
  * @returns {{asked: number[], allowed: number[]}} */
 export function askedAndAllowed(filter, axes) {
+  const { pushes } = filter;
+  if (pushes) return { asked: axes.map((axis) => pushes.asked[axis] ?? 0), allowed: axes.map((axis) => pushes.allowed[axis] ?? 0) };
   return {
     asked: axes.map((axis) => filter.u_h[axis] ?? 0),
     allowed: axes.map((axis) => (filter.u[axis] ?? 0) - (filter.u_nominal[axis] ?? 0) + (filter.u_h[axis] ?? 0)),

@@ -15,6 +15,7 @@ const TRAIL_PIECES = 6;
 const ROBOT_PX = 9;
 const VELOCITY_S = 0.4;
 const OLD_MS = 60;
+const MOST_TRAILS = 2;
 
 export class PlaneScene {
   /** @param {HTMLCanvasElement} ground
@@ -29,7 +30,7 @@ export class PlaneScene {
     this.states = states;
     this.camera = new Camera(scene.bounds);
     this.scales = Array.from({ length: scene.points }, (_, i) => new DialScale(full[2 * i] ?? full[0] ?? 10));
-    this.columns = Array.from({ length: scene.points }, (_, i) => [`p${2 * i + 1}_m`, `p${2 * i + 2}_m`]);
+    this.columns = Array.from({ length: Math.min(scene.points, MOST_TRAILS) }, (_, i) => [`p${2 * i + 1}_m`, `p${2 * i + 2}_m`]);
   }
 
   /** @param {Now} now
@@ -44,6 +45,10 @@ export class PlaneScene {
     if (moved || restyled || Object.keys(moves).length) this.drawGround(moves, theme);
     const pen = clear(this.canvas, width, height);
     const old = now.liveness.state !== "live";
+    for (const link of this.scene.links ?? []) {
+      const ends = link.filter((point) => places[point]).map((point) => this.camera.pixel(...places[point]));
+      line(pen, ends, theme.quiet, 4);
+    }
     places.forEach((place, point) => this.drawPoint(pen, now, point, place, theme, old));
   }
 
@@ -51,6 +56,7 @@ export class PlaneScene {
    * @param {Now} now
    * @returns {Pair[]} */
   places(now) {
+    if (now.plant?.places) return now.plant.places;
     const x = now.plant?.x;
     if (!x) return [];
     return Array.from({ length: this.scene.points }, (_, i) => [x[2 * i], x[2 * i + 1]]);
@@ -131,7 +137,10 @@ export class PlaneScene {
     this.drawInputs(pen, now, point, here, theme);
     this.drawKnown(pen, now, point, theme);
     pen.beginPath();
-    pen.arc(here[0], here[1], ROBOT_PX, 0, 2 * Math.PI);
+    const body = point === 0 && this.scene.outline?.length && typeof now.plant.heading === "number";
+    if (body) for (const corner of turned(this.scene.outline, place, now.plant.heading)) pen.lineTo(...this.camera.pixel(...corner));
+    else pen.arc(here[0], here[1], ROBOT_PX, 0, 2 * Math.PI);
+    pen.closePath();
     pen.fillStyle = old ? theme.raised : colour;
     pen.fill();
     pen.lineWidth = 2.5;
@@ -147,6 +156,7 @@ export class PlaneScene {
    * @param {Pair} here
    * @param {string} colour */
   drawTrail(pen, point, here, colour) {
+    if (!this.columns[point]) return;
     const [x, y] = this.columns[point].map((column) => this.states.envelope(column).low);
     const { end, newest } = this.states;
     const first = Math.max(this.states.at(newest - TRAIL_S), 0);
@@ -170,8 +180,11 @@ export class PlaneScene {
    * @param {Theme} theme */
   drawVelocity(pen, now, point, here, theme) {
     const first = this.scene.velocities + 2 * point;
+    const { x, velocities } = now.plant;
+    const velocity = velocities ? velocities[point] : [x[first], x[first + 1]];
+    if (!velocity) return;
     const factor = VELOCITY_S * this.camera.scale;
-    drawArrow(pen, here, [now.plant.x[first] * factor, now.plant.x[first + 1] * factor], { colour: theme.quiet, width: 2 });
+    drawArrow(pen, here, [velocity[0] * factor, velocity[1] * factor], { colour: theme.quiet, width: 2 });
   }
 
   /** @param {CanvasRenderingContext2D} pen
@@ -181,7 +194,7 @@ export class PlaneScene {
    * @param {Theme} theme */
   drawInputs(pen, now, point, here, theme) {
     const decision = decisionInForce(now);
-    if (!decision) return;
+    if (!decision || !this.scales[point]) return;
     const { asked, allowed } = askedAndAllowed(decision, [2 * point, 2 * point + 1]);
     const radius = Math.min(this.camera.width / 5, this.camera.height / 5, MARGIN_PX) - 4;
     const full = this.scales[point].follow(Math.hypot(asked[0], asked[1]));
@@ -211,7 +224,7 @@ export class PlaneScene {
    * @param {Theme} theme */
   drawKnown(pen, now, point, theme) {
     const age = now.ages?.state_ms ?? null;
-    if (age === null || age < OLD_MS || !now.plant) return;
+    if (age === null || age < OLD_MS || !now.plant || !this.columns[point]) return;
     const at = now.plant.time_s - age / 1000;
     const [x, y] = this.columns[point].map((column) => this.states.value(column, at));
     if (x === null || y === null) return;
@@ -225,6 +238,16 @@ export class PlaneScene {
     pen.setLineDash([]);
     label(pen, `${Math.round(age)} ms old`, left + ROBOT_PX + 5, top + ROBOT_PX + 8, theme.quiet, "left");
   }
+}
+
+/** Returns the corners of a body at a place, turned by its heading.
+ * @param {Pair[]} corners
+ * @param {Pair} place
+ * @param {number} heading
+ * @returns {Pair[]} */
+export function turned(corners, place, heading) {
+  const [c, s] = [Math.cos(heading), Math.sin(heading)];
+  return corners.map(([x, y]) => [place[0] + c * x - s * y, place[1] + s * x + c * y]);
 }
 
 /** @param {CanvasRenderingContext2D} pen

@@ -4,7 +4,8 @@
 
 /** @typedef {{names: string[], border: Pair[], unsafe: Pair[], bounded: boolean, closed: boolean, moving: number | null}} Outline */
 
-/** @typedef {{kind: "plane", points: number, outlines: Outline[], bounds: [Pair, Pair], velocities: number}} Plane */
+/** @typedef {{kind: "plane", points: number, outlines: Outline[], bounds: [Pair, Pair], velocities: number,
+ *   outline?: Pair[], links?: Pair[]}} Plane */
 
 /** @typedef {{name: string, column: string, low: number | null, high: number | null}} Joint */
 

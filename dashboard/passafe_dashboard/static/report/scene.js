@@ -148,6 +148,7 @@ export class PlaneScene {
 
   drawRun(pen, run, number, theme) {
     const states = run.tables.states;
+    this.drawLinks(pen, states, theme);
     for (let point = 0; point < this.scene.points; point += 1) {
       const colour = theme.lines[point % theme.lines.length];
       const dash = number ? [3, 3] : [];
@@ -160,15 +161,32 @@ export class PlaneScene {
       if (here[0] === null || here[1] === null) continue;
       const now = this.place(here[0], here[1]);
       line(pen, [...done.map(({ x, y }) => this.place(x, y)), now], colour, 2.2, dash);
-      this.drawArrows(pen, run, point, now, theme);
+      if (this.scene.arrows !== false) this.drawArrows(pen, run, point, now, theme);
+      const heading = point === 0 && this.scene.heading ? states.value(this.scene.heading, this.view.cursor) : null;
       pen.beginPath();
-      pen.arc(now[0], now[1], 6, 0, 2 * Math.PI);
+      if (heading === null) pen.arc(now[0], now[1], 6, 0, 2 * Math.PI);
+      else for (const corner of this.body(here, heading)) pen.lineTo(...this.place(...corner));
+      pen.closePath();
       pen.fillStyle = colour;
       pen.fill();
       pen.lineWidth = 1.5;
       pen.strokeStyle = theme.paper;
       pen.stroke();
       pen.globalAlpha = 1;
+    }
+  }
+
+  /** Returns the corners of the robot's body at a place, turned by its heading. */
+  body([x, y], heading) {
+    const [c, s] = [Math.cos(heading), Math.sin(heading)];
+    return this.scene.outline.map(([forward, left]) => [x + c * forward - s * left, y + s * forward + c * left]);
+  }
+
+  drawLinks(pen, states, theme) {
+    const at = (point) => [0, 1].map((axis) => states.value(`q_${2 * point + axis}`, this.view.cursor));
+    for (const link of this.scene.links ?? []) {
+      const ends = link.map(at).filter(([x, y]) => x !== null && y !== null);
+      line(pen, ends.map(([x, y]) => this.place(x, y)), theme.quiet, 4);
     }
   }
 

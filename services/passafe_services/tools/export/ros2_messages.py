@@ -2,12 +2,15 @@
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from math import cos, sin
 from typing import Any, Final, NamedTuple
 
 import numpy as np
 from passafe_protocol.messages import Event, FilterTick, Header, Health, OperatorCommand, PlantInput, PlantState
 from rosbags.typesys import Stores, get_typestore
 
+from passafe_services.scenarios.design import robot_of
+from passafe_services.scenarios.drawn_places import DrawnPlaces
 from passafe_services.scenarios.schema import Scenario
 
 STORE: Final = get_typestore(Stores.ROS2_HUMBLE)
@@ -44,7 +47,8 @@ class RosMessages:
     """
 
     def __init__(self, scenario: Scenario | None) -> None:
-        self._points = 0 if scenario is None else scenario.plant.robot_model.points
+        self._drawn = None if scenario is None else DrawnPlaces.of(robot_of(scenario))
+        self._points = 0 if self._drawn is None else self._drawn.count
         self._joints = 0 if scenario is None or self._points else len(scenario.plant.x0) // 2
         self._of_body: Mapping[type, Callable[[Header, Any, int], Iterator[RosMessage]]] = {
             PlantState: self._state,
@@ -62,16 +66,16 @@ class RosMessages:
             yield from convert(header, body, time_ns)
 
     def _state(self, _sender: Header, body: PlantState, time_ns: int) -> Iterator[RosMessage]:
-        n = 2 * self._points
-        for k in range(self._points):
-            place, speed = body.x[2 * k : 2 * k + 2], body.x[n + 2 * k : n + 2 * k + 2]
+        places, heading, speeds = ([], None, []) if self._drawn is None else self._drawn.at(body.x)
+        for k, place in enumerate(places):
+            speed = speeds[k] if k < len(speeds) else (0.0, 0.0)
             suffix = "" if self._points == 1 else f"_{k + 1}"
             frame = f"robot{suffix}"
-            pose = _make("geometry_msgs/msg/Pose", position=_point(place), orientation=_upright())
+            pose = _make("geometry_msgs/msg/Pose", position=_point(place), orientation=_turned(heading))
             yield _stamped(f"/passafe/pose{suffix}", "geometry_msgs/msg/PoseStamped", time_ns, WORLD, pose=pose)
             twist = _make("geometry_msgs/msg/Twist", linear=_vector(speed), angular=_vector((0.0, 0.0)))
             yield _stamped(f"/passafe/twist{suffix}", "geometry_msgs/msg/TwistStamped", time_ns, WORLD, twist=twist)
-            transform = _make("geometry_msgs/msg/Transform", translation=_vector(place), rotation=_upright())
+            transform = _make("geometry_msgs/msg/Transform", translation=_vector(place), rotation=_turned(heading))
             stamped = _make(
                 "geometry_msgs/msg/TransformStamped",
                 header=_header(time_ns, WORLD),
@@ -179,8 +183,10 @@ def _vector(vector: Sequence[float]) -> Any:  # noqa: ANN401 - as above
     return _make("geometry_msgs/msg/Vector3", x=vector[0], y=vector[1], z=0.0)
 
 
-def _upright() -> Any:  # noqa: ANN401 - as above
-    return _make("geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=0.0, w=1.0)
+def _turned(heading: float | None) -> Any:  # noqa: ANN401 - as above
+    """Return the rotation by an angle in the plane; upright without one."""
+    half = 0.0 if heading is None else heading / 2
+    return _make("geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=sin(half), w=cos(half))
 
 
 def _name(name: str) -> str:
