@@ -1,6 +1,6 @@
 """Builds the filter node of a scenario."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
 from passafe_protocol.messages import VIRTUAL_CLOCK
@@ -10,6 +10,7 @@ from passafe.filter import SafetyPassivityFilter
 from passafe.human_input import HandModel, HumanInputEstimator
 from passafe.models.robot import Robot
 from passafe.override import Explainer
+from passafe.state_set import ErrorGrowth
 from passafe_services.filter.command_events import CommandEventEmitter
 from passafe_services.filter.command_intake import CommandIntake
 from passafe_services.filter.command_send_time import CommandSendTime
@@ -17,6 +18,7 @@ from passafe_services.filter.dead_man import DeadManFade
 from passafe_services.filter.decision_loop import DecisionLoop
 from passafe_services.filter.inexact_predictor import InexactPredictor
 from passafe_services.filter.input_sequencer import InputSequencer
+from passafe_services.filter.model_watch import ModelWatch
 from passafe_services.filter.newest_command import NewestCommand
 from passafe_services.filter.node import FilterNode
 from passafe_services.filter.operator_request import EstimatedRequest, PassThroughRequest
@@ -30,9 +32,10 @@ from passafe_services.filter.task_map import command_map
 from passafe_services.filter.unpredicted_node import UnpredictedFilterNode
 from passafe_services.filter.unpredicted_state import UnpredictedState
 from passafe_services.plant_contract.plant_model import PlantModel
-from passafe_services.scenarios.design import design_of, tank_of
+from passafe_services.scenarios.design import design_of, has_robust_rows, tank_of
 from passafe_services.scenarios.info import scenario_info
 from passafe_services.scenarios.schema import Scenario, WhiteAccelerationEstimator
+from passafe_services.scenarios.uncertain_robot import uncertainty_of
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,11 +46,13 @@ class CompiledFilter:
         core: The filter.
         explainer: Computes the override of a decision and its causes.
         override_text: Describes an override in a sentence.
+        growth: Growth of errors by the scenario's sets; ``None`` without.
     """
 
     core: SafetyPassivityFilter
     explainer: Explainer
     override_text: OverrideText
+    growth: ErrorGrowth | None = None
 
     @classmethod
     def of(cls, scenario: Scenario, robot: Robot) -> Self:
@@ -57,10 +62,12 @@ class CompiledFilter:
             DesignError: A part of the design is not valid.
         """
         core = SafetyPassivityFilter(design_of(scenario, robot))
+        sets = uncertainty_of(scenario, robot)
         return cls(
             core=core,
             explainer=Explainer(core),
             override_text=OverrideText(core, robot, scenario.plant.robot_model.input_unit),
+            growth=None if sets is None else ErrorGrowth(replace(core.design, uncertainty=sets)),
         )
 
 
@@ -102,15 +109,17 @@ def filter_node(
         explainer=compiled.explainer,
         override_text=compiled.override_text,
         info=scenario_info(scenario, driver),
+        watch=None if compiled.growth is None else ModelWatch(compiled.growth),
     )
     tank, period_ns, hold_ns = tank_of(scenario), model.period_ns, model.hold_ns
     if not scenario.filter.prediction:
         return UnpredictedFilterNode(decisions, UnpredictedState(tank), period_ns=period_ns, hold_ns=hold_ns)
-    predictor = Predictor if scenario.is_exact else InexactPredictor
+    plant = (model.dynamics, model.fail_safe, tank, period_ns)
+    growth = compiled.growth if has_robust_rows(scenario) else None
     repeats = min(scenario.filter.repeats, MAX_VECTOR // model.robot.system.m)
     return FilterNode(
         decisions,
-        predictor(model.dynamics, model.fail_safe, tank, period_ns),
+        Predictor(*plant) if scenario.is_exact else InexactPredictor(*plant, growth),
         InputSequencer(period_ns=period_ns, hold_ns=hold_ns, repeats=repeats),
     )
 

@@ -18,6 +18,7 @@ from passafe.override import Explainer
 from passafe_services.filter.command_intake import CommandIntake
 from passafe_services.filter.event_emitter import OverrideEventEmitter, StatusEventEmitter
 from passafe_services.filter.input_path import InputPath
+from passafe_services.filter.model_watch import ModelWatch
 from passafe_services.filter.newest_state import NewestState
 from passafe_services.filter.operator_request import OperatorRequest
 from passafe_services.filter.override_text import OverrideText
@@ -57,6 +58,7 @@ class DecisionLoop:
         explainer: Explainer,
         override_text: OverrideText,
         info: ScenarioInfo,
+        watch: ModelWatch | None = None,
     ) -> None:
         """Start with nothing received.
 
@@ -73,7 +75,10 @@ class DecisionLoop:
             explainer: Computes overrides and their causes.
             override_text: Describes an override in a sentence.
             info: Published in the first step.
+            watch: Compares states with the scenario's sets, if it has any.
         """
+        self._watch = watch
+        self._uses_sets = core.design.uncertainty is not None
         system = core.design.system
         self._core = core
         self._schedule = schedule
@@ -125,6 +130,7 @@ class DecisionLoop:
         last = self._last
         if last is None:
             return outgoing
+        outgoing += self._model_event(now_ns)
         status = last.status if silence is None else silence
         outgoing += self._status_event(now_ns, status)
         if not effective:  # the last decision remains in force
@@ -144,7 +150,8 @@ class DecisionLoop:
                         self._start_plant_session(path)
                     if self._commands.observe(received.header, body):
                         path.void()
-                    path.confirm(body)
+                    known = None if self._watch is None else self._watch.observe(body, path)
+                    path.confirm(body, known if self._uses_sets else None)
             elif type(body) is OperatorCommand:
                 self._commands.receive(received, body)
 
@@ -159,6 +166,8 @@ class DecisionLoop:
         self._starts = self._starts_nearest
         self._schedule.restart()
         path.restart()
+        if self._watch is not None:
+            self._watch.restart()
 
     def _wait(self, path: InputPath) -> None:
         """Keep received messages until the first tick lists them, so that replay is exact.
@@ -197,7 +206,9 @@ class DecisionLoop:
         starts = self._starts and predicted.phase is _WAITING  # a moving plant has an input in force
         x, u = predicted.sample.x, predicted.u
         u_h, u_h_rate = self._command_map.inputs(x, u, request.u_h, request.u_h_rate)
-        decision = self._core.decide(x, u, u_h, u_h_rate, tank_j, effective_ns * 1e-9, start=starts)
+        decision = self._core.decide(
+            x, u, u_h, u_h_rate, tank_j, effective_ns * 1e-9, start=starts, x_error=predicted.x_error
+        )
         self._starts = False
         self._tick += 1
         outgoing.append((INPUT, path.message(self._tick, decision.u, effective_ns, self._commands.stop.cleared)))
@@ -213,6 +224,7 @@ class DecisionLoop:
             state_age_ns,
             request,
             path.horizon_ns,
+            () if self._watch is None else self._watch.residual,
         )
 
     def _report_override(self, now_ns: int, record: TickRecord, outgoing: list[Outgoing]) -> None:
@@ -224,6 +236,10 @@ class DecisionLoop:
         if status is self._status_events.settled:
             return []
         event = self._status_events.event(now_ns, status)
+        return [] if event is None else [(EVENT, event)]
+
+    def _model_event(self, now_ns: int) -> list[Outgoing]:
+        event = None if self._watch is None else self._watch.event(now_ns)
         return [] if event is None else [(EVENT, event)]
 
     def _scenario_info(self) -> list[Outgoing]:

@@ -1,9 +1,11 @@
 """Interface of a filter node, with or without prediction, to the loop that both share."""
 
+from collections.abc import Sequence
 from typing import Protocol
 
-from passafe_protocol.messages import PlantInput, PlantState
+from passafe_protocol.messages import PlantInput, PlantState, Vector
 
+from passafe.state_set import StateSet
 from passafe_services.filter.predictor import Predicted
 
 
@@ -23,8 +25,17 @@ class InputPath(Protocol):
         """Discard what was sent: an emergency stop or its clear voids it at the plant."""
         ...
 
-    def confirm(self, state: PlantState) -> None:
-        """Receive the newest plant state."""
+    def confirm(self, state: PlantState, known: StateSet | None = None) -> None:
+        """Receive the newest plant state.
+
+        Args:
+            state: The state.
+            known: Set in which the plant then is, where the scenario's sets count.
+        """
+        ...
+
+    def inputs_between(self, before: PlantState, state: PlantState) -> Sequence[Vector] | None:
+        """Return the input of every period from one plant state to a later one; ``None`` if they are not known."""
         ...
 
     def next_input(self, state: PlantState, target_ns: int) -> tuple[int, bool]:

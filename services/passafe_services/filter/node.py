@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from passafe_protocol.messages import PlantInput, PlantState, Received, Vector
 from passafe_protocol.topics import COMMAND, STATE, Topic
 
+from passafe.state_set import StateSet
 from passafe_services.filter.decision_loop import DecisionLoop
 from passafe_services.filter.inexact_predictor import InexactPredictor
 from passafe_services.filter.input_sequencer import InputSequencer
@@ -54,9 +55,18 @@ class FilterNode:
         """End the sequence: an emergency stop or its clear voids it at the plant."""
         self._sequencer.restart()
 
-    def confirm(self, state: PlantState) -> None:
+    def confirm(self, state: PlantState, known: StateSet | None = None) -> None:
         """Compare the prediction with the newest plant state."""
-        self._predictor.confirm(state)
+        predictor = self._predictor
+        if isinstance(predictor, InexactPredictor):
+            predictor.confirm(state, known)
+        else:
+            predictor.confirm(state)
+
+    def inputs_between(self, before: PlantState, state: PlantState) -> Sequence[Vector] | None:
+        """Return the input of every period between two plant states, see ``InputPath``."""
+        predictor = self._predictor
+        return predictor.inputs_between(before, state) if isinstance(predictor, InexactPredictor) else None
 
     def next_input(self, state: PlantState, target_ns: int) -> tuple[int, bool]:
         """Return the plant time of the next input, and whether a new sequence begins with it; see ``InputPath``."""

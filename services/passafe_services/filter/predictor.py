@@ -25,6 +25,7 @@ class Predicted(Struct, gc=False):
         phase: Origin of the input.
         input_since_ns: Plant time at which the last input took effect, ns.
         sequence_break_ns: Plant time of the last sequence break, ns.
+        x_error: Largest error of the state for every member of the scenario's sets; ``None`` where they do not count.
     """
 
     plant_ns: int
@@ -34,6 +35,7 @@ class Predicted(Struct, gc=False):
     phase: PlantPhase
     input_since_ns: int
     sequence_break_ns: int
+    x_error: Vector | None = None
 
 
 class Predictor:

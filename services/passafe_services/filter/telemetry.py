@@ -14,6 +14,7 @@ from passafe_protocol.messages import (
     OverrideReport,
     Received,
     RowReport,
+    Vector,
 )
 from passafe_protocol.topics import TOPIC_OF_BODY
 
@@ -45,6 +46,7 @@ class TickRecord(Struct, frozen=True, eq=False):
         state_age_ns: Age of the newest state, ns; −1 before the first one.
         request: The operator's request.
         horizon_ns: Prediction horizon, ns.
+        residual: Newest state against what the scenario's sets allow, n factors; empty without.
     """
 
     telemetry: "Telemetry"
@@ -57,6 +59,7 @@ class TickRecord(Struct, frozen=True, eq=False):
     state_age_ns: int
     request: OperatorRequest
     horizon_ns: int
+    residual: Vector = ()
 
     def for_step(
         self, status: FilterStatus, inbox: Sequence[Received], state_age_ns: int, request: OperatorRequest
@@ -149,4 +152,6 @@ class Telemetry:
             horizon_ns=record.horizon_ns,
             command_state=record.request.state.value,
             command_share=record.request.share,
+            x_error=request.x_error,
+            residual=record.residual,
         )

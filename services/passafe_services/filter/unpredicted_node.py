@@ -2,9 +2,10 @@
 
 from collections.abc import Sequence
 
-from passafe_protocol.messages import PlantInput, PlantState, Received, Vector
+from passafe_protocol.messages import PlantInput, PlantPhase, PlantState, Received, Vector
 from passafe_protocol.topics import COMMAND, STATE, Topic
 
+from passafe.state_set import StateSet
 from passafe_services.filter.decision_loop import DecisionLoop
 from passafe_services.filter.predictor import Predicted
 from passafe_services.filter.unpredicted_state import UnpredictedState
@@ -46,9 +47,15 @@ class UnpredictedFilterNode:
         """Forget the input sent last: an emergency stop or its clear voids it at the plant."""
         self._state.void()
 
-    def confirm(self, state: PlantState) -> None:
+    def confirm(self, state: PlantState, known: StateSet | None = None) -> None:
         """Keep the newest plant state."""
+        del known
         self._state.confirm(state)
+
+    def inputs_between(self, before: PlantState, state: PlantState) -> Sequence[Vector] | None:
+        """Return the input between two plant states that follow one another; ``None`` for others."""
+        periods = (state.plant_ns - before.plant_ns) // self._period_ns
+        return [before.u] * periods if periods <= 1 and before.phase is not PlantPhase.WAITING else None
 
     def next_input(self, state: PlantState, target_ns: int) -> tuple[int, bool]:
         """Return the plant time of the next input, never one already decided; no sequence begins; see ``InputPath``."""

@@ -45,5 +45,5 @@ def plant_node(
         limits=model.limits,
         latch=StopLatch(started_with),
         driver=driver,
-        guard=Guard(model.guard_core) if scenario.has_guard else None,
+        guard=Guard(model.guard_core, model.guard_growth, period_ns=model.period_ns) if scenario.has_guard else None,
     )

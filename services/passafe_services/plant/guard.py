@@ -7,6 +7,8 @@ from passafe_protocol.messages import Event, GuardAction, Vector
 
 from passafe.decision import ANSWERS, Decision, Status
 from passafe.filter import SafetyPassivityFilter
+from passafe.state_set import ErrorGrowth
+from passafe_services.plant_contract.state_estimate import StateEstimate
 
 QUIET_PERIOD_NS: Final = 1_000_000_000
 """Least time between two events of the guard, ns."""
@@ -42,12 +44,17 @@ class Guard:
         changed: Periods whose input it has changed.
     """
 
-    def __init__(self, core: SafetyPassivityFilter) -> None:
+    def __init__(self, core: SafetyPassivityFilter, growth: ErrorGrowth | None = None, *, period_ns: int = 0) -> None:
         """Start with nothing changed.
 
         Args:
             core: Rows of the guard, whose nominal input is what is asked (``guard_design_of``).
+            growth: Growth of errors by the guard's sets, if it has any.
+            period_ns: Period of the plant, ns.
         """
+        self._estimate = None if growth is None else StateEstimate(growth)
+        self._period_ns = period_ns
+        self._judged_ns: int | None = None
         self._core = core
         design, m = core.design, core.design.system.m
         self._still: Vector = (0.0,) * m
@@ -68,7 +75,12 @@ class Guard:
         """
         core, still, t_s = self._core, self._still, plant_ns * 1e-9
         # As if it had been in force already: then margins are those about it, and the law asks for nothing else.
-        decision = core.decide(x, asked, asked, still, 0.0, t_s)
+        error: Vector | None = None
+        if self._estimate is not None:
+            follows = self._judged_ns is not None and plant_ns - self._judged_ns == self._period_ns
+            known = self._estimate.observe(x, (before,) if follows else None)
+            x, error, self._judged_ns = known.center, known.radius, plant_ns
+        decision = core.decide(x, asked, asked, still, 0.0, t_s, x_error=error)
         steps = self._steps
         if (
             decision.status is Status.PASSED
@@ -77,7 +89,7 @@ class Guard:
         ):
             return Guarded(asked, GuardAction.PASSED, "")
         if steps is not None:
-            decision = core.decide(x, before, asked, still, 0.0, t_s)
+            decision = core.decide(x, before, asked, still, 0.0, t_s, x_error=error)
         self.changed += 1
         if decision.status in ANSWERS:
             return Guarded(decision.u, GuardAction.CHANGED, self._cause(decision))

@@ -8,6 +8,7 @@ from passafe.filter import SafetyPassivityFilter
 from passafe.limits import Limits
 from passafe.models.robot import Robot
 from passafe.sampled_plant import SampledPlant
+from passafe.state_set import ErrorGrowth
 from passafe_services.plant_contract.fail_safe import FailSafe
 from passafe_services.scenarios.design import guard_design_of, limits_of, robot_of, sampled_plant_of
 from passafe_services.scenarios.schema import Scenario
@@ -46,6 +47,12 @@ class PlantModel:
     def guard_core(self) -> SafetyPassivityFilter:
         """Rows of the guard at the plant, compiled when they are asked for: the filter has no use for them."""
         return SafetyPassivityFilter(guard_design_of(self.scenario, self.robot))
+
+    @cached_property
+    def guard_growth(self) -> ErrorGrowth | None:
+        """Growth of errors by the guard's sets; ``None`` without."""
+        design = self.guard_core.design
+        return None if design.uncertainty is None else ErrorGrowth(design)
 
     @classmethod
     def of(cls, scenario: Scenario) -> Self:
