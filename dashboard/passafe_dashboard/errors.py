@@ -65,6 +65,13 @@ class LinkAnswerError(PassafeError):
         super().__init__(f"link {link}: {reason}: is {reader} running?")
 
 
+class NothingToStopError(PassafeError):
+    """The emergency stop was pressed while no run is going on."""
+
+    def __init__(self) -> None:
+        super().__init__("No run is going on: there is nothing to stop.")
+
+
 class StopNameError(NotAllowedError):
     """A clear that names another emergency stop than the one that is latched."""
 

@@ -45,6 +45,15 @@ def test_a_clear_names_the_stop_that_it_means(page: ServedPage, run: FastRun) ->
     assert (again.status_code, "no stop is latched" in again.json()["detail"]) == (409, True)
 
 
+def test_a_press_without_a_run_says_so_at_once(page: ServedPage, run: FastRun) -> None:
+    run.feed.session = {"state": "stopped", "run": 1, "trouble": "", "processes": {}}
+
+    answer = page.put("/api/stop", None)
+
+    assert (answer.status_code, answer.json()["detail"]) == (409, "No run is going on: there is nothing to stop.")
+    assert run.stop_requests == []
+
+
 @pytest.mark.parametrize("stop", ["0", "-1", str(2**64), "nan", "x"])
 def test_a_clear_of_no_number_is_refused(page: ServedPage, stop: str) -> None:
     assert page.put(f"/api/clear/{stop}", None).status_code == 422

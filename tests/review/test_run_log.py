@@ -8,6 +8,7 @@ from damped_point_run import PERIOD_NS, Run, header, rollout, scenario, state, t
 from mcap.writer import Writer
 from passafe_protocol.codec import encode
 from passafe_protocol.messages import (
+    SCHEMA_VERSION,
     Event,
     FilterTick,
     Health,
@@ -80,7 +81,7 @@ def test_messages_missing_before_a_second_session_are_a_gap(tmp_path: Path) -> N
 
 def test_messages_that_are_not_valid_are_counted(tmp_path: Path) -> None:
     good = encode(header("plant", 0), state(0, (1, 2, 3, 4), (5, 6)))
-    other_version = good.replace(b"\x08\x02", b"\x08\x03", 1)
+    other_version = good.replace(bytes((8, SCHEMA_VERSION)), bytes((8, SCHEMA_VERSION + 1)), 1)
     path = tmp_path / "run.mcap"
     metadata = run_metadata(scenario_json=scenario().model_dump_json(), versions={}, driver="live")
     with LogWriter(path, metadata) as log:

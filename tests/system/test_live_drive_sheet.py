@@ -182,7 +182,7 @@ def test_another_scenario_runs_without_reloading_the_page(sheet: DrivenPage, tmp
     sheet.page.click("#tab-run")
     sheet.page.select_option("select[name=scenario]", "moving-disk")
     sheet.page.check("input[name=mode][value=safe]")
-    sheet.page.click("text=Start anew")
+    sheet.page.click("text=Start a new run")
     sheet.wait_for("document.querySelector('h1').textContent === 'A disk that comes and goes'")
     sheet.wait_for("document.getElementById('mode').textContent === 'safe'")
     sheet.wait_for("document.getElementById('connection').textContent === 'live'")

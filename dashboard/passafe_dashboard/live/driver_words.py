@@ -10,7 +10,7 @@ from passafe_services.tools.review.verdict_so_far import TOLERANCES
 from passafe_dashboard.live.barrier_gaps import Gap
 from passafe_dashboard.live.command_words import command_words
 from passafe_dashboard.live.feed import Feed
-from passafe_dashboard.live.gap_text import TOUCHING_M, barrier_words, distance_text
+from passafe_dashboard.live.gap_text import TOUCHING_M, age_text, barrier_words, distance_text
 from passafe_dashboard.palette import STATUS_STYLES
 
 LEAST_HELD: Final = 0.02
@@ -21,6 +21,16 @@ LEAST_ASKED: Final = 1e-3
 
 LEAST_SHARE: Final = 0.1
 """Share of a row in the change below which it is not named."""
+
+
+_COMMANDS: Final[Mapping[str, str]] = {
+    CommandState.NONE: "No command of the operator has come yet.",
+    CommandState.RELEASED: "The stick is let go: nothing is asked of the robot.",
+    CommandState.SILENT: "No newer command of the operator comes.",
+    CommandState.DELAYED: "The operator's commands are too old when they arrive.",
+    CommandState.STOPPED: "Commands from before the stop was cleared do not count: let go once.",
+}
+"""Sentences for commands that do not count."""
 
 
 class DriverWords(NamedTuple):
@@ -92,7 +102,7 @@ def _fail_safe(now: Situation) -> DriverWords | None:
     if state is None or state.phase is not PlantPhase.FAIL_SAFE:
         return None
     stale = tick is not None and tick.status is FilterStatus.STALE
-    detail = f"The filter waits: {_stale_reason(tick)}" if tick is not None and stale else "No input arrives in time."
+    detail = f"The filter waits. {_stale_reason(tick)}" if tick is not None and stale else "No input arrives in time."
     return DriverWords("guard", "The robot brakes by itself", detail)
 
 
@@ -105,8 +115,8 @@ def _stale(now: Situation) -> DriverWords | None:
 
 def _stale_reason(tick: FilterTick) -> str:
     if tick.command_state in (CommandState.COUNTS, CommandState.RESUMES):
-        return f"the robot's state is {tick.state_age_ns * 1e-6:.0f} ms old, too old to decide on."
-    return f"the operator's command: {command_words(tick)}."
+        return f"The robot's newest state is {age_text(tick.state_age_ns)} old, too old to decide on."
+    return _COMMANDS.get(tick.command_state, f"The operator's command {command_words(tick)}.")
 
 
 def _fallback(now: Situation) -> DriverWords | None:
@@ -184,7 +194,7 @@ def _free(now: Situation) -> DriverWords:
     if tick is None:
         return DriverWords("broken", "Waiting for the filter", near)
     if tick.command_state not in (CommandState.COUNTS, CommandState.RESUMES) and tick.command_state:
-        return DriverWords("free", "Nobody drives", f"The operator's command: {command_words(tick)}. {near}".strip())
+        return DriverWords("free", "Nobody steers", f"{_stale_reason(tick)} {near}".strip())
     if tick.status is FilterStatus.RELAXED:
         return DriverWords("held", f"Passivity gives way by {tick.slack:.2g} W", near)
     if tick.mode == "off":

@@ -25,6 +25,11 @@ def distance_text(distance: float, unit: str) -> str:
     return f"{_two_digits(size)} {unit}".rstrip()
 
 
+def age_text(age_ns: int) -> str:
+    """Return an age in ms, or in s from one second on."""
+    return f"{age_ns * 1e-6:.0f} ms" if age_ns < 1e9 else f"{age_ns * 1e-9:.1f} s"  # noqa: PLR2004 - one second
+
+
 def _two_digits(size: float) -> str:
     """Return a number without an exponent; below a hundredth it is 0."""
     if size >= 10.0:  # noqa: PLR2004 - two digits are before the point

@@ -138,6 +138,7 @@ def _filter_json(feed: Feed, tick: FilterTick) -> Json:
         "certificate": as_dict(tick.certificate),
         STATE_AGE: _age_ms(tick.state_age_ns),
         COMMAND_AGE: _age_ms(tick.command_age_ns),
+        "command_state": tick.command_state,
         "command_words": command_words(tick),
     }
 

@@ -7,7 +7,7 @@ from typing import Any, Final
 from passafe_protocol.messages import EmergencyStop, StopClear
 from passafe_protocol.stop_request import StopRequest, press_id
 
-from passafe_dashboard.errors import StopAnswerError, StopNameError
+from passafe_dashboard.errors import NothingToStopError, StopAnswerError, StopNameError
 from passafe_dashboard.live.broadcast import Broadcast
 from passafe_dashboard.live.page_state import stop_json
 
@@ -39,8 +39,12 @@ class StopRequests:
         """Press the emergency stop; return the stop that the plant has latched.
 
         Raises:
+            NothingToStopError: No run is going on.
             StopAnswerError: No answer came.
         """
+        session = self._broadcast.feed.session
+        if session is not None and session["state"] == "stopped":
+            raise NothingToStopError
         self._presses += 1
         press = EmergencyStop(press_id(self._epoch, self._presses), "pressed on the page")
         return await self._repeat(StopRequest(press))

@@ -10,6 +10,7 @@ from passafe_dashboard.run_record.chart_plan import ChartLine, ChartPlan, lowest
 from passafe_dashboard.run_record.collector import RunCollector
 
 NS_PER_S: Final = 1e9
+MS_PER_S: Final = 1e3
 MOST_DESCRIBED: Final = 4
 
 
@@ -55,10 +56,13 @@ def _violated(verdict: Mapping[str, Any]) -> Iterator[tuple[str, Mapping[str, An
 
 
 def _extremes(run: RunCollector) -> Iterator[tuple[str, Extreme]]:
+    held = run.ticks.greatest("held_back")
+    if held is not None and held.value > 0:
+        yield f"most held back, {number(held.value, 3)} {run.scenario.plant.robot_model.input_unit}", held
     for i in lowest_barriers(run)[:1]:
         lowest = run.states.least(f"h_{i}")
         if lowest is not None:
-            yield f"lowest h: {run.layout.barriers[i].name}, {run.layout.h_text(i, lowest.value)}", lowest
+            yield f"closest to a limit: {run.layout.barriers[i].name}, h = {run.layout.h_text(i, lowest.value)}", lowest
     wanted = [("lowest power margin", run.states.least("power_margin_w"), "W")]
     if run.scenario.filter.passivity.kind == "tank":
         wanted.append(("lowest tank", run.ticks.least("tank_j"), "J"))
@@ -66,7 +70,10 @@ def _extremes(run: RunCollector) -> Iterator[tuple[str, Extreme]]:
     wanted.append(("oldest command", oldest if oldest is not None and oldest.value > 0 else None, "ms"))
     for what, extreme, unit in wanted:
         if extreme is not None:
-            yield f"{what}, {number(extreme.value, 3)} {unit}", extreme
+            shown = (
+                (extreme.value / MS_PER_S, "s") if unit == "ms" and extreme.value >= MS_PER_S else (extreme.value, unit)
+            )
+            yield f"{what}, {number(shown[0], 3)} {shown[1]}", extreme
 
 
 def description(plan: ChartPlan, run: RunCollector) -> str:

@@ -5,7 +5,7 @@ from typing import Annotated, Final
 from fastapi import APIRouter, HTTPException, Path
 from pydantic import BaseModel
 
-from passafe_dashboard.errors import StopAnswerError, StopNameError
+from passafe_dashboard.errors import NothingToStopError, StopAnswerError, StopNameError
 from passafe_dashboard.live.stop_requests import StopRequests
 
 CONFLICT: Final = 409
@@ -31,11 +31,13 @@ def stop_routes(stops: StopRequests) -> APIRouter:
     silent = {"description": "The plant did not answer"}
     router = APIRouter(tags=["emergency stop"], responses={GATEWAY_TIMEOUT: silent})
 
-    @router.put("/api/stop")
+    @router.put("/api/stop", responses={CONFLICT: {"description": "No run is going on"}})
     async def press() -> LatchedStop:
         """Press the emergency stop; answered when the plant has latched it."""
         try:
             return LatchedStop(**await stops.press())
+        except NothingToStopError as error:
+            raise HTTPException(CONFLICT, str(error)) from error
         except StopAnswerError as error:
             raise HTTPException(GATEWAY_TIMEOUT, str(error)) from error
 

@@ -65,7 +65,9 @@ class RunCollector:
         self.states = BucketTable(states, places, width_ns=period_ns, most=_buckets(2 * len(states) + len(places)))
         self.tick_details = DetailBlocks(
             lowest=_numbers(ticks, ("tank_j", "psi_", "allowed")),
-            highest=_numbers(ticks, ("status", "slack_w", "state_age_ms", "command_age_ms", "step_us", "late_us")),
+            highest=_numbers(
+                ticks, ("status", "held_back", "slack_w", "state_age_ms", "command_age_ms", "step_us", "late_us")
+            ),
             most=NUMBERS // len(ticks),
         )
         self.state_details = DetailBlocks(

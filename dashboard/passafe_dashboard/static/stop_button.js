@@ -3,6 +3,9 @@
 
 /** @typedef {{id: string | null, source: string | null}} Stop */
 
+const SHOWN_MS = 12_000;
+const NOTHING_TO_STOP = 409;
+
 export class StopButton {
   /** @param {Document} page */
   constructor(page) {
@@ -12,6 +15,9 @@ export class StopButton {
     this.answer = /** @type {HTMLOutputElement} */ (page.getElementById("stop-answer"));
     /** @type {string | null} */
     this.latched = null;
+    /** What moves the robot after a clear, in a sentence. */
+    this.afterwards = "The robot can be driven again after the clear.";
+    this.answer.addEventListener("click", () => this.say(""));
     this.press.addEventListener("click", () => this.stop());
     this.clear.addEventListener("click", () => this.clearLatched());
     page.addEventListener("keydown", (event) => {
@@ -26,7 +32,11 @@ export class StopButton {
   }
 
   async clearLatched() {
-    if (!this.latched || !window.confirm("Is the way free? The robot can be driven again after the clear.")) return;
+    if (!this.latched) return;
+    if (!window.confirm(`Is the way free? ${this.afterwards}`)) {
+      this.say("Not cleared: the robot stays stopped.", true);
+      return;
+    }
     await this.request(`/api/clear/${this.latched}`, "Clearing …");
   }
 
@@ -58,7 +68,7 @@ export class StopButton {
       const response = await fetch(path, { method: "PUT" });
       const body = await response.json();
       if (response.ok) this.show(body);
-      else this.say(`Failed: ${body.detail}`, true);
+      else this.say(response.status === NOTHING_TO_STOP ? body.detail : `Failed: ${body.detail}`, true);
     } catch (error) {
       this.say(`Failed: the dashboard does not answer (${reason(error)}). Use passafe stop, or the robot's own switch.`, true);
     }
@@ -69,6 +79,8 @@ export class StopButton {
    * @param {boolean} failed */
   say(text, failed = false) {
     this.answer.textContent = text;
+    clearTimeout(this.hiding);
+    if (failed) this.hiding = setTimeout(() => this.answer.removeAttribute("data-failed"), SHOWN_MS);
     this.answer.toggleAttribute("data-failed", failed);
   }
 }

@@ -8,6 +8,7 @@ from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Final
 
 from rich.console import Console
@@ -47,6 +48,7 @@ class DemoReports:
         self._waiting: deque[_Ended] = deque()
         self._thread: threading.Thread | None = None
         self._code = 0
+        self._folder: Path | None = None
 
     def ready(self, number: int, run: PlannedRun) -> None:
         """Print that a run is going on, and with the first one the address of the page."""
@@ -81,6 +83,8 @@ class DemoReports:
         if self._thread is not None:
             self._thread.join()
         self._judge_all()
+        if self._folder is not None:
+            self._console.print(f"to see   passafe browse {escape(str(self._folder))}")
         return self._code
 
     def _judge_politely(self) -> None:
@@ -103,6 +107,7 @@ class DemoReports:
             self._console.print("not recorded: no verdict")
             ended.tell("", "not recorded: no verdict")
             return 0 if in_order else DIED
+        self._folder = run.log.parent
         verdicts: list[Verdict] = []
         code = report_outcome(outcome, run.log, self._console, verdicts.append)
         if verdicts:

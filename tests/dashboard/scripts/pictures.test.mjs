@@ -9,7 +9,7 @@ const { DialScale, askedAndAllowed, cuts, decisionInForce } = await import(`${li
 const { barSpan, shownGaps } = await import(`${live}/gap_bars.js`);
 const { QUANTITIES, settingText, sliderOf, valueOf } = await import(`${live}/network_panel.js`);
 const { ageText } = await import(`${live}/delays_panel.js`);
-const { driverText, leaseText, recordingText } = await import(`${live}/driver_panel.js`);
+const { afterClearText, driverText, leaseText, recordingText } = await import(`${live}/driver_panel.js`);
 const { heldShare } = await import(`${live}/feel.js`);
 const { FrameQueue } = await import(`${live}/frame_queue.js`);
 const { LiveTable } = await import(`${live}/live_table.js`);
@@ -186,4 +186,28 @@ test("processes, the last run and effects of links are said in words", () => {
   assert.equal(lastText({ run: 2, log: null, detail: "ended on request", outcome: "", words: "" }), "Run 2: ended on request");
   const settings = { distribution: "uniform", reorder: true, burst_enter: 0, outages: [], duplicate: 0.02, network: "lte-driving" };
   assert.equal(otherEffects(settings), "copies 2 %, lte-driving");
+});
+
+test("a clear says what moves the robot afterwards", () => {
+  assert.match(afterClearText({ page: null, device: "waypoints" }, false, "waypoints"), /the script \(waypoints\) drives on at once\.$/);
+  assert.match(afterClearText({ page: "3", device: "page" }, true, "waypoints"), /let go of stick and keys, then drive on\.$/);
+  assert.match(afterClearText(null, false, "waypoints"), /nobody drives\.$/);
+});
+
+test("a process that the demo does not run is not silent", () => {
+  const silent = { state: "silent", age_s: 288.8 };
+  assert.equal(processText(silent, undefined, true), "not part of this run");
+  assert.equal(processText(silent, "running", true), "silent for 288.8 s");
+  assert.equal(processText(silent, undefined, false), "silent for 288.8 s");
+  assert.equal(processText({ state: "ok", rate_hz: 250 }, "down", true), "down until restarted");
+});
+
+test("what a model of a network does is not shown as nothing", () => {
+  assert.equal(settingText(0, QUANTITIES.delay_s, "aircraft-bad"), "modelled");
+  assert.equal(settingText(0.02, QUANTITIES.delay_s, "aircraft-bad"), "+ 20 ms");
+  assert.equal(settingText(0, QUANTITIES.delay_s), "0 ms");
+});
+
+test("an old age is read in the unit that suits it", () => {
+  assert.deepEqual([999, 55_105, 111_353].map(ageText), ["999 ms", "55.1 s", "2 min"]);
 });

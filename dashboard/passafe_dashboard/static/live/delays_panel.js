@@ -10,7 +10,7 @@ export function ageText(ms) {
   if (ms === null || ms === undefined) return "–";
   if (ms < 1) return "< 1 ms";
   if (ms < 1000) return `${Math.round(ms)} ms`;
-  return `${(ms / 1000).toFixed(1)} s`;
+  return ms < 100_000 ? `${(ms / 1000).toFixed(1)} s` : `${Math.round(ms / 60_000)} min`;
 }
 
 /** @param {import("./types.js").Ages | undefined} ages */

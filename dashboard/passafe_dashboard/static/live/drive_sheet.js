@@ -11,7 +11,7 @@ import { PlaneScene } from "./plane_scene.js";
 import { ProcessPanel } from "./process_panel.js";
 import { RunPanel } from "./run_panel.js";
 import { connectTabs } from "./tabs.js";
-import { showWords } from "./words_panel.js";
+import { HOLD_LOST, showWords } from "./words_panel.js";
 
 /** @typedef {import("./types.js").Now} Now */
 
@@ -66,13 +66,13 @@ export class DriveSheet {
 
   /** @param {Now} now */
   showNumbers(now) {
-    showWords(now.words);
+    showWords(this.steering.holdLost && now.liveness.state === "live" && now.words.tone === "free" ? HOLD_LOST : now.words);
     this.gaps.show(now.gaps);
     this.energy.show(now.energy, this.setup.tolerances.power_margin_w);
-    showDelays(now.ages);
+    showDelays(now.liveness.state === "live" && !now.stop.id ? now.ages : undefined);
     showDriver(now, this.steering.you, this.setup.script);
     const age = byId("scene-age");
     age.hidden = now.liveness.state === "live";
-    if (!age.hidden) setText(age, `Old: ${now.liveness.text}`);
+    if (!age.hidden) setText(age, now.liveness.text);
   }
 }

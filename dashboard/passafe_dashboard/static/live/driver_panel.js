@@ -15,6 +15,16 @@ export function driverText(driver, you, script) {
   return driver.device === script ? `the script (${script})` : `the ${driver.device}`;
 }
 
+/** Returns what moves the robot after a clear of the emergency stop.
+ * @param {import("./types.js").Driver | undefined} driver
+ * @param {boolean} you
+ * @param {string | undefined} script */
+export function afterClearText(driver, you, script) {
+  const pull = "Its own controller moves it as soon as the stop is cleared";
+  if (you) return `${pull}; let go of stick and keys, then drive on.`;
+  return driver ? `${pull}, and ${driverText(driver, false, script)} drives on at once.` : `${pull}; nobody drives.`;
+}
+
 /** @param {any} lease */
 export function leaseText(lease) {
   if (!lease) return "–";
@@ -26,6 +36,7 @@ export function leaseText(lease) {
 
 /** @param {Now} now */
 export function recordingText(now) {
+  if (now.session?.state === "stopped") return "no run";
   if (now.session) return now.session.recording ? `on, ${now.session.log ?? "the log is being opened"}` : "off";
   const recorder = now.processes.find((each) => each.process === "recorder");
   return recorder?.state === "ok" ? "on" : recorder?.state === "silent" ? "the recorder is silent" : "off";
@@ -35,8 +46,9 @@ export function recordingText(now) {
  * @param {boolean} you
  * @param {string | undefined} script */
 export function showDriver(now, you, script) {
-  setText(byId("driver"), driverText(now.drive?.driver, you, script));
-  setText(byId("lease"), leaseText(now.drive?.lease ?? now.lease));
+  const runs = now.session?.state !== "stopped";
+  setText(byId("driver"), runs ? driverText(now.drive?.driver, you, script) : "–");
+  setText(byId("lease"), runs ? leaseText(now.drive?.lease ?? now.lease) : "–");
   const recording = byId("recording");
   setText(recording, recordingText(now));
   recording.title = recording.textContent ?? "";

@@ -44,6 +44,7 @@ export function valueOf(position, most) {
  * @param {Quantity} quantity
  * @param {string} network */
 export function settingText(value, quantity, network = "") {
+  if (network && !value) return "modelled";
   const shown = value * quantity.scale;
   return `${network ? "+ " : ""}${Number(shown.toFixed(shown < 10 ? 1 : 0))} ${quantity.unit}`;
 }
@@ -110,10 +111,11 @@ class LinkRow {
     this.name = element("span", "link-name", words);
     grid.append(this.name);
     this.sliders = Object.entries(QUANTITIES).map(([field, quantity]) => {
-      const label = element("label");
+      const label = document.createElement("label");
       const input = document.createElement("input");
       Object.assign(input, { type: "range", min: "0", max: "100", step: "0.5", value: "0" });
       input.setAttribute("aria-label", `${quantity.name} ${words}`);
+      label.dataset.name = quantity.name; // its heading where there is no room for one above the column
       const output = document.createElement("output");
       label.append(input, output);
       grid.append(label);

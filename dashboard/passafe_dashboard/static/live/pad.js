@@ -13,13 +13,13 @@ export class Pad {
    * @param {string} name
    * @param {number[]} axes
    * @param {number} size pixels
-   * @param {() => void} changed */
-  constructor(number, name, axes, size, changed) {
+   * @param {{press: () => boolean, change: () => void}} hands whether the stick may be taken hold of; what a change calls */
+  constructor(number, name, axes, size, hands) {
     this.number = number;
     this.axes = axes;
     this.size = size;
     this.stick = new Stick();
-    this.changed = changed;
+    this.hands = hands;
     this.canvas = document.createElement("canvas");
     this.canvas.className = "pad";
     this.canvas.id = `pad-${number}`;
@@ -33,20 +33,21 @@ export class Pad {
   listen() {
     const { canvas, stick } = this;
     canvas.addEventListener("pointerdown", (event) => {
+      if (!this.hands.press()) return;
       canvas.setPointerCapture(event.pointerId);
       stick.press(this.hand(event));
-      this.changed();
+      this.hands.change();
     });
     canvas.addEventListener("pointermove", (event) => {
       if (!stick.engaged) return;
       stick.move(this.hand(event));
-      this.changed();
+      this.hands.change();
     });
     for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) {
       canvas.addEventListener(end, () => {
         if (!stick.engaged) return;
         stick.release();
-        this.changed();
+        this.hands.change();
       });
     }
   }

@@ -1,5 +1,6 @@
 // The live scene in the plane: ground with outlines, and above it robot, trail, inputs and what is held back.
 
+import { ageText } from "./delays_panel.js";
 import { multiples, roundStep, tickText } from "../report/axis.js";
 import { line } from "../report/scene.js";
 import { Camera, MARGIN_PX } from "./camera.js";
@@ -236,7 +237,7 @@ export class PlaneScene {
     pen.setLineDash([3, 3]);
     pen.stroke();
     pen.setLineDash([]);
-    label(pen, `${Math.round(age)} ms old`, left + ROBOT_PX + 5, top + ROBOT_PX + 8, theme.quiet, "left");
+    label(pen, `${ageText(age)} old`, left + ROBOT_PX + 5, top + ROBOT_PX + 8, theme.quiet, "left");
   }
 }
 

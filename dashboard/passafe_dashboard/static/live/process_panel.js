@@ -6,8 +6,12 @@ import { request } from "./requests.js";
 /** @typedef {import("./types.js").Now} Now */
 
 /** Returns a process's state in words.
- * @param {any} process */
-export function processText(process) {
+ * @param {any} process
+ * @param {string | undefined} supervised its state at the demo's supervisor; missing: it is not part of the run
+ * @param {boolean} hasSession */
+export function processText(process, supervised, hasSession) {
+  if (hasSession && !supervised) return "not part of this run";
+  if (supervised === "down") return "down until restarted";
   if (process.state === "no report") return "not running, or no report yet";
   if (process.state === "silent") return `silent for ${process.age_s.toFixed(1)} s`;
   return `${process.rate_hz.toFixed(0)} steps a second`;
@@ -29,8 +33,10 @@ export class ProcessPanel {
     setText(this.note, now.session ? "" : "This system was not started by a demo: its processes are not controlled from here.");
     for (const process of now.processes) {
       const row = this.rows.get(process.process) ?? this.add(process.process);
-      setText(row.state, processText(process));
-      row.state.classList.toggle("bad", process.state === "silent");
+      const supervised = offered[process.process]?.state;
+      const text = processText(process, supervised, Boolean(now.session));
+      setText(row.state, text);
+      row.state.classList.toggle("bad", text.startsWith("silent") || supervised === "down");
       const can = offered[process.process]?.can ?? [];
       row.kill.disabled = !can.includes("kill");
       row.restart.disabled = !can.includes("restart");

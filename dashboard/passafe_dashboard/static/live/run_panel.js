@@ -24,17 +24,27 @@ export class RunPanel {
     this.scenario = document.createElement("select");
     this.scenario.name = "scenario";
     this.prediction = checkbox("prediction");
-    this.guard = checkbox("guard");
+    this.gatekeeper = checkbox("gatekeeper");
     this.recording = checkbox("recording");
+    for (const [box, text] of this.titles()) box.label.title = text;
     this.go = button("Start", "submit");
     this.end = button("End the run", "button");
     this.note = element("p", "run-note");
     this.last = element("p", "run-note");
     const label = element("label", "", "Scenario ");
     label.append(this.scenario);
-    this.form.append(label, modeChoices(), this.prediction.label, this.guard.label, this.recording.label, this.go, this.end, this.note, this.last);
+    this.form.append(label, modeChoices(), this.prediction.label, this.gatekeeper.label, this.recording.label, this.go, this.end, this.note, this.last);
     this.panel.replaceChildren(this.form);
     this.listen();
+  }
+
+  /** @returns {[{label: HTMLLabelElement}, string][]} */
+  titles() {
+    return [
+      [this.prediction, "Decide for the state in which the input will take effect, not for the newest one received"],
+      [this.gatekeeper, "Send an input only if the robot's own braking is proven to keep every limit from where it leads"],
+      [this.recording, "Write a log of the next run, which is judged when it ends"],
+    ];
   }
 
   listen() {
@@ -54,7 +64,7 @@ export class RunPanel {
       scenario: chosen.get("scenario"),
       mode: chosen.get("mode"),
       prediction: this.prediction.box.checked,
-      gatekeeper: this.guard.box.checked,
+      gatekeeper: this.gatekeeper.box.checked,
       recording: this.recording.box.checked,
     };
     setText(this.answer, "starting …");
@@ -79,7 +89,7 @@ export class RunPanel {
     }
     this.offer(session);
     const running = session.state === "running" || session.state === "starting";
-    setText(this.go, running ? "Start anew" : "Start");
+    setText(this.go, running ? "Start a new run" : "Start");
     this.end.disabled = !may || !running;
     const words = running ? `Run ${session.run} is ${session.state}. A new one ends it: its log is closed and judged.` : `Run ${session.run} is ${session.state}.`;
     setText(this.note, session.trouble || words);
@@ -96,8 +106,8 @@ export class RunPanel {
       /** @type {HTMLInputElement} */ (radio).checked = /** @type {HTMLInputElement} */ (radio).value === session.mode;
     }
     this.prediction.box.checked = session.prediction;
-    this.guard.box.checked = session.gatekeeper;
-    this.recording.box.checked = session.recording;
+    this.gatekeeper.box.checked = session.gatekeeper;
+    this.recording.box.checked = session.log !== null; // also while none is written: it is the choice for the next run
   }
 
   /** @param {Session["last"]} last */
@@ -116,7 +126,7 @@ export class RunPanel {
 
 /** @param {string} name */
 function checkbox(name) {
-  const label = element("label");
+  const label = document.createElement("label");
   const box = document.createElement("input");
   Object.assign(box, { type: "checkbox", name });
   label.append(box, ` ${name}`);
@@ -133,7 +143,7 @@ function button(text, type) {
 
 function modeChoices() {
   const modes = element("fieldset");
-  modes.append(element("legend", "", "Keep it"));
+  modes.append(element("legend", "", "Filter"));
   for (const [mode, words] of Object.entries(MODES)) {
     const choice = element("label");
     const radio = document.createElement("input");

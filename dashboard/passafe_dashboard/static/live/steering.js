@@ -1,7 +1,7 @@
 // Steering: joysticks, keys and gamepad of this page, the clutch, and when the controls are given back.
 
 import { byId, setText } from "./elements.js";
-import { driverText } from "./driver_panel.js";
+import { afterClearText, driverText } from "./driver_panel.js";
 import { DriveSocket } from "./drive_socket.js";
 import { Feel, heldShare } from "./feel.js";
 import { GamepadReader } from "./gamepad.js";
@@ -14,10 +14,11 @@ import { axisShares, firstEngaged } from "./shares.js";
 
 const PERIOD_MS = 16;
 const STALL_MS = 250; // then the operator counts the command no more, until the dead-man was let go
+const PATIENCE_MS = 600;
 const HINT = "Drag the stick, or hold the arrow keys. Gamepad: hold R1.";
 
 export class Steering {
-  /** @param {{stop: () => void}} stopButton */
+  /** @param {{stop: () => void, afterwards: string}} stopButton */
   constructor(stopButton) {
     this.stopButton = stopButton;
     this.gamepad = new GamepadReader();
@@ -30,6 +31,9 @@ export class Steering {
     this.driver = /** @type {import("./types.js").Driver} */ (null);
     /** @type {Pair[]} */
     this.values = [];
+    this.holdLost = false;
+    /** @type {number | null} */
+    this.heldSince = null;
     this.steppedAt = performance.now();
     this.socket = new DriveSocket({
       onDriver: (news) => this.showNews(news),
@@ -51,7 +55,8 @@ export class Steering {
     this.script = script;
     const pairs = drive?.pairs ?? [];
     const size = pairs.length > 1 ? 104 : 150;
-    this.pads = pairs.map((axes, i) => new Pad(i, pairs.length > 1 ? `Stick ${i + 1}` : "Stick", axes, size, () => this.send()));
+    const name = (/** @type {number} */ i) => (pairs.length > 1 ? `Stick ${i + 1}` : "Stick");
+    this.pads = pairs.map((axes, i) => new Pad(i, name(i), axes, size, { press: () => this.grip(), change: () => this.send() }));
     this.keys = new SteeringKeys(Math.max(pairs.length, 1));
     byId("pads").replaceChildren(...this.pads.map(({ canvas }) => canvas));
     byId("take").addEventListener("click", () => this.toggle());
@@ -66,8 +71,7 @@ export class Steering {
     document.addEventListener("keydown", (event) => this.key(event, true));
     document.addEventListener("keyup", (event) => this.key(event, false));
     const leave = () => {
-      this.keys.releaseAll();
-      for (const pad of this.pads) pad.stick.release();
+      this.letGo();
       this.socket.release();
     };
     window.addEventListener("blur", leave);
@@ -84,8 +88,8 @@ export class Steering {
     if (!SteeringKeys.steers(event.code) || event.ctrlKey || event.metaKey || event.altKey) return;
     const target = /** @type {HTMLElement} */ (event.target);
     if (down && target.closest?.("input, select, textarea, [role=tab]")) return;
-    if (!this.you && down) return;
-    this.keys.set(event.code, down);
+    if (down && !this.grip()) return;
+    if (!down || !event.repeat) this.keys.set(event.code, down); // a key that was lost while held is pressed anew
     event.preventDefault();
   }
 
@@ -110,12 +114,41 @@ export class Steering {
   /** Reads the hands and sends what they ask for. */
   step() {
     const now = performance.now();
-    if (this.you && this.engaged && now - this.steppedAt > STALL_MS) this.say("This page stalled: let go once, then drive on.");
+    if (this.you && this.engaged && now - this.steppedAt > STALL_MS) this.loseHold();
     const dt_s = Math.min((now - this.steppedAt) / 1000, 0.1);
     this.steppedAt = now;
     this.keys.step(dt_s, this.isClutched);
     this.readGamepad();
     this.send();
+  }
+
+  /** Returns whether the page may be steered from, and says so if not. */
+  grip() {
+    if (!this.you) this.say("Take the controls first.");
+    return this.you;
+  }
+
+  letGo() {
+    this.keys.releaseAll();
+    for (const pad of this.pads) pad.stick.release();
+  }
+
+  /** Lets go where the robot is no longer driven although the hands hold on. */
+  loseHold() {
+    this.holdLost = true;
+    this.letGo();
+  }
+
+  /** Notices a hold that the filter counts as released: it came too late, or its way to the operator was cut.
+   * @param {import("./types.js").Now} now */
+  watchHold(now) {
+    const at = performance.now();
+    this.heldSince = this.you && this.engaged ? this.heldSince ?? at : null;
+    if (this.heldSince === null) return;
+    const way_ms = now.ages?.command_ms ?? 0;
+    const counted = now.filter?.command_state !== "released";
+    if (counted) this.holdLost = false;
+    else if (at - this.heldSince > PATIENCE_MS + 2 * way_ms) this.loseHold();
   }
 
   readGamepad() {
@@ -169,7 +202,10 @@ export class Steering {
    * @param {any} theme */
   draw(now, theme) {
     if (now.drive && !this.you) this.driver = now.drive.driver;
+    this.watchHold(now);
     this.showDriver();
+    this.stopButton.afterwards = afterClearText(this.driver ?? undefined, this.you, this.script);
+    /** @type {HTMLButtonElement} */ (byId("take")).disabled = now.liveness.state === "ended" || now.session?.state === "stopped";
     const full = this.setup?.full ?? [];
     this.pads.forEach((pad, i) => pad.draw(now, full[pad.axes[0]] ?? 1, this.values[i] ?? [0, 0], theme));
     this.feel?.show(heldShare(now.filter), this.you);

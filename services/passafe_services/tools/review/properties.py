@@ -174,7 +174,7 @@ def judge_completeness(found: Completeness) -> Property:
     return Property(
         holds=missing == 0 and found.is_finished and found.shows_start and not doubt,
         required=True,
-        worst=float(missing),
+        worst=float(missing) if missing or not doubt else None,  # then it is not messages that are missing
         at_s=found.first_gap_s,
         requirement="messages of command, input, state and tick missing = 0, from the first state to the end",
         allowed="= 0",
