@@ -138,8 +138,8 @@ export class PlaneScene {
     this.drawInputs(pen, now, point, here, theme);
     this.drawKnown(pen, now, point, theme);
     pen.beginPath();
-    const body = point === 0 && this.scene.outline?.length && typeof now.plant.heading === "number";
-    if (body) for (const corner of turned(this.scene.outline, place, now.plant.heading)) pen.lineTo(...this.camera.pixel(...corner));
+    const body = point === 0 && typeof now.plant.heading === "number" ? (this.scene.outline ?? []) : [];
+    if (body.length) for (const corner of turned(body, place, now.plant.heading)) pen.lineTo(...this.camera.pixel(...corner));
     else pen.arc(here[0], here[1], ROBOT_PX, 0, 2 * Math.PI);
     pen.closePath();
     pen.fillStyle = old ? theme.raised : colour;
