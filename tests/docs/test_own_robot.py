@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -71,6 +72,14 @@ def test_what_if_changes_a_parameter_without_the_file(folder: Path) -> None:
     done = passafe(folder, *command("whatif"))
 
     assert "moves     robot elsewhere" in done.stdout, done.output
+
+
+def test_posts_are_drawn(folder: Path) -> None:
+    scenario = tomllib.loads(block("toml"))
+    drawn = {one["name"]: (tuple(one["centre"]), one["radius"]) for one in scenario["filter"]["barriers"]}
+
+    assert drawn == {"left post": ((2.0, 1.1), 0.5), "right post": ((2.5, -1.0), 0.5)}
+    assert "left post, right post" in (folder / "car.html").read_text(encoding="utf-8")
 
 
 def test_scenario_alone_runs_no_code(folder: Path) -> None:

@@ -137,3 +137,14 @@ def test_barrier_without_input_effect_is_never_the_tightest() -> None:
 
     assert direction([0, 0, 0, 0], [0, 0], 0).full().ravel().tolist() == [0.0, -1.0]
     assert ca.Function("g", [system.x], [against_h(system, [])])([0] * 4).full().ravel().tolist() == [1.0, 0.0]
+
+
+def test_they_push_a_car_through_its_task_frame() -> None:
+    """Into the post is a force in the picture, whatever the heading."""
+    source = adversary("against-h", "unicycle-posts", strength=4.0)
+    pushed = [push(source, (-1.5, 1.0, theta, 0.0, 0.0)) for theta in (0.0, 1.0, -2.0)]
+
+    for (ahead, aside), theta in zip(pushed, (0.0, 1.0, -2.0), strict=True):
+        nose = np.array([-1.5 + 0.3 * np.cos(theta), 1.0 + 0.3 * np.sin(theta)])
+        towards = (np.array([0.0, 1.0]) - nose) / np.linalg.norm(np.array([0.0, 1.0]) - nose)
+        assert np.array([ahead, aside]) @ towards > 0

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 from passafe_services.scenarios.errors import RobotCodeError, ScenarioError
-from passafe_services.scenarios.load import load_scenario
+from passafe_services.scenarios.load import load_scenario, scenario_from
 from passafe_services.scenarios.robots import robot_source
 from passafe_services.scenarios.robots.robot_source import installed_robot, is_robot_file, robot_of_file
 
@@ -129,6 +129,11 @@ def test_entry_point_makes_the_robot(monkeypatch: pytest.MonkeyPatch) -> None:
     assert made is not None
     assert made.states == 2
     assert installed_robot("horse", {}) is None
+
+
+def test_data_from_elsewhere_runs_no_code() -> None:
+    with pytest.raises(ScenarioError, match="model: got 'unicycle'"):
+        scenario_from(load_scenario("unicycle-posts").model_dump(exclude={"plant": {"robot"}}), "a log")
 
 
 def test_unknown_model_is_refused_with_a_suggestion() -> None:

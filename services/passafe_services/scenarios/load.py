@@ -42,7 +42,7 @@ def load_scenario(name_or_file: str, overrides: Mapping[str, Any] | None = None,
     """
     if name_or_file in shipped_scenarios():
         text = (files("passafe_services.scenarios") / f"{name_or_file}.toml").read_text(encoding="utf-8")
-        return scenario_from(tomllib.loads(text), name_or_file, overrides, robot)
+        return scenario_from(tomllib.loads(text), name_or_file, overrides, robot, runs_code=True)
     path = Path(name_or_file)
     try:
         if not path.is_file():  # raises where a folder on the way may not be searched
@@ -52,7 +52,7 @@ def load_scenario(name_or_file: str, overrides: Mapping[str, Any] | None = None,
         data = json.loads(text) if path.suffix == ".json" else tomllib.loads(text)
     except (OSError, ValueError, RecursionError) as error:
         raise UnreadableScenarioError(path, str(error)) from error
-    return scenario_from(data, str(path), overrides, robot)
+    return scenario_from(data, str(path), overrides, robot, runs_code=True)
 
 
 def scenario_from(
@@ -60,6 +60,8 @@ def scenario_from(
     source: str,
     overrides: Mapping[str, Any] | None = None,
     robot: str | None = None,
+    *,
+    runs_code: bool = False,
 ) -> Scenario:
     """Return the scenario that parsed TOML or JSON describes.
 
@@ -68,6 +70,8 @@ def scenario_from(
         source: Name or file, for messages.
         overrides: As for ``load_scenario``.
         robot: Likewise.
+        runs_code: Whether a model that is the name of a shipped robot or of an entry point is made by its function;
+            never for data from a log or from the bus, which carry their robots.
 
     Raises:
         ScenarioError: Fields that hold what they may not; all of them are named.
@@ -78,7 +82,8 @@ def scenario_from(
         raise ScenarioError(source, "file", type(data).__name__, "a table of fields")
     for dotted, value in (overrides or {}).items():
         _put(data, source, dotted, value)
-    _put_robot(data, robot)
+    if runs_code:
+        _put_robot(data, robot)
     try:
         scenario = Scenario.model_validate(data)
     except ValidationError as error:

@@ -15,7 +15,7 @@ from passafe.workspace import BlockLayout, Workspace, dense_function
 from passafe_services.operator.sources.command import Command
 from passafe_services.operator.sources.disturbances import Chirp, RandomSteps, bang_bang_period_s, bang_bang_sign
 from passafe_services.operator.sources.source import CommandSource, SourceClock
-from passafe_services.operator.sources.worst_direction import against_h, against_the_tank
+from passafe_services.operator.sources.worst_direction import against_h, against_the_tank, through_task
 from passafe_services.scenarios.design import barriers_of, robot_of, storage_of
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.scenarios.source_schema import AdversarySource
@@ -31,14 +31,16 @@ def adversary_of(config: AdversarySource, scenario: Scenario) -> CommandSource:
     robot = robot_of(scenario)
     system = robot.system
     if config.strategy == "piecewise-constant":
-        return RandomSteps(rng, system.m, config.strength)
+        return RandomSteps(rng, robot.commands, config.strength)
     if config.strategy == "chirp":
-        return Chirp(rng, system.m, config.strength)
+        return Chirp(rng, robot.commands, config.strength)
     if config.strategy == "against-the-tank":
         direction = against_the_tank(system, power_margin(system, storage_of(scenario, robot)))
     else:
         barriers = barriers_of(scenario, robot)
         direction = against_h(system, [chain for one in barriers for chain in derive_chains(system, one)])
+    if robot.task is not None:
+        direction = through_task(robot.task, direction)
     function = dense_function("push", [system.x, system.u, system.t], [config.strength * direction])
     period_s = bang_bang_period_s(rng) if config.strategy == "bang-bang" else None
     return AdversaryOperator(function, strength=config.strength, period_s=period_s)
@@ -58,17 +60,17 @@ class AdversaryOperator:
         """Bind the function.
 
         Args:
-            push: (x, u in force, t) → u_h, dense.
+            push: (x, u in force, t) → command, dense.
             strength: Largest |u_h|, units of u.
             period_s: Period of the bang-bang, s; ``None`` for a constant direction.
         """
-        n, m = push.numel_in(0), push.numel_in(1)
-        self._space = Workspace(BlockLayout.of({"x": n, "u": m, "t": 1, "u_h": m}))
+        n, m, k = push.numel_in(0), push.numel_in(1), push.numel_out(0)
+        self._space = Workspace(BlockLayout.of({"x": n, "u": m, "t": 1, "u_h": k}))
         self._evaluate = self._space.bind(push, ["x", "u", "t"], ["u_h"])
         self._write_x, self._write_u, self._write_t = (self._space.writer(name) for name in ("x", "u", "t"))
         self._read_u_h = self._space.reader("u_h")
         self._period_s = period_s
-        self._rest: Vector = (0.0,) * m
+        self._rest: Vector = (0.0,) * k
         self._set_direction((strength, *self._rest[1:]))
 
     def observe(self, state: PlantState) -> None:

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import casadi as ca
 
 from passafe.barrier_chain import BarrierChain
+from passafe.models.task_frame import TaskFrame
 from passafe.rows import TINY
 from passafe.system import System
 
@@ -38,6 +39,17 @@ def against_the_tank(system: System, h_u: ca.SX) -> ca.SX:
         h_u: Its power margin, expression of x and u.
     """
     return _pointed(-ca.gradient(h_u, system.u))
+
+
+def through_task(task: TaskFrame, direction: ca.SX) -> ca.SX:
+    """Return the command that pushes the input most along a direction, from a command of zero on, scaled likewise.
+
+    Args:
+        task: Frame of the commands.
+        direction: Of the input, shape (m, 1).
+    """
+    effect = ca.substitute(ca.jacobian(task.u_h, task.command), task.command, ca.SX.zeros(task.size))
+    return _pointed(effect.T @ direction)
 
 
 def _pointed(direction: ca.SX) -> ca.SX:

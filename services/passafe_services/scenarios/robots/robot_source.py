@@ -32,6 +32,11 @@ def installed_robots() -> Mapping[str, EntryPoint]:
     return {entry.name: entry for entry in sorted(entry_points(group=ENTRY_POINTS), key=lambda entry: entry.name)}
 
 
+def is_installed(name: str) -> bool:
+    """Return whether passafe ships a robot of that name, or an entry point has it."""
+    return name in SHIPPED or name in installed_robots()
+
+
 def installed_robot(name: str, parameters: Mapping[str, float]) -> CarriedRobot | None:
     """Return a robot that passafe ships, or that of an entry point; ``None`` if there is none of that name.
 

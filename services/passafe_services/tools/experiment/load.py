@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, JsonValue, ValidationError
 from passafe_services.scenarios.bounded_file import require_bounded
 from passafe_services.scenarios.field_problems import problems_of
 from passafe_services.scenarios.load import load_scenario, scenario_from, shipped_scenarios
+from passafe_services.scenarios.robots.robot_source import is_installed
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.experiment.axes import Overrides
 from passafe_services.tools.experiment.errors import ExperimentError, UnknownExperimentError, UnreadableExperimentError
@@ -38,7 +39,9 @@ class Study(BaseModel):
         Raises:
             ScenarioError: A field that holds what it may not.
         """
-        return scenario_from(deepcopy(self.scenario), f"of experiment {self.experiment.name}", overrides)
+        return scenario_from(
+            deepcopy(self.scenario), f"of experiment {self.experiment.name}", overrides, runs_code=True
+        )
 
 
 def shipped_experiments() -> list[str]:
@@ -74,7 +77,10 @@ def load_study(name_or_file: str, robot: str | None = None) -> Study:
     experiment = experiment_from(data, name_or_file)
     named = experiment.scenario
     scenario = load_scenario(named if named in shipped_scenarios() else str(folder / named), robot=robot)
-    return Study(experiment=experiment, scenario=scenario.model_dump(mode="json", exclude_unset=True))
+    values = scenario.model_dump(mode="json", exclude_unset=True)
+    if robot is None and is_installed(scenario.plant.model):
+        values["plant"].pop("robot", None)  # made for each cell, whose parameters may differ
+    return Study(experiment=experiment, scenario=values)
 
 
 def experiment_from(data: Any, source: str) -> Experiment:  # noqa: ANN401 - TOML may hold anything; this is the check
