@@ -14,11 +14,13 @@ import casadi as ca
 from passafe.derivative_bounds import DerivativeBounds
 from passafe.models.body_sphere import BodySphere
 from passafe.models.braking import braking_robot
+from passafe.models.drawing import Drawing
 from passafe.models.energy_bounds import power_margin_bounds
 from passafe.models.rigid_links import RigidLink, inverse_dynamics, kinetic_energy_of
 from passafe.models.robot import Robot
 from passafe.models.rotation_bounds import vector_bounds
 from passafe.models.serial_chain import RevoluteJoint, SerialChain
+from passafe.models.task_frame import TaskFrame
 
 JOINTS: Final = 7
 
@@ -139,7 +141,8 @@ def seven_joint_arm(*, sigma: float = 1.0, gamma_1: float = 0.0, dt_s: float = 0
     A driver with a torque interface makes the joints follow that by computed torque, τ = M(q)(u − σq̇) + C(q, q̇)q̇ +
     g(q) (``joint_torques``). Angles and places of the spheres have relative degree 2, rates 1. The fail-safe is
     u = −Kq̇ with K = max(γ₁ − σ, 0); what it keeps of the angles' limits, and why, is in ``passafe.models.braking``.
-    Nothing is stated about places: a straight way of the joints is a curved one of the tip.
+    Nothing is stated about places: a straight way of the joints is a curved one of the tip. It is commanded by the
+    acceleration of its tip in the base's frame.
 
     Args:
         sigma: Damping σ of each joint, 1/s, positive.
@@ -152,13 +155,16 @@ def seven_joint_arm(*, sigma: float = 1.0, gamma_1: float = 0.0, dt_s: float = 0
     robot = braking_robot("arm", axes=JOINTS, points=0, sigma=sigma, gamma_1=gamma_1, dt_s=dt_s)
     system, q, v = robot.system, robot.position, robot.velocity
     energy = kinetic_energy_of(CHAIN, LINKS, q, v)
-    momentum, sizes = ca.gradient(energy, v), _Sizes.of(sigma)
+    momentum, sizes, w = ca.gradient(energy, v), _Sizes.of(sigma), ca.SX.sym("w", 3)
     return replace(
         robot,
         system=replace(system, f=system.general_f, port_y=momentum, port_u=system.u),
         storage=energy,
         power_bounds=sizes.bounds(power_margin_bounds(CHAIN, LINKS, sizes.rates, sizes.u_size)),
         spheres=_spheres(q, sizes),
+        task=TaskFrame(command=w, u_h=joint_accelerations(q, w), axes=("x", "y", "z")),
+        drawing=_drawing(q),
+        input_unit="rad/s²",
     )
 
 
@@ -190,6 +196,16 @@ def _solved(A: ca.SX, b: ca.SX) -> ca.SX:
     rows = [A[i, :].T for i in range(3)]
     cofactors = ca.horzcat(*(ca.cross(rows[(i + 1) % 3], rows[(i + 2) % 3]) for i in range(3)))
     return cofactors @ b / ca.dot(rows[0], cofactors[:, 0])
+
+
+def _drawing(q: ca.SX) -> Drawing:
+    """Return the arm as links from joint to joint, in space."""
+    frames = CHAIN.frames(q)
+    bend = frames[4].place((-0.0825, 0.0, 0.0))
+    origins = [frames[0].origin, *(frames[i].origin for i in (1, 3, 4)), bend, *(frames[i].origin for i in (5, 7))]
+    points = [*origins, frames[7].place(TIP_M)]
+    links = tuple((i, i + 1) for i in range(len(points) - 1))
+    return Drawing(points=ca.vertcat(*points), dimensions=3, links=links)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)

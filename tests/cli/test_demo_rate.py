@@ -14,7 +14,7 @@ def limited(scenario: Scenario, processors: int) -> tuple[Scenario, list[str]]:
     return limited_beside_page(scenario, processors, lines.append), lines
 
 
-@pytest.mark.parametrize("name", shipped_scenarios())
+@pytest.mark.parametrize("name", [name for name in shipped_scenarios() if load_scenario(name).rate_hz > PAGE_RATE_HZ])
 def test_shipped_scenario_is_slowed_and_the_override_named(name: str) -> None:
     scenario = load_scenario(name)
 

@@ -6,6 +6,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from passafe.errors import DesignError
 from passafe.models.joint_chain import joint_chain
 from passafe.models.rigid_links import RigidLink, inverse_dynamics, kinetic_energy_of
 from passafe.models.serial_chain import RevoluteJoint, SerialChain
@@ -97,3 +98,8 @@ def test_the_arm_moves_as_a_chain_of_joints() -> None:
     assert np.array(ca.Function("rate", [slower.x, slower.u], [slower.f])(x, u))[7:].ravel() == pytest.approx(
         u / 2 - 1.5 * RATES
     )
+
+
+def test_a_chain_without_joints_is_refused() -> None:
+    with pytest.raises(DesignError, match="serial chain joints: got none, allowed one or more"):
+        SerialChain(joints=())

@@ -10,7 +10,7 @@ from passafe_services.scenarios.load import load_scenario, shipped_scenarios
 def test_every_axis_of_a_shipped_robot_is_commanded_once(name: str) -> None:
     scenario = load_scenario(name)
     axes = DrivingAxes.of(scenario)
-    m = robot_of(scenario).system.m
+    m = robot_of(scenario).commands
     assert len(axes.full) == m
     assert [axis for plane in axes.planes for axis in plane] == list(range(m))
     assert len(axes.names) == len(set(axes.names)) == len(axes.planes)
@@ -26,3 +26,8 @@ def test_limits_bound_the_authority() -> None:
 def test_two_robots_have_a_plane_each() -> None:
     axes = DrivingAxes.of(load_scenario("two-robots"))
     assert (axes.planes, axes.names) == (((0, 1), (2, 3)), ("robot 1", "robot 2"))
+
+
+def test_an_arm_is_commanded_by_its_tip() -> None:
+    axes = DrivingAxes.of(load_scenario("arm-over-table"))
+    assert (axes.full, axes.planes, axes.names) == ((AUTHORITY,) * 3, ((0, 1), (2,)), ("x and y", "z"))

@@ -116,6 +116,7 @@ def barriers_of(scenario: Scenario, robot: Robot) -> tuple[Barrier, ...]:
             name=config.name,
             h=config.h(robot),
             class_k=tuple(gamma.function() for gamma in config.class_k),
+            derivative_bounds=config.derivative_bounds(robot),
         )
         for config in scenario.barriers
     )
@@ -152,6 +153,7 @@ def design_of(scenario: Scenario, robot: Robot) -> FilterDesign:
             class_k=passivity.class_k.function(),
             slack_weight=passivity.slack_weight,
             tank=tank_of(scenario) if passivity.kind == "tank" else None,
+            derivative_bounds=robot.power_bounds if passivity.storage == "own" else None,
         ),
         k_i=config.k_i,
         dt_s=scenario.dt_s,

@@ -34,8 +34,13 @@ class DrivingAxes:
         model = scenario.plant.robot_model
         points = model.points
         m = model.commands or (2 * points if points else len(scenario.plant.x0) // 2)
-        limits = scenario.filter.limits(m)
+        robot = scenario.plant.robot
         planes = tuple(tuple(range(first, min(first + 2, m))) for first in range(0, m, 2))
+        if robot is not None and robot.inputs != m:  # in a frame of its own, whose coordinates have no limits
+            words = robot.axes or tuple(str(axis + 1) for axis in range(m))
+            names = tuple(" and ".join(words[axis] for axis in plane) for plane in planes)
+            return cls(full=(AUTHORITY,) * m, planes=planes, names=names)
+        limits = scenario.filter.limits(m)
         full = tuple(min(AUTHORITY, (high - low) / 2) for low, high in zip(limits.low, limits.high, strict=True))
         return cls(full=full, planes=planes, names=tuple(_name(plane, points) for plane in planes))
 

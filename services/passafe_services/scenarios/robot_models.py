@@ -23,6 +23,7 @@ class RobotModel:
         parameters: Names of the parameters that a scenario may set.
         points: Number of points in the plane that the robot moves; 0 for joints.
         commands: Coordinates of a command; ``None``: two for each point, one for each joint.
+        spheres: Names of the spheres that cover its body.
         position_unit: Unit of a coordinate of the position.
         input_unit: Unit of u: a force on a unit of mass, a torque on a unit of inertia.
     """
@@ -32,6 +33,7 @@ class RobotModel:
     parameters: tuple[str, ...] = ("sigma", "mass")
     points: int = 1
     commands: int | None = None
+    spheres: tuple[str, ...] = ()
     position_unit: str = "m"
     input_unit: str = "m/s²"
 

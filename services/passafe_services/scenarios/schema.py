@@ -66,6 +66,8 @@ class PlantConfig(Config):
             parameters=tuple({**self.robot.built_with, **self.robot.parameters}),
             points=self.robot.points,
             commands=self.robot.commands,
+            spheres=tuple(sphere.name for sphere in self.robot.spheres),
+            position_unit="rad" if self.robot.input_unit.startswith("rad") else "m",
             input_unit=self.robot.input_unit or "units of u",
         )
 

@@ -7,6 +7,7 @@ from typing import Annotated, ClassVar
 import casadi as ca
 from pydantic import Field
 
+from passafe.derivative_bounds import DerivativeBounds
 from passafe.models.robot import Robot
 from passafe_services.scenarios.barrier_kinds.outline import Outline
 from passafe_services.scenarios.class_k import Chain
@@ -53,6 +54,15 @@ class SingleBarrier(BarrierKind):
         Raises:
             DesignError: The robot has no coordinate that the barrier limits.
         """
+
+    def derivative_bounds(self, robot: Robot) -> DerivativeBounds | None:
+        """Return bounds of h's time derivatives in closed form; ``None`` where they are enclosed.
+
+        Raises:
+            DesignError: As for ``h``.
+        """
+        del robot
+        return None
 
     @property
     @abstractmethod

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Final, TypeAlias, get_args
 from pydantic import Field
 
 from passafe_services.scenarios.barrier_kinds.barrier_kind import BarrierKind
+from passafe_services.scenarios.barrier_kinds.body_spheres import BallBarrier, LevelBarrier, SpheresApartBarrier
 from passafe_services.scenarios.barrier_kinds.coordinate_limits import CoordinatesBarrier
 from passafe_services.scenarios.barrier_kinds.disk import DiskBarrier
 from passafe_services.scenarios.barrier_kinds.ellipse import EllipseBarrier
@@ -32,6 +33,9 @@ SHIPPED: Final[tuple[type[BarrierKind], ...]] = (
     CoordinatesBarrier,
     ApartBarrier,
     OwnBarrier,
+    BallBarrier,
+    LevelBarrier,
+    SpheresApartBarrier,
 )
 
 ENTRY_POINTS: Final = "passafe.barrier_kinds"
