@@ -4,9 +4,15 @@ import json
 import socket
 import subprocess
 import sys
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import NamedTuple, cast
 
+import click
 import pytest
+import typer
+from passafe_services.cli.app import app, main
+from typer.testing import CliRunner
 
 TIMEOUT_S = 120
 
@@ -30,11 +36,49 @@ def simulated(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return log
 
 
-@pytest.mark.parametrize(
-    "command", ["", "demo", "run", "simulate", "campaign", "review", "replay", "recover", "kill", "link", "link set"]
-)
-def test_every_command_has_help(command: str) -> None:
-    done = passafe(*command.split(), "--help")
+class Here(NamedTuple):
+    """Exit code of a command in this process, and what it printed to stderr."""
+
+    returncode: int
+    stderr: str
+
+
+@pytest.fixture
+def here(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Callable[[tuple[str, ...]], Here]:
+    """Run a command in this process, in an empty folder: it is over before it would start anything."""
+
+    def run(arguments: tuple[str, ...]) -> Here:
+        monkeypatch.chdir(tmp_path)
+        monkeypatch.setattr(sys, "argv", ["passafe", *arguments])
+        with pytest.raises(SystemExit) as ended:
+            main()
+        return Here(int(ended.value.code or 0), capsys.readouterr().err)
+
+    return run
+
+
+def commands(group: click.Group, before: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
+    """Yield the words of every command and of every group of commands."""
+    yield before
+    for name, command in group.commands.items():
+        if isinstance(command, click.Group):
+            yield from commands(command, (*before, name))
+        else:
+            yield (*before, name)
+
+
+@pytest.mark.parametrize("words", list(commands(cast("click.Group", typer.main.get_command(app)))), ids=" ".join)
+def test_every_command_has_help(words: tuple[str, ...]) -> None:
+    result = CliRunner().invoke(app, [*words, "--help"])
+
+    assert result.exit_code == 0
+    assert "Usage" in result.output
+
+
+def test_the_program_has_help() -> None:
+    done = passafe("--help")
 
     assert done.returncode == 0
     assert "Usage" in done.stdout
@@ -64,8 +108,10 @@ def test_every_command_has_help(command: str) -> None:
         (("link", "show", "plant-to-moon"), "plant-to-moon"),
     ],
 )
-def test_unusable_input_is_refused_in_one_line(arguments: tuple[str, ...], named: str, tmp_path: Path) -> None:
-    done = passafe(*arguments, cwd=tmp_path)
+def test_unusable_input_is_refused_in_one_line(
+    here: Callable[[tuple[str, ...]], Here], arguments: tuple[str, ...], named: str, tmp_path: Path
+) -> None:
+    done = here(arguments)
 
     assert done.returncode != 0
     assert named in done.stderr
@@ -88,8 +134,10 @@ def test_unusable_input_is_refused_in_one_line(arguments: tuple[str, ...], named
         (("link", "set", "plant-to-filter", "dely=1"), "delay?"),
     ],
 )
-def test_misspelt_name_is_answered_with_the_one_meant(arguments: tuple[str, ...], meant: str, tmp_path: Path) -> None:
-    done = passafe(*arguments, cwd=tmp_path)
+def test_misspelt_name_is_answered_with_the_one_meant(
+    here: Callable[[tuple[str, ...]], Here], arguments: tuple[str, ...], meant: str, tmp_path: Path
+) -> None:
+    done = here(arguments)
 
     assert done.returncode == 2
     assert meant in done.stderr
