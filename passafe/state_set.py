@@ -43,6 +43,7 @@ class ErrorGrowth:
     Attributes:
         design: What it was derived from.
         at_measurement: Error of a state that was just measured, n numbers.
+        period: From (x, radius), a column, and u to both one period later; without the substeps of a stiff plant.
     """
 
     def __init__(self, design: FilterDesign) -> None:
@@ -67,6 +68,7 @@ class ErrorGrowth:
         self._read = space.reader("radius_next")
         x_next = held_flow(system, design.dt_s)[0]
         pair = dense_function("pair", [ca.vertcat(system.x, radius), system.u], [ca.vertcat(x_next, after)])
+        self.period = pair
         self._chunks = {periods: _Chunk(pair, periods) for periods in CHUNKS}
 
     def advance(self, x: Sequence[float], u: Sequence[float], radius: Sequence[float]) -> tuple[float, ...]:

@@ -16,6 +16,7 @@ from passafe_services.cli.generated_campaign import generated_campaign
 from passafe_services.cli.options import WorkersOption, writable_folder
 from passafe_services.cli.robot_option import OwnRobotOption
 from passafe_services.cli.sweep import exit_if_interrupted, workers_for
+from passafe_services.cli.uncertain_campaign import uncertain_campaign
 from passafe_services.loop.realtime import available_processors
 from passafe_services.loop.stop import Stop, stop_requests
 from passafe_services.scenarios.load import load_scenario
@@ -24,6 +25,7 @@ from passafe_services.tools.campaign.rollout_result import RolloutResult
 from passafe_services.tools.campaign.summary import CampaignSummary
 from passafe_services.tools.runs.results_file import ResultsFile
 from passafe_services.tools.runs.sweep import FixedPlan, sweep
+from passafe_services.tools.uncertain.trials import all_trials
 
 
 def campaign(
@@ -34,6 +36,9 @@ def campaign(
     ] = None,
     generated: Annotated[
         bool, typer.Option("--generated", help="Run systems made from seeds instead of scenarios.")
+    ] = False,
+    uncertain: Annotated[
+        bool, typer.Option("--uncertain", help="Run plants that are not their model instead of scenarios.")
     ] = False,
     rollouts: Annotated[
         int, typer.Option("--rollouts", "-n", metavar="N", min=1, max=1_000_000, help="Rollouts of each scenario.")
@@ -64,11 +69,19 @@ def campaign(
     how long they last follows from the design's rate, and inputs are lost at times. The summary has a line for each
     family of plants. Wherever a fallback is entered, braking alone is rolled out for comparison.
 
+    With `--uncertain`, plants are members of five sets (disturbance, mass, damping, noise, and some of each), behind
+    three links up to 200 + 200 ms with loss, in two scenarios at 250 Hz, mode `safe`: with the model's rows alone, with
+    rows for the sets, with a guard at the plant, and with both. The summary has a line for each combination.
+
     Example: `passafe campaign notomista-cai-2020 --rollouts 1000 --out runs/campaign`
     """
-    if generated == bool(scenarios):
-        raise OptionError("SCENARIO", "scenarios and --generated" if generated else "none", "scenarios, or --generated")
     seeds = range(first_seed, first_seed + rollouts)
+    kinds = {"scenarios": scenarios, "--generated": generated, "--uncertain": uncertain}
+    given = [name for name, is_given in kinds.items() if is_given]
+    if len(given) != 1:
+        raise OptionError("SCENARIO", " and ".join(given) or "none", "scenarios, or --generated, or --uncertain")
+    if uncertain:
+        uncertain_campaign(writable_folder(out), all_trials(), seeds, duration, workers)
     if generated:
         generated_campaign(writable_folder(out), seeds, workers)
     _of_scenarios(scenarios or [], out, seeds, duration, workers, scalar=scalar, robot=robot)
