@@ -5,6 +5,7 @@ from math import hypot
 from typing import Final, NamedTuple
 
 from passafe_protocol.messages import CommandState, FilterStatus, FilterTick, PlantPhase
+from passafe_services.filter.member_rows import without_member
 from passafe_services.tools.review.verdict_so_far import TOLERANCES
 
 from passafe_dashboard.live.barrier_gaps import Gap
@@ -164,7 +165,8 @@ def _causes(now: Situation, tick: FilterTick) -> str:
     for row in rows:
         if named and row.share < LEAST_SHARE:
             continue
-        words = _with_distance(now, gaps[row.name]) if row.name in gaps else _row_words(row.name)
+        name = without_member(row.name)
+        words = _with_distance(now, gaps[name]) if name in gaps else _row_words(name)
         if words not in named:
             named.append(words)
     return " and ".join(named[:2])

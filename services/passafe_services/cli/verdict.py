@@ -58,6 +58,8 @@ def _print_counts(console: Console, verdict: Verdict) -> None:
     console.print(f"ticks     {verdict.ticks} ({counts}), {verdict.steps_skipped} missed")
     if verdict.commands.shares.keys() - {"counts"}:
         console.print(f"commands  {verdict.commands.text}", soft_wrap=True)
+    if verdict.guard is not None:
+        console.print(f"guard     {verdict.guard.in_words()}", soft_wrap=True)
     restarted = ", ".join(f"{name} {count}" for name, count in verdict.sessions.items() if count > 1)
     if restarted:
         console.print(f"sessions  {restarted}")

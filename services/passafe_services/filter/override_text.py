@@ -11,6 +11,7 @@ from passafe.models.robot import Robot
 from passafe.override import Override
 from passafe.rows import PASSIVITY_ROW
 from passafe_services.filter.barrier_distance import BarrierDistance
+from passafe_services.filter.member_rows import without_member
 
 LEAST_SHARE: Final = 0.1
 """Share of the change above which a row is named beside the first."""
@@ -39,14 +40,14 @@ class OverrideText:
         """
         self._unit = unit
         self._row_names = core.row_names
-        self._distances = {chain.barrier.name: BarrierDistance(chain, robot) for chain in core.chains}
+        self._distances = {without_member(chain.barrier.name): BarrierDistance(chain, robot) for chain in core.chains}
         self._places = {name: i for i, name in enumerate(core.row_names[: core.constraints])}
 
     def causes(self, override: Override) -> tuple[str, ...]:
         """Return the names of the causes, the most important first; input limits share one name."""
         named: list[str] = []
         for cause in override.causes[:MOST_NAMED]:
-            name = cause.row if cause.row in self._places else INPUT_LIMIT
+            name = without_member(cause.row) if cause.row in self._places else INPUT_LIMIT
             if name not in named and (not named or cause.share >= LEAST_SHARE):
                 named.append(name)
         return tuple(named)
@@ -77,6 +78,7 @@ class OverrideText:
 
     def _label(self, name: str) -> str:
         """Return the name of a hard row with its kind; under the continuous law passivity is one."""
+        name = without_member(name)
         distance = self._distances.get(name)
         if distance is None:
             return "energy"

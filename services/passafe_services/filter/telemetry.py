@@ -24,6 +24,7 @@ from passafe.design import FilterDesign
 from passafe.filter import SafetyPassivityFilter
 from passafe.infeasibility import DistanceToInfeasibility
 from passafe.override import Explainer
+from passafe_services.filter.member_rows import BarrierMembers, barrier_members
 from passafe_services.filter.operator_request import OperatorRequest
 
 _BY_VALUE: Final = {status.value: FilterStatus[status.name] for status in Status}
@@ -83,11 +84,8 @@ class Telemetry:
         self._hard = core.derivation.rows.hard
         self._distance = DistanceToInfeasibility(core.design.limits, self._hard)
         self._has_eps = bool(core.layout.shapes["eps"][0])
-        self._chains: list[tuple[str, slice]] = []
-        start = 0
-        for chain in core.chains:
-            self._chains.append((chain.barrier.name, slice(start, start + len(chain.psi))))
-            start += len(chain.psi)
+        self._chains = len(core.chains)
+        self._barriers = barrier_members(core)
 
     def message(self, record: TickRecord) -> FilterTick:
         """Return the message of one tick."""
@@ -99,7 +97,7 @@ class Telemetry:
 
         request, program = Request.of(vector), Program.of(vector)
         answer, evaluation = Answer.of(vector), Evaluation.of(vector)
-        eps = evaluation.eps if self._has_eps else (0.0,) * len(self._chains)
+        eps = evaluation.eps if self._has_eps else (0.0,) * self._chains
         override = self._explainer.override(decision)
         shares = {cause.row: cause.share for cause in override.causes}
         relaxed = (*answer.relax, *(0.0,) * (len(self._row_names) - self._hard))
@@ -116,10 +114,7 @@ class Telemetry:
             phi=program.phi,
             v=evaluation.v,
             u=decision.u,
-            barriers=tuple(
-                BarrierReport(name, evaluation.psi[place], margin)
-                for (name, place), margin in zip(self._chains, eps, strict=True)
-            ),
+            barriers=tuple(_barrier_report(members, evaluation.psi, eps) for members in self._barriers),
             power_margin=decision.power_margin,
             tank_j=record.tank_j,
             slack=decision.slack,
@@ -155,3 +150,11 @@ class Telemetry:
             x_error=request.x_error,
             residual=record.residual,
         )
+
+
+def _barrier_report(members: BarrierMembers, psi: Vector, eps: Vector) -> BarrierReport:
+    """Return the report of a barrier: of several members the lowest values, and the largest margin."""
+    if len(members.places) == 1:
+        return BarrierReport(members.name, psi[members.places[0]], eps[members.chains[0]])
+    lowest = tuple(map(min, *(psi[place] for place in members.places)))
+    return BarrierReport(members.name, lowest, max(eps[number] for number in members.chains))

@@ -23,10 +23,11 @@ Positive = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
 PROPERTIES: Final = (
     *("no-fallback", "driven", "safe", "protected-start", "passive", "energy", "bounded", "certified", "consistent"),
+    "model",
     *AGREEMENT,
     *EVIDENCE,
 )
-"""Properties of every verdict."""
+"""Properties of every verdict; ``model`` of a scenario with sets alone."""
 
 
 class ContractError(ConfigurationError):

@@ -16,6 +16,7 @@ from passafe_protocol.topics import TICK
 from passafe.batch.batch_filter import BatchFilter
 from passafe.errors import DesignError
 from passafe.filter import SafetyPassivityFilter
+from passafe_services.filter.member_rows import barrier_members
 from passafe_services.filter.telemetry import STATUS
 from passafe_services.log.chunk_decoding import Wants
 from passafe_services.log.column import Places
@@ -73,6 +74,7 @@ class DecisionCheck:
     wants: ClassVar[Wants] = {
         TICK.name: (
             *("tick", *_VECTORS, "tank_j", "effective_plant_ns", "power_margin", "slack", "mode", "law", "status"),
+            "x_error",
             *("barriers.psi", "barriers.length", "rows.margin", "rows.dual", "rows.length"),
         )
     }
@@ -83,9 +85,9 @@ class DecisionCheck:
         self._mode, self._law = scenario.filter.mode, scenario.filter.law
         core = SafetyPassivityFilter(design_of(scenario, robot_of(scenario)))
         self._n, self._m = core.design.system.n, core.design.system.m
-        self._is_last = np.array(
-            [level == len(chain.psi) - 1 for chain in core.chains for level in range(len(chain.psi))], dtype=np.bool_
-        )
+        self._barriers = barrier_members(core)
+        lengths = [members.places[0].stop - members.places[0].start for members in self._barriers]
+        self._is_last = np.array([level == length - 1 for length in lengths for level in range(length)], dtype=np.bool_)
         self._filter: _BoundedFilter | None = None
         with suppress(DesignError):  # an operation that arrays do not know: nothing is looked at, which is said
             self._filter = _BoundedFilter(core, AT_ONCE)
@@ -115,7 +117,7 @@ class DecisionCheck:
                 self.agreement.note(path, text, float(block.numbers("effective_plant_ns")[row] / NS_PER_S))
 
     def _check(self, block: MessageBlock, rows: Places, ticks: IntArray, batch: _BoundedFilter) -> None:
-        logged = _Logged(block, rows, self._n, self._m, batch, self._period_s)
+        logged = _Logged(block, rows, self._n, self._m, batch, self._period_s, self._is_last.size)
         if not logged.fits:
             self.agreement.note("shape", f"tick {int(ticks[rows[0]])} or after: another number of rows or barriers")
             return
@@ -151,23 +153,37 @@ class DecisionCheck:
             more = np.repeat(columns[..., -1:], AT_ONCE - size, axis=-1)
             return np.concatenate((columns, more), axis=-1)
 
-        asked = [logged.x_hat, logged.before, logged.u_h, logged.u_h_rate, logged.tank_j, logged.at_s]
-        batch.decide(*(padded(columns) for columns in asked), start=start)
+        batch.decide(
+            padded(logged.x_hat),
+            padded(logged.before),
+            padded(logged.u_h),
+            padded(logged.u_h_rate),
+            padded(logged.tank_j),
+            padded(logged.at_s),
+            None if logged.x_error is None else padded(logged.x_error),
+            start=start,
+        )
 
     def _differences(self, batch: _BoundedFilter, logged: "_Logged", size: int) -> dict[str, FloatArray]:
         used = slice(size)
+        psi = self._lowest(batch.evaluation.psi[:, used])
         lam = batch.part("lam")[: batch.constraints, used]
         return {
             "u_nominal": relative(logged.u_nominal, batch.program.u_nominal[:, used]),
             "φ": relative(logged.phi, batch.program.phi[:, used]),
             "u": relative(logged.u, batch.evaluation.u_plus[:, used]),
-            "ψ": relative(logged.psi[~self._is_last], batch.evaluation.psi[~self._is_last, used]),
-            "last ψ": relative(logged.psi[self._is_last], batch.evaluation.psi[self._is_last, used]),
+            "ψ": relative(logged.psi[~self._is_last], psi[~self._is_last]),
+            "last ψ": relative(logged.psi[self._is_last], psi[self._is_last]),
             "power margin": relative(logged.power_margin, batch.evaluation.h_u[:, used]),
             "margin of a row": self._apart(batch, logged.margin, size),
             "dual of a row": self._pull(batch, logged.dual - lam, logged.dual),
             "slack": relative(logged.slack, batch.assessment.slack[:, used]),
         }
+
+    def _lowest(self, psi: FloatArray) -> FloatArray:
+        """Return ψ₀ … ψ_r of every barrier, the lowest of its members, as ticks have them."""
+        parts = [np.min([psi[place] for place in members.places], axis=0) for members in self._barriers]
+        return np.concatenate([psi[:0], *parts])
 
     @staticmethod
     def _apart(batch: _BoundedFilter, margin: FloatArray, size: int) -> FloatArray:
@@ -202,6 +218,7 @@ class DecisionCheck:
             float(one.tank_j[0]),
             float(one.at_s[0]),
             start=True,
+            x_error=None if one.x_error is None else one.x_error[:, 0].tolist(),
         )
         batch.left -= 1
         batch.batch.block[:, 0] = decision.block
@@ -215,11 +232,13 @@ class DecisionCheck:
 class _Logged:
     """Numbers of ticks, one column a tick."""
 
-    def __init__(self, block: MessageBlock, rows: Places, n: int, m: int, batch: BatchFilter, period_s: float) -> None:
+    def __init__(
+        self, block: MessageBlock, rows: Places, n: int, m: int, batch: BatchFilter, period_s: float, length: int
+    ) -> None:
         widths = dict.fromkeys(_VECTORS, m) | {"x_hat": n}
         parts = {path: block.ragged(path).take(rows) for path in _VECTORS}
         psi = block.ragged("barriers.psi").take(rows)
-        length, constraints = len(batch.evaluation.psi), batch.constraints
+        constraints = batch.constraints
         self.fits = bool(
             all((part.counts == widths[path]).all() for path, part in parts.items())
             and (psi.counts == length).all()
@@ -228,6 +247,9 @@ class _Logged:
         self.x_hat, self.u, self.u_h, self.u_h_rate, self.u_nominal, self.phi, self.v = (
             parts[path].matrix(widths[path]).T for path in _VECTORS
         )
+        self.x_error: FloatArray | None = None
+        if batch.core.design.uncertainty is not None:
+            self.x_error = block.ragged("x_error").take(rows).matrix(n).T
         self.before = _before(self.u, period_s * (self.v + self.phi))
         self.psi: FloatArray = psi.matrix(length).T
         self.margin: FloatArray = block.ragged("rows.margin").take(rows).matrix(constraints).T
@@ -241,7 +263,7 @@ class _Logged:
         """Return the numbers of one tick."""
         one = object.__new__(_Logged)
         for name, value in vars(self).items():
-            setattr(one, name, value if name == "fits" else value[..., row : row + 1])
+            setattr(one, name, value if name == "fits" or value is None else value[..., row : row + 1])
         return one
 
 

@@ -1,6 +1,7 @@
 """Review of a run in one pass over its log; the verdict is what it ends with."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
@@ -8,20 +9,25 @@ import numpy as np
 from passafe_protocol.messages import PlantPhase, ScenarioInfo
 from passafe_protocol.topics import INPUT, STATE, TICK
 
+from passafe.state_set import ErrorGrowth
 from passafe_services.log.chunk_decoding import Wants
 from passafe_services.log.log_pass import LogConsumer, LogPass, LogSlice
 from passafe_services.log.log_writer import SCENARIO_RECORD
-from passafe_services.scenarios.design import robot_of
+from passafe_services.scenarios.design import design_of, robot_of
+from passafe_services.scenarios.schema import Scenario
 from passafe_services.scenarios.source_schema import HumanSource
+from passafe_services.scenarios.uncertain_robot import uncertainty_of
 from passafe_services.tools.review.between_samples import MarginsInProgress
 from passafe_services.tools.review.decision_check import DecisionCheck
 from passafe_services.tools.review.decision_record import DecisionRecord
 from passafe_services.tools.review.drive_record import DriveRecord
 from passafe_services.tools.review.filter_claims import SentInputs
+from passafe_services.tools.review.guard_record import GuardRecord
 from passafe_services.tools.review.input_agreement import InputAgreement
 from passafe_services.tools.review.input_limits import InputLimitRecord
 from passafe_services.tools.review.input_origin import OriginRecord
 from passafe_services.tools.review.link_accounts import LinkRecord
+from passafe_services.tools.review.model_check import ModelCheck
 from passafe_services.tools.review.plant_evaluator import PlantEvaluator
 from passafe_services.tools.review.plant_record import PlantReview
 from passafe_services.tools.review.properties import Tolerances
@@ -65,6 +71,8 @@ class RunReview:
         derived: Decisions beside those derived anew.
         tank: The filter's tank beside what its inputs give.
         configuration: Configurations beside one another.
+        model: States beside what the scenario's sets allow.
+        guard: What the guard at the plant did.
         timing: Times of the processes.
         links: Accounts of the links.
         steering: Metrics of a simulated person; ``None`` without one.
@@ -108,14 +116,17 @@ class RunReview:
             m=self._m,
         )
         self.configuration = ScenarioCheck(identity)
+        self.model = ModelCheck(growth_of(scenario), len(scenario.plant.x0), self._m)
+        self.guard = GuardRecord()
         self.timing = TimingRecord(is_live=identity.driver == "live", period_ns=period_ns)
         self.links = LinkRecord(is_live=identity.driver == "live")
         person = scenario.operator.source
         self.steering = SteeringInProgress(person) if isinstance(person, HumanSource) else None
         self._steered: int | None = None
         self._parts: Sequence[LogConsumer] = (
-            *(self.decisions, self.plant, self.origin, self.timing, self.links),
-            *((self.inputs, self.derived, self.tank, self.configuration) if derives else ()),
+            *(self.decisions, self.plant, self.origin, self.timing, self.links, self.model, self.guard),
+            *((self.inputs, self.derived, self.configuration) if derives else ()),
+            *((self.tank,) if derives and scenario.is_exact else ()),
         )
         self.derives = derives
         self.wants = merged(*(part.wants for part in self._parts), _SENT, *([_STEERING] if self.steering else []))
@@ -133,6 +144,10 @@ class RunReview:
         if self.steering is not None:
             self._steer(part, self.steering)
 
+    def assumption(self) -> dict[str, Property]:
+        """Return the property that the robot is in the scenario's sets, by name; nothing without sets."""
+        return {} if self.identity.scenario.uncertainty is None else {"model": self.model.property()}
+
     def agreement(self) -> dict[str, Property]:
         """Return the properties that what processes report agrees with what is derived anew, by name."""
         if not self.derives:
@@ -145,7 +160,7 @@ class RunReview:
                 required=scenario.filter.prediction and scenario.is_exact
             ),
             "decisions-agree": self.derived.agreement.property(),
-            "tank-agrees": self.tank.agreement.property(required=scenario.filter.prediction),
+            "tank-agrees": self.tank.agreement.property(required=scenario.filter.prediction and scenario.is_exact),
             "scenario-agrees": self.configuration.agreement.property(),
         }
 
@@ -165,6 +180,18 @@ class RunReview:
                 t_s = np.asarray(block.numbers("plant_ns")[moves] / NS_PER_S, dtype=np.float64)
                 x = block.matrix("x", len(self.identity.scenario.plant.x0))[:, moves]
                 steering.take_states(t_s, x[: steering.axes], self._evaluator.h(x, t_s))
+
+
+def growth_of(scenario: Scenario) -> ErrorGrowth | None:
+    """Return the growth of errors by a scenario's sets; ``None`` without.
+
+    Raises:
+        ScenarioError: Sets that do not fit the robot.
+        DesignError: A design that cannot have sets.
+    """
+    robot = robot_of(scenario)
+    sets = uncertainty_of(scenario, robot)
+    return None if sets is None else ErrorGrowth(replace(design_of(scenario, robot), uncertainty=sets))
 
 
 def merged(*wants: Wants) -> Wants:

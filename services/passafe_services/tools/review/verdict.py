@@ -15,6 +15,7 @@ from passafe_services.tools.review.command_use import CommandUse
 from passafe_services.tools.review.emergency_stops import driven_but_for_stops
 from passafe_services.tools.review.errors import MismatchedLogError
 from passafe_services.tools.review.extremum import Extremum
+from passafe_services.tools.review.guard_record import GuardAccount
 from passafe_services.tools.review.input_origin import driven_by_the_filter
 from passafe_services.tools.review.link_accounts import LinkAccount
 from passafe_services.tools.review.plant_evaluator import PlantEvaluator
@@ -100,6 +101,7 @@ class Verdict(BaseModel):
         timing: Further percentiles, of every process and of the latency from operator to plant.
         final_x: Last state of the plant.
         steering: Steering metrics; ``None`` without a simulated person.
+        guard: What the guard at the plant did; ``None`` without one.
         links: Account of every link, by session of its reader.
         points_per_period: Instants evaluated in every period, besides the samples.
         tolerances: Tolerances of the recomputed values.
@@ -144,6 +146,7 @@ class Verdict(BaseModel):
     timing: Timing
     final_x: tuple[float, ...] | None
     steering: Steering | None
+    guard: GuardAccount | None
     links: list[LinkAccount]
     points_per_period: int
     tolerances: Tolerances
@@ -237,6 +240,7 @@ class Verdict(BaseModel):
             timing=timing,
             final_x=plant.final_x,
             steering=None if review.steering is None else review.steering.result(),
+            guard=review.guard.account(),
             links=accounts,
             points_per_period=review.points_per_period,
             tolerances=review.tolerances,
@@ -261,6 +265,7 @@ def _properties(
             bounded=review.limits.property(),
             certified=review.decisions.certified(required=scenario.filter.mode != "off"),
         ),
+        **review.assumption(),
         **review.agreement(),
         "complete": judge_completeness(_completeness(review, log)),
         "links-reconciled": judge_links(accounts),
