@@ -42,9 +42,6 @@ SMALL_ERROR: Final = 1e-6
 LARGEST_ERROR: Final = 1e-3
 """Sum of the estimated integration errors from which on a rollout proves nothing."""
 
-GUESSES: Final = 2
-"""How often a tube is guessed: a course is followed where no row may be kept any more, and states change fast."""
-
 
 class BackupRollout:
     """Rolls the backup law out from any state."""
@@ -226,7 +223,7 @@ class _LeastH(NamedTuple):
 
 def _least_h(design: FilterDesign, chains: Sequence[BarrierChain], x_next: ca.SX) -> _LeastH:
     system, dt_s = design.system, design.dt_s
-    tube = reachable_tube(system, dt_s, ca.SX.zeros(system.m), guesses=GUESSES)
+    tube = reachable_tube(system, dt_s, ca.SX.zeros(system.m))
     moving, reach = ca.vertcat(system.x, system.t), ca.vertcat(tube.radius, dt_s)
     estimate, bound, known = ca.SX(inf), ca.SX(inf), tube.known
     for chain in chains:

@@ -33,7 +33,7 @@ TERMS: Final = 5
 """Terms of an exponential's series; what is left out is bounded."""
 
 ROOM: Final = 2.0
-"""Factor by which the guess of an error within a period exceeds what the slope at x̂ alone gives."""
+"""Factor by which the guess of an error within a period exceeds what the slopes along x̂ give."""
 
 
 class ErrorFlow(NamedTuple):
@@ -98,7 +98,7 @@ def _nonlinear(motion: HeldMotion, radius: ca.SX, push: ca.SX, dt_s: float) -> t
     """Return the error where M depends on the state: it is enclosed over a guess, and known if that is wide enough."""
     J = ca.jacobian(motion.f, motion.x)
     near = comparison_matrix(motion, J, ca.SX.zeros(motion.n))
-    guess = ROOM * (radius + dt_s * (ca.fmax(near.radius, 0) @ radius + push))
+    guess = ROOM * _exponential(ca.fmax(near.radius, 0) * dt_s, radius + dt_s * push)
     over = comparison_matrix(motion, J, guess)
     after = _exponential(over.radius * dt_s, radius) + dt_s * _exponential(ca.fmax(over.radius, 0) * dt_s, push)
     within = _exponential(ca.fmax(over.radius, 0) * dt_s, radius + dt_s * push)

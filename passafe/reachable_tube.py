@@ -23,6 +23,10 @@ PIECES: Final = 64
 GROWTH: Final = 2.0
 """Factor by which the first guess of a nonlinear plant's tube is wider than what J at x alone gives."""
 
+GUESSES: Final = 2
+"""How often a nonlinear plant's tube is guessed: a first guess is too narrow for a state that rests at x but not in the
+tube, as the height of a quadrotor that is level, or a car's sideways place while it heads along an axis."""
+
 SPARE: Final = 1.1
 """Factor by which every refinement of the tube exceeds what it was found to need."""
 
@@ -93,7 +97,7 @@ class HeldMotion:
         return Tube(ca.fabs(f.centre) + f.radius + self.push, f.known)
 
 
-def reachable_tube(system: System, held_s: float, input_radius: ca.SX, *, guesses: int = 1) -> Tube:
+def reachable_tube(system: System, held_s: float, input_radius: ca.SX, *, guesses: int = GUESSES) -> Tube:
     """Return the tube around x within ``held_s`` seconds under any held input near u.
 
     Where J is constant the bound is (∫₀ᵀ|e^{Js}|ds)·|f|, for any T. Otherwise M is enclosed over a guessed tube, and
@@ -103,8 +107,7 @@ def reachable_tube(system: System, held_s: float, input_radius: ca.SX, *, guesse
         system: The plant.
         held_s: T, how long the input is held at most, s.
         input_radius: By how much each axis of the held input may differ from u, expression, shape (m, 1).
-        guesses: How often a nonlinear plant's tube is guessed anew from the one before: the first guess is too narrow
-            for a state that rests at x but not in the tube, as the height of a tilting quadrotor.
+        guesses: How often a nonlinear plant's tube is guessed anew from the one before.
 
     Raises:
         DesignError: The dynamics have an operation without an enclosure.
@@ -112,7 +115,7 @@ def reachable_tube(system: System, held_s: float, input_radius: ca.SX, *, guesse
     return tube_of(HeldMotion.of(system, input_radius), held_s, guesses=guesses)
 
 
-def tube_of(motion: HeldMotion, held_s: float, *, guesses: int = 1) -> Tube:
+def tube_of(motion: HeldMotion, held_s: float, *, guesses: int = GUESSES) -> Tube:
     """Return the tube of a motion around where it begins, as ``reachable_tube`` does.
 
     Where J depends on constants alone, M is a matrix of numbers, and the bound is (∫₀ᵀe^{Ms}ds)·sup|f|.
