@@ -12,11 +12,14 @@ from passafe import SampledPlant, damped_point
 from passafe.models.seven_joint_arm import SPHERES, TOP_TORQUE, joint_torques, seven_joint_arm
 
 mujoco = pytest.importorskip("mujoco")
-MujocoDriver = pytest.importorskip("passafe_services.drivers.mujoco_driver").MujocoDriver
+module = pytest.importorskip("passafe_services.drivers.mujoco_driver")
+MujocoDriver, LARGEST_LAG = module.MujocoDriver, module.LARGEST_LAG
 
 MS = 1_000_000
 ARM = seven_joint_arm(sigma=1.0, gamma_1=8.0, dt_s=1e-3)
+PLANT = SampledPlant(ARM.system, ARM.storage, 1e-3)
 START = (0.0, -0.5, 0.0, -2.2, 0.0, 1.7, 0.8, *(0.0,) * 7)
+POINT_PLANT = SampledPlant(damped_point().system, damped_point().system.x[0] ** 2 * 0, 1e-3)
 POINT = """<mujoco><option gravity="0 0 0" timestep="0.0003"/><worldbody>
 <geom name="wall" type="box" pos="1.1 0 0" size="0.1 1 1"/>
 <body name="cart"><joint name="x" type="slide" axis="1 0 0"/><joint name="y" type="slide" axis="0 1 0"/>
@@ -26,14 +29,15 @@ POINT = """<mujoco><option gravity="0 0 0" timestep="0.0003"/><worldbody>
 
 def driver_of(**changes: object) -> "MujocoDriver":
     config = MujocoDriverConfig(kind="mujoco", mjcf="seven-joint-arm")
-    return MujocoDriver(config.model_copy(update=changes), ARM, x0=START, period_ns=MS)
+    return MujocoDriver(config.model_copy(update=changes), PLANT, x0=START, period_ns=MS)
 
 
 def course(driver: "MujocoDriver", u: tuple[float, ...], periods: int) -> np.ndarray:
     states = []
     for k in range(periods):
         driver.apply(u, k * MS)
-        states.append(driver.read((k + 1) * MS).x)
+        reading = driver.read((k + 1) * MS)
+        states.append(reading.true_x or reading.x)
     return np.array(states)
 
 
@@ -79,17 +83,26 @@ def test_it_rests_until_an_input_comes_and_starts_anew() -> None:
     driver.close()
 
 
-def test_joints_follow_what_is_asked_in_spite_of_friction() -> None:
-    u = (0.5, -0.5, 0.5, 0.5, -0.5, 0.5, 0.5)
-    plant, x = SampledPlant(ARM.system, ARM.storage, 1e-3), START
-    for _ in range(400):
-        x = plant.advance(x, u).x
+def test_joints_follow_their_reference_in_spite_of_friction() -> None:
+    u, x, lag = (0.5, -0.5, 0.5, 0.5, -0.5, 0.5, 0.5), START, 0.0
+    driver = driver_of(friction_n_m=0.5, mass_scale=1.05)
+    for k in range(400):
+        driver.apply(u, k * MS)
+        reading = driver.read((k + 1) * MS)
+        x = PLANT.advance(x, u).x
+        lag = max(lag, np.abs(np.subtract(reading.x, reading.true_x)[:7]).max())
 
-    exact = course(driver_of(friction_n_m=0.0), u, 400)[-1]
-    wrong = course(driver_of(friction_n_m=0.5, mass_scale=1.05), u, 400)[-1]
+    assert reading.x == x  # the reference is the model
+    assert 1e-4 < lag < 5e-3
 
-    assert np.abs(exact - x).max() < 2e-2  # the joints' own damping, 0.5 N·m·s
-    assert 1e-4 < np.abs(wrong - exact).max() < 6e-2
+
+def test_a_reference_is_drawn_after_joints_that_are_held() -> None:
+    driver = driver_of(friction_n_m=1e3)
+    for k in range(800):
+        driver.apply((1.0,) * 7, k * MS)
+        reading = driver.read((k + 1) * MS)
+
+    assert np.abs(np.subtract(reading.x, reading.true_x)[:7]).max() <= LARGEST_LAG + 1e-12
 
 
 def test_equal_runs_are_equal_to_the_last_bit() -> None:
@@ -113,7 +126,7 @@ def point_driver(tmp_path: Path, **changes: object) -> "MujocoDriver":
     path = tmp_path / "point.xml"
     path.write_text(POINT)
     config = MujocoDriverConfig(kind="mujoco", mjcf=str(path), control="actuators", **changes)
-    return MujocoDriver(config, damped_point(), x0=(0.0,) * 4, period_ns=MS)
+    return MujocoDriver(config, POINT_PLANT, x0=(0.0,) * 4, period_ns=MS)
 
 
 def test_any_model_is_moved_by_its_actuators(tmp_path: Path) -> None:
@@ -153,4 +166,4 @@ def test_joints_of_several_coordinates_are_refused(tmp_path: Path) -> None:
     )
     config = MujocoDriverConfig(kind="mujoco", mjcf=str(path))
     with pytest.raises(DriverError, match="hinges and slides"):
-        MujocoDriver(config, damped_point(), x0=(0.0, 0.0), period_ns=MS)
+        MujocoDriver(config, POINT_PLANT, x0=(0.0, 0.0), period_ns=MS)

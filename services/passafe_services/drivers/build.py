@@ -46,7 +46,7 @@ def driver_of(scenario: Scenario, model: PlantModel, config: AnyDriver | None = 
     if isinstance(config, MujocoDriverConfig):
         from passafe_services.drivers.mujoco_driver import MujocoDriver  # noqa: PLC0415 - an extra
 
-        return MujocoDriver(config, model.robot, x0=x0, period_ns=period_ns)
+        return MujocoDriver(config, model.dynamics, x0=x0, period_ns=period_ns)
     if isinstance(config, InstalledDriverConfig):
         return _installed(config, model, x0)
     return UdpServo(config, model.robot.system.m, (LARGEST_READING,) * len(x0))

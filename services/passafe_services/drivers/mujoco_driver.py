@@ -1,17 +1,16 @@
 """MuJoCo as the robot: contacts, friction, masses and a time step that are not those of the model."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
-import casadi as ca
 import numpy as np
 from passafe_protocol.messages import Vector
 
 from passafe.errors import MissingPackageError
-from passafe.models.robot import Robot
+from passafe.sampled_plant import SampledPlant
 from passafe.workspace import Array
 from passafe_services.drivers.errors import DriverError
 from passafe_services.drivers.hand import Hand
@@ -30,9 +29,9 @@ NAME: Final = "mujoco"
 FAR_M: Final = 1.0
 """Distance beyond which geoms are not looked at, m."""
 
-LARGEST_LAG: Final = 0.1
-"""Difference of the joints' rates from those that were asked for, rad/s, beyond which the latter follow the former: a
-robot that is held yields, and does not jump when it is let go."""
+LARGEST_LAG: Final = 0.03
+"""Distance of a joint from its reference, rad or m, beyond which the reference is drawn after it: a robot that is held
+yields, and does not jump when it is let go."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -51,9 +50,12 @@ class _Worlds:
 class MujocoDriver:
     """Steps a MuJoCo model under the input applied last, until a state is asked for.
 
-    With ``control = "acceleration"`` the joints have a controller of their own, as those of an arm have: computed
-    torque τ = M(q)a + C(q, q̇)q̇ + g(q) of the nominal model, with a the model's acceleration under u, and
-    ``tracking_per_s`` times what the rates lag behind. With ``control = "actuators"`` u goes to the model's actuators.
+    With ``control = "acceleration"`` the joints have a controller of their own, as those of an arm have: a reference
+    that moves as the filter's model does under u, and computed torque τ = M(q)a + C(q, q̇)q̇ + g(q) of the nominal
+    model, a = q̈ᵣ + 2ω(q̇ᵣ − q̇) + ω²(qᵣ − q). The state that it reports is the reference, as such controllers do; the
+    joints lie within the tracking error of it, which is reported beside it (``Reading.true_x``), and which the spheres
+    of a body have to cover. With ``control = "actuators"`` u goes to the model's actuators, and the state is that of
+    the joints.
 
     Attributes:
         has_own_clock: False: a simulation.
@@ -63,12 +65,12 @@ class MujocoDriver:
 
     has_own_clock = False
 
-    def __init__(self, config: MujocoDriverConfig, robot: Robot, *, x0: Sequence[float], period_ns: int) -> None:
+    def __init__(self, config: MujocoDriverConfig, plant: SampledPlant, *, x0: Sequence[float], period_ns: int) -> None:
         """Load the model and put it at rest at x0.
 
         Args:
             config: Part of a scenario.
-            robot: The robot as the filter models it: its acceleration is what the joints are to follow.
+            plant: The robot as the filter models it, which the reference follows; stepped with the period.
             x0: Initial state: positions of the joints, then their rates.
             period_ns: Period of the plant, ns.
 
@@ -82,7 +84,7 @@ class MujocoDriver:
         _alter(self._worlds.true, config, self._joints)
         self._near = _Surroundings.of(self._worlds.true)
         self._hand = None if config.hand is None else Hand.of(self._worlds.true, config.hand)
-        self._acceleration = _acceleration_of(robot)
+        self._plant = plant
         self._x0 = np.array(x0, dtype=float)
         self.open()
 
@@ -93,7 +95,7 @@ class MujocoDriver:
         half = len(self._x0) // 2
         self._data.qpos[self._joints.places], self._data.qvel[self._joints.rates] = self._x0[:half], self._x0[half:]
         mujoco.mj_forward(self._worlds.true, self._data)
-        self._wanted = self._x0[half:].copy()
+        self._reference: Vector = tuple(self._x0.tolist())
         self._u: Vector = ()
         self._at_ns = 0
         self.least_distance_m = FAR_M
@@ -101,11 +103,11 @@ class MujocoDriver:
     def read(self, at_ns: int) -> Reading:
         """Return the state at ``at_ns``; x0 before the first input."""
         while self._u and self._at_ns + self._period_ns <= at_ns:
-            for _ in range(self._steps):
-                self._step()
+            self._advance()
             self._at_ns += self._period_ns
-        x = (*self._data.qpos[self._joints.places].tolist(), *self._data.qvel[self._joints.rates].tolist())
-        return Reading(x, at_ns)
+        if self._config.control == "actuators":
+            return Reading(self._joint_state(), at_ns)
+        return Reading(self._reference, at_ns, true_x=self._joint_state())
 
     def apply(self, u: Vector, at_ns: int) -> None:
         """Put an input in force."""
@@ -114,30 +116,46 @@ class MujocoDriver:
     def close(self) -> None:
         """Do nothing: a simulation stops when it is asked no more."""
 
+    def _joint_state(self) -> Vector:
+        data, joints = self._data, self._joints
+        return (*data.qpos[joints.places].tolist(), *data.qvel[joints.rates].tolist())
+
+    def _advance(self) -> None:
+        """Advance by one period, in the model's own steps."""
+        if self._config.control == "actuators":
+            for _ in range(self._steps):
+                self._data.ctrl[:] = self._u
+                self._step()
+            return
+        half, begun = len(self._x0) // 2, np.array(self._reference)
+        ended = np.array(self._plant.advance(self._reference, self._u).x)
+        acceleration = (ended - begun)[half:] / self._plant.dt_s
+        for k in range(self._steps):
+            passed = k / self._steps
+            self._data.qfrc_applied[self._joints.rates] = self._torque(begun + passed * (ended - begun), acceleration)
+            self._step()
+        q = self._data.qpos[self._joints.places]
+        ended[:half] = q + np.clip(ended[:half] - q, -LARGEST_LAG, LARGEST_LAG)
+        self._reference = tuple(ended.tolist())
+
     def _step(self) -> None:
         model, data = self._worlds.true, self._data
         if self._hand is not None:
             self._hand.push(data)
-        if self._config.control == "actuators":
-            data.ctrl[:] = self._u
-        else:
-            data.qfrc_applied[self._joints.rates] = self._torque()
         mujoco.mj_step(model, data)
         self.least_distance_m = min(self.least_distance_m, self._near.distance(model, data))
 
-    def _torque(self) -> Array:
+    def _torque(self, reference: Array, acceleration: Array) -> Array:
         """Return the controller's torque, N·m, within the limits of the joints."""
-        data, twin, joints = self._data, self._twin, self._joints
-        q, v = data.qpos[joints.places], data.qvel[joints.rates]
-        asked = self._acceleration(q, v, self._u)
-        step_s = float(self._worlds.true.opt.timestep)
-        self._wanted = v + np.clip(self._wanted + step_s * asked - v, -LARGEST_LAG, LARGEST_LAG)
+        data, twin, joints, half = self._data, self._twin, self._joints, len(reference) // 2
+        q, v, rate = data.qpos[joints.places], data.qvel[joints.rates], self._config.tracking_per_s
+        asked = acceleration + 2 * rate * (reference[half:] - v) + rate**2 * (reference[:half] - q)
         twin.qpos[joints.places], twin.qvel[joints.rates] = q, v
         mujoco.mj_fwdPosition(self._worlds.nominal, twin)
         mujoco.mj_fwdVelocity(self._worlds.nominal, twin)
-        acceleration, torque = np.zeros(self._worlds.nominal.nv), np.zeros(self._worlds.nominal.nv)
-        acceleration[joints.rates] = asked + self._config.tracking_per_s * (self._wanted - v)
-        mujoco.mj_mulM(self._worlds.nominal, twin, torque, acceleration)
+        wanted, torque = np.zeros(self._worlds.nominal.nv), np.zeros(self._worlds.nominal.nv)
+        wanted[joints.rates] = asked
+        mujoco.mj_mulM(self._worlds.nominal, twin, torque, wanted)
         found: Array = np.clip((torque + twin.qfrc_bias)[joints.rates], joints.low, joints.high)
         return found
 
@@ -231,15 +249,3 @@ def _alter(model: "mujoco.MjModel", config: MujocoDriverConfig, joints: _Joints)
     if config.friction_n_m is not None:
         model.dof_frictionloss[joints.rates] = config.friction_n_m
     mujoco.mj_setConst(model, mujoco.MjData(model))
-
-
-def _acceleration_of(robot: Robot) -> Callable[[Array, Array, Vector], Array]:
-    """Return q̈ of the model as a function of q, q̇ and u."""
-    system = robot.system
-    function: Any = ca.Function("acceleration", [system.x, system.u], [ca.densify(system.f[system.n // 2 :])])
-
-    def acceleration(q: Array, v: Array, u: Vector) -> Array:
-        found: Array = function(np.concatenate((q, v)), u).full().ravel()
-        return found
-
-    return acceleration

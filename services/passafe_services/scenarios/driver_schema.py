@@ -40,7 +40,7 @@ class MujocoDriverConfig(Config):
         mjcf: A shipped model, ``seven-joint-arm``, or the path of an MJCF file.
         joints: Joints in the order of the robot's coordinates; all of them, in the file's order, if not given.
         control: ``acceleration`` by computed torque, or ``actuators``: u is the control signal of each.
-        tracking_per_s: Gain of the joints' own controller on what their rates lag behind, 1/s.
+        tracking_per_s: ω of the joints' own controller: how fast they follow their reference, 1/s.
         mass_scale: Factor on all masses and inertias but those that the controller knows.
         friction_n_m: Dry friction of every joint, N·m; that of the file if not given.
         hand: A hand that pushes the robot; none by default.
@@ -50,7 +50,7 @@ class MujocoDriverConfig(Config):
     mjcf: Annotated[str, Field(min_length=1, max_length=400)]
     joints: Annotated[tuple[Name, ...], Field(max_length=32)] = ()
     control: Literal["acceleration", "actuators"] = "acceleration"
-    tracking_per_s: Annotated[float, Field(ge=0, le=1e3)] = 100.0
+    tracking_per_s: Annotated[float, Field(ge=0, le=1e3)] = 60.0
     mass_scale: Annotated[float, Field(gt=0, le=10)] = 1.0
     friction_n_m: Annotated[float, Field(ge=0, le=1e3)] | None = None
     hand: HandConfig | None = None
