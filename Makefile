@@ -10,9 +10,9 @@ PYTHONS ?= python3.12 python3.13
 QUIET := not live and not browser and not campaign and not container
 # Tests whose coverage of core and protocol counts: to measure it takes two thirds more time, so the others go without.
 COVERING := tests/core tests/protocol tests/keys tests/loop tests/tables
-CAMPAIGN ?= $(basename $(notdir $(wildcard services/passafe_services/scenarios/*.toml)))
+CAMPAIGN ?= $(filter-out arm-%,$(basename $(notdir $(wildcard services/passafe_services/scenarios/*.toml))))
 
-.PHONY: help demo test check fast proto lock docs site pictures screenshots bench campaign generated-campaign uncertain-campaign atlas delay-atlas worker-kills resumes faults recovery mutation wheel wheel-test container-test network-test fuzz soak clean golden what-if-pairs
+.PHONY: help demo test check fast proto lock docs site pictures screenshots bench campaign generated-campaign uncertain-campaign arm-campaign atlas delay-atlas worker-kills resumes faults recovery mutation wheel wheel-test container-test network-test fuzz soak clean golden what-if-pairs
 
 help:  ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 13
@@ -77,6 +77,9 @@ campaign: $(STAMP)  ## 10,000 adversarial rollouts of every shipped scenario; ab
 
 generated-campaign: $(STAMP)  ## 20,000 closed loops of systems made from seeds; about an hour; resumes where it was interrupted
 	$(BIN)/passafe campaign --generated --rollouts 20000 --out runs/generated
+
+arm-campaign: $(STAMP)  ## 200 runs of 10 s of the arm in MuJoCo, pushed and steered at obstacles; an hour
+	$(BIN)/python benchmarks/arm_in_mujoco.py --runs 200 --duration 10 --workers 2
 
 uncertain-campaign: $(STAMP)  ## 1,000 rollouts of every way a plant may differ from its model; an hour; resumes where it was interrupted
 	$(BIN)/passafe campaign --uncertain --rollouts 1000 --duration 4 --out runs/uncertain
