@@ -14,6 +14,7 @@ from passafe_services.cli import (
     export,
     feasibility,
     health,
+    identify,
     keys,
     kill,
     link,
@@ -79,6 +80,7 @@ app.command("review", rich_help_panel=LOGS)(review.review)
 app.command("replay", rich_help_panel=LOGS)(replay.replay)
 app.command("whatif", rich_help_panel=LOGS)(whatif.whatif)
 app.command("compare", rich_help_panel=LOGS)(compare.compare)
+app.command("identify", rich_help_panel=LOGS)(identify.identify_robot)
 app.command("recover", rich_help_panel=LOGS)(recover.recover_log)
 app.command("export", rich_help_panel=LOGS)(export.export)
 

@@ -1,0 +1,1 @@
+"""Estimation of parameters, noise and sets from logs."""
