@@ -51,6 +51,7 @@ class Robot:
         task: The frame in which it is commanded, if that is not the input's own.
         drawing: How it is drawn; at its points, or as coordinates, if that is not given.
         input_unit: Unit of u, in words.
+        state_units: Unit of each state, n words, for tables; none if not given.
     """
 
     system: System
@@ -70,6 +71,7 @@ class Robot:
     task: TaskFrame | None = None
     drawing: Drawing | None = None
     input_unit: str = ""
+    state_units: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Refuse parts that do not fit the system."""
@@ -91,6 +93,9 @@ class Robot:
         for name, h in own.items():
             self.system.require_state_function(f"barrier {name!r}", h, 1, may_move=True)
         object.__setattr__(self, "barriers", own)
+        if self.state_units and len(self.state_units) != self.system.n:
+            got = f"{len(self.state_units)} words"
+            raise DesignError("robot state_units", got, f"{self.system.n}, one for each state, or none")
         self._check_task()
         self._check_drawing()
 

@@ -163,6 +163,7 @@ def seven_joint_arm(*, sigma: float = 1.0, gamma_1: float = 0.0, dt_s: float = 0
         power_bounds=sizes.bounds(power_margin_bounds(CHAIN, LINKS, sizes.rates, sizes.u_size)),
         spheres=_spheres(q, sizes),
         task=TaskFrame(command=w, u_h=joint_accelerations(q, w), axes=("x", "y", "z")),
+        state_units=("rad",) * JOINTS + ("rad/s",) * JOINTS,
         drawing=_drawing(q),
         input_unit="rad/s²",
     )

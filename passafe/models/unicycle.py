@@ -68,4 +68,5 @@ def unicycle(*, drag: float = 1.0, nose_m: float = 0.3, brake_per_s: float = 5.0
         task=TaskFrame(command=w, u_h=ca.vertcat(ca.dot(forward, w), ca.dot(left, w) / nose_m), axes=("x", "y")),
         drawing=Drawing(points=place, heading=heading, outline=tuple((nose_m * a, nose_m * b) for a, b in _OUTLINE)),
         input_unit="m/s², rad/s²",
+        state_units=("m", "m", "rad", "m/s", "rad/s"),
     )

@@ -51,6 +51,7 @@ def test_robot_says_of_its_fail_safe_that_nothing_is_stated() -> None:
         ({"storage": X}, "system storage: got shape"),
         ({"barriers": [X[0]]}, "robot barriers: got .* allowed h by name, a dict"),
         ({"barriers": {"wall": X}}, "system barrier 'wall': got shape"),
+        ({"state_units": ("m",)}, "robot state_units: got 1 words, allowed 2"),
         ({"task": 1}, "robot task: got 1 .* allowed a passafe.TaskFrame"),
         ({"task": TaskFrame(command=W, u_h=W)}, "system task u_h: got shape"),
         ({"task": TaskFrame(command=W, u_h=W[0] + X[1])}, "task u_h: got .* at a command of zero, allowed zero"),

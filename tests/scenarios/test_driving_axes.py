@@ -31,3 +31,10 @@ def test_two_robots_have_a_plane_each() -> None:
 def test_an_arm_is_commanded_by_its_tip() -> None:
     axes = DrivingAxes.of(load_scenario("arm-over-table"))
     assert (axes.full, axes.planes, axes.names) == ((AUTHORITY,) * 3, ((0, 1), (2,)), ("x and y", "z"))
+
+
+def test_axes_of_a_task_frame_have_its_names() -> None:
+    axes = DrivingAxes.of(load_scenario("arm-over-table"))
+
+    assert axes.planes == ((0, 1), (2,))
+    assert axes.names == ("x and y", "z")

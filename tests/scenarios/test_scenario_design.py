@@ -2,13 +2,20 @@ import casadi as ca
 import pytest
 from passafe_services.scenarios.design import barriers_of, design_of, robot_of, sampled_plant_of, storage_of, tank_of
 from passafe_services.scenarios.errors import ScenarioError
-from passafe_services.scenarios.load import load_scenario
+from passafe_services.scenarios.load import load_scenario, scenario_from
 from passafe_services.scenarios.robot_models import ROBOT_MODELS
 from passafe_services.scenarios.schema import Scenario
 
 from passafe import Cubic, DesignError, Law, Linear, Mode, Piecewise, SafetyPassivityFilter
 
 NAME = "notomista-cai-2020"
+
+
+def test_robot_of_its_own_may_have_the_name_of_a_model() -> None:
+    car = load_scenario("unicycle-posts").model_dump(mode="json")
+    car["plant"]["model"] = "lagged-point"
+
+    assert robot_of(scenario_from(car, "a log")).system.n == 5
 
 
 def test_the_reference_scenario_becomes_the_papers_example() -> None:

@@ -138,3 +138,9 @@ def test_headings_carry_each_unit_once() -> None:
     assert Column("x_1", "float", "m").heading == "x_1 [m]"
     assert Column("sent_ns", "int", "ns").heading == "sent_ns"
     assert Column("status", "text").heading == "status"
+
+
+def test_units_of_a_robots_states_are_its_own() -> None:
+    units = units_of(load_scenario("unicycle-posts"))
+
+    assert [units[f"x_{k}"] for k in range(1, 6)] == ["m", "m", "rad", "m/s", "rad/s"]

@@ -39,19 +39,24 @@ def robot_of(scenario: Scenario) -> Robot:
     if unknown:
         allowed = ", ".join(model.parameters) + suggestion(unknown[0], model.parameters)
         raise ScenarioError(scenario.name, "plant.parameters", ", ".join(unknown), allowed)
-    extra: dict[str, float] = {}
-    if scenario.plant.robot is None:
-        extra = {"gamma_1": _largest_gain(scenario, 0), "dt_s": scenario.dt_s}
-    if model.name == "lagged-point":
-        extra["gamma_2"] = _largest_gain(scenario, 1)
-    if model.name == "joint-chain":
-        extra["joints"] = _joints(scenario)
+    extra = _settings(scenario) if scenario.plant.robot is None else {}
     robot = model.build(**scenario.plant.parameters, **extra)
     if len(x0) != robot.system.n:
         raise ScenarioError(
             scenario.name, "plant.x0", f"{len(x0)} numbers", f"{robot.system.n}, the states of the model"
         )
     return robot
+
+
+def _settings(scenario: Scenario) -> dict[str, float]:
+    """Return what a model of the core takes from the scenario besides its parameters."""
+    name = scenario.plant.model
+    settings: dict[str, float] = {"gamma_1": _largest_gain(scenario, 0), "dt_s": scenario.dt_s}
+    if name == "lagged-point":
+        settings["gamma_2"] = _largest_gain(scenario, 1)
+    if name == "joint-chain":
+        settings["joints"] = _joints(scenario)
+    return settings
 
 
 def _largest_gain(scenario: Scenario, level: int) -> float:

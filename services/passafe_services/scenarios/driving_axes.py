@@ -42,11 +42,14 @@ class DrivingAxes:
             return cls(full=(AUTHORITY,) * m, planes=planes, names=names)
         limits = scenario.filter.limits(m)
         full = tuple(min(AUTHORITY, (high - low) / 2) for low, high in zip(limits.low, limits.high, strict=True))
-        return cls(full=full, planes=planes, names=tuple(_name(plane, points) for plane in planes))
+        axes = () if scenario.plant.robot is None else scenario.plant.robot.axes
+        return cls(full=full, planes=planes, names=tuple(_name(plane, points, axes) for plane in planes))
 
 
-def _name(plane: tuple[int, ...], points: int) -> str:
+def _name(plane: tuple[int, ...], points: int, axes: tuple[str, ...]) -> str:
     if points:
         return "robot" if points == 1 else f"robot {plane[0] // 2 + 1}"
+    if axes:
+        return " and ".join(axes[axis] for axis in plane)
     numbers = [str(axis + 1) for axis in plane]
     return f"joints {' and '.join(numbers)}" if len(numbers) > 1 else f"joint {numbers[0]}"

@@ -25,6 +25,8 @@ def units_of(scenario: Scenario | None) -> Mapping[str, str]:
     places = 2 * model.points or states // 2
     blocks = [model.position_unit] * places + [f"{model.position_unit}/s"] * places
     blocks += [model.input_unit] * (states - len(blocks))  # what follows positions and velocities acts like an input
+    if scenario.plant.robot is not None:
+        blocks = list(scenario.plant.robot.state_units)
     units = {f"{stem}_{k}": unit for stem in _STATES for k, unit in enumerate(blocks, start=1)}
     units |= dict.fromkeys(_INPUTS, model.input_unit) | {"u_h_rate": _per_second(model.input_unit)}
     units |= dict.fromkeys(_WATTS, "W") | {f"row {field}": model.input_unit for field in _OF_ROWS}

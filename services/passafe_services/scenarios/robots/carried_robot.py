@@ -83,6 +83,7 @@ class CarriedRobot(Config):
         points: Points in the plane that its position is made of.
         axes: Names of the coordinates of a command; empty if it is commanded by its input.
         input_unit: Unit of u.
+        state_units: Unit of each state; empty if it is not known.
         drawing: How it is drawn; ``None``: at its points, or as coordinates.
         spheres: Spheres of its body.
         kept_gains: Gains that its fail-safe keeps, 1/s.
@@ -101,6 +102,7 @@ class CarriedRobot(Config):
     points: Annotated[int, Field(ge=0, le=32)]
     axes: Annotated[tuple[Word, ...], Field(max_length=64)] = ()
     input_unit: Word = ""
+    state_units: Annotated[tuple[Word, ...], Field(max_length=64)] = ()
     drawing: CarriedDrawing | None = None
     spheres: Annotated[tuple[CarriedSphere, ...], Field(max_length=64)] = ()
     kept_gains: Annotated[tuple[float, ...], Field(max_length=16)] = (0.0,)
@@ -144,6 +146,7 @@ class CarriedRobot(Config):
             "points": robot.points,
             "axes": () if task is None else task.axes or tuple(f"axis {k + 1}" for k in range(task.size)),
             "input_unit": robot.input_unit,
+            "state_units": robot.state_units,
             "drawing": None
             if drawing is None
             else CarriedDrawing(
@@ -191,6 +194,7 @@ class CarriedRobot(Config):
             task=TaskFrame(command=w, u_h=made["task"], axes=self.axes) if "task" in made else None,
             drawing=self._drawing(made),
             input_unit=self.input_unit,
+            state_units=self.state_units,
         )
 
     def _spheres(self, made: Expressions, sizes: "_Sizes") -> tuple[BodySphere, ...]:
