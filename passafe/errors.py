@@ -32,6 +32,8 @@
         * ``LinkNameError``: settings for a link that does not exist
         * ``LinkUpdateError``: settings of a link that do not go together
         * ``StopNameError``: a clear of another emergency stop than the one that is latched
+        * ``RobotCodeError``: a function that returns no robot, or a file without it
+        * ``IdentifyError``: logs from which nothing can be estimated
         * ``PageAddressError``: an address that the page cannot listen on
             * ``PagePortInUseError``: another program listens on its port
         * ``ArchiveNameError``: a log or experiment that the folder of a page does not hold
@@ -84,6 +86,7 @@
     * ``StopPressedAgainError``: the emergency stop was pressed again while it was being cleared
     * ``TooManyJobsError``: more work than the page accepts at a time
     * ``StopAnswerError``: no plant acknowledged a press or a clear that the page asked for
+    * ``NothingToStopError``: the emergency stop was pressed while no run is going on
     * ``NoSessionError``: runs that no demo supervises
     * ``SessionRefusedError``: a request that the supervisor of a demo refused
     * ``SessionAnswerError``: a supervisor of a demo that does not answer
