@@ -100,6 +100,7 @@ class HeldRow:
         ratio_s: ratio, s.
         decay_per_s: λ, 1/s.
         q: q.
+        gain: Slope of γ̃ in p where it is the same everywhere, 1/s.
         change: Bound of ratio·|ḃ| as a sum of given bounds of h's derivatives, if there are any.
     """
 
@@ -110,6 +111,7 @@ class HeldRow:
     ratio_s: float
     decay_per_s: float
     q: ca.SX
+    gain: float | None = None
     change: BoundSum | None = None
 
     def deviation(self, system: System, tube: Tube, held_s: float, input_radius: ca.SX) -> DeviationBound:
@@ -177,6 +179,7 @@ def _held(p: ca.SX, q: ca.SX, bend: ca.SX, chain: BarrierChain, held_s: float, d
         ratio_s=ratio_s,
         decay_per_s=decay,
         q=q,
+        gain=gamma.gain if isinstance(gamma, Linear) and _is_usable(gamma, usable_s) else None,
         change=BoundSum.of_chain(chain, decay, ratio_s),
     )
 
@@ -212,6 +215,7 @@ def held_power(system: System, passivity: Passivity, tank_j: ca.SX, held_s: floa
         ratio_s=ratio_s,
         decay_per_s=0.0,
         q=h_u,
+        gain=0.0,  # p does not depend on x
         change=None if bounds is None else BoundSum(bounds=bounds, weights=(0.0, ratio_s)),
     )
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import casadi as ca
 
-from passafe.enclosure import Enclosure, enclose
+from passafe.enclosure import enclose
 from passafe.errors import DesignError
 from passafe.intersample_margin import HeldRow
 from passafe.jump_bound import jump_bound
@@ -35,7 +35,14 @@ class MemberBound(NamedTuple):
 
 
 def member_bound(
-    family: PlantFamily, row: HeldRow, tube: Tube, held_s: float, x_radius: ca.SX, input_radius: ca.SX
+    family: PlantFamily,
+    row: HeldRow,
+    tube: Tube,
+    held_s: float,
+    x_radius: ca.SX,
+    input_radius: ca.SX,
+    *,
+    at_ends: bool = True,
 ) -> MemberBound:
     """Return the bounds of one row.
 
@@ -46,70 +53,84 @@ def member_bound(
         held_s: T, how long the input is held at most, s.
         x_radius: Error of x, expression, shape (n, 1).
         input_radius: By how much each axis of the held input may differ from u, expression, shape (m, 1).
+        at_ends: Whether there is a row at each end of what multiplies the input; else the bound covers that, too.
 
     Raises:
         DesignError: The bounds of the row's derivatives are given, or it has an operation without an enclosure.
     """
     if row.change is not None:
         raise DesignError("uncertainty", "a row with derivative_bounds", "rows whose derivatives are enclosed")
-    system = family.system
-    ends = family.ends(row.q)
+    system, ends = family.system, family.ends(row.q) if at_ends else ()
     between = [each for each in family.coordinates if each not in ends]
     rest = ca.vertcat(ca.SX(0, 1), *(each.symbol for each in between))
     rest_radius = ca.SX(ca.DM([each.radius for each in between]))
     held = ca.vertcat(system.u, family.symbols)
     held_radius = ca.vertcat(input_radius + family.input_error, family.radii)
-    first = ca.vertcat(system.x, held), ca.vertcat(x_radius, held_radius)
-    along = ca.vertcat(system.x, system.t, held), ca.vertcat(tube.radius + x_radius, held_s, held_radius)
-    known = tube.known
+    moving, reach = ca.vertcat(system.x, system.t), ca.vertcat(tube.radius + x_radius, held_s)
+    box = _Box(ca.vertcat(moving, held), ca.vertcat(reach, held_radius))
+    q, p = box.enclosed(ca.gradient(row.q, system.x)), box.enclosed(ca.gradient(row.p, system.x))
+    bend = box.enclosed(ca.gradient(row.bend, moving)).most
 
-    def most(slope: ca.SX, reach: ca.SX, box: tuple[ca.SX, ca.SX]) -> ca.SX:
-        nonlocal known
-        size, is_known = _most(slope, reach, box)
-        known = known * is_known
-        return size
-
-    moved, moved_radius = ca.vertcat(system.x, rest), ca.vertcat(x_radius, rest_radius)
-    less = most(ca.gradient(row.value, moved), moved_radius, first)
-    pushed = most(ca.gradient(row.p, system.x), ca.SX(family.disturbance), along)
-    pushed += most(ca.gradient(row.q, system.u), ca.SX(family.input_error), along)
-    less += held_s / row.usable_s * pushed
-    slope = _enclosed(ca.gradient(row.bend, ca.vertcat(system.x, system.t)), along)
-    steepest = ca.fabs(slope.centre) + slope.radius
-    less += ca.dot(steepest[: system.n], x_radius)
-    less += most(ca.gradient(row.bend, rest), rest_radius, first)
-    less += row.ratio_s * most(ca.gradient(row.q, system.x), _push(family, along), along)
+    pushed = ca.dot(p.most, family.disturbance) + box.most(ca.gradient(row.q, system.u), ca.SX(family.input_error))
+    less = held_s / row.usable_s * pushed + row.ratio_s * ca.dot(q.most, _push(family, box))
+    less += ca.dot(bend[: system.n] + _slope_of_value(row, q, p, box, system.x).most, x_radius)
+    less += box.most(ca.gradient(row.q, rest), rest_radius) + box.most(ca.gradient(row.bend, rest), rest_radius)
     for each in ends:
-        less += most(ca.jacobian(ca.gradient(row.bend, each.symbol), each.symbol), ca.SX(each.radius**2 / 2), first)
-    reach = ca.vertcat(tube.radius, held_s)
-    jumps, jumps_known = jump_bound(
-        row.bend, ca.vertcat(system.x, system.t), ca.vertcat(tube.radius + x_radius, held_s), held, held_radius
-    )
-    fading = ca.fmin(row.p + most(ca.gradient(row.p, system.x), x_radius, first), 0) / row.usable_s
-    known = known * slope.known * jumps_known
-    deviation = ca.if_else(known, ca.dot(steepest, reach) + jumps, 0) + fading
+        less += box.most(ca.jacobian(ca.gradient(row.bend, each.symbol), each.symbol), ca.SX(each.radius**2 / 2))
+
+    jumps, jumps_known = jump_bound(row.bend, moving, reach, held, held_radius)
+    known = tube.known * box.known * jumps_known
+    fading = ca.fmin(row.p + ca.dot(p.most, x_radius), 0) / row.usable_s
+    deviation = ca.if_else(known, ca.dot(bend, ca.vertcat(tube.radius, held_s)) + jumps, 0) + fading
     found = ca.substitute([deviation, ca.if_else(known, less, 0), known], [family.symbols], [family.centres])
     return MemberBound(*found)
 
 
-def _push(family: PlantFamily, box: tuple[ca.SX, ca.SX]) -> ca.SX:
+class _Slope(NamedTuple):
+    """Enclosure of a gradient."""
+
+    centre: ca.SX
+    radius: ca.SX
+
+    @property
+    def most(self) -> ca.SX:
+        """Largest magnitudes."""
+        return ca.fabs(self.centre) + self.radius
+
+
+class _Box:
+    """States, times, inputs and parameters that a row may meet.
+
+    One box for all, also for what is asked at the beginning alone: then most enclosures are evaluated once.
+    """
+
+    def __init__(self, symbols: ca.SX, radius: ca.SX) -> None:
+        """Begin with nothing enclosed."""
+        self._symbols, self._radius, self.known = symbols, radius, ca.SX(1)
+
+    def enclosed(self, slope: ca.SX) -> _Slope:
+        """Return the enclosure of a gradient over the box."""
+        ball = enclose(ca.densify(slope), self._symbols, self._radius)
+        self.known = self.known * ball.known
+        return _Slope(ball.centre, ball.radius)
+
+    def most(self, slope: ca.SX, reach: ca.SX) -> ca.SX:
+        """Return Σ sup|slopeᵢ|·reachᵢ."""
+        counts = [i for i in range(reach.numel()) if not reach[i].is_zero() and not slope[i].is_zero()]
+        return ca.dot(self.enclosed(slope[counts]).most, reach[counts]) if counts else ca.SX(0)
+
+
+def _slope_of_value(row: HeldRow, q: _Slope, p: _Slope, box: _Box, x: ca.SX) -> _Slope:
+    """Return the gradient of q + γ̃(p) in x: of the two that are known, where γ̃ is linear."""
+    if row.gain is None:
+        return box.enclosed(ca.gradient(row.value, x))
+    return _Slope(q.centre + row.gain * p.centre, q.radius + row.gain * p.radius)
+
+
+def _push(family: PlantFamily, box: _Box) -> ca.SX:
     """Return the bound of all that acts on each state's rate besides the model, shape (n, 1)."""
     push = ca.SX(family.disturbance)
-    if not family.input_error.nnz() or not ca.norm_inf(family.input_error):
+    if not float(ca.norm_inf(family.input_error)):
         return push
     effect = ca.jacobian(family.system.general_f, family.system.u)
-    ball = enclose(ca.vec(ca.densify(effect)), *box)
-    return push + ca.reshape(ca.fabs(ball.centre) + ball.radius, effect.shape) @ family.input_error
-
-
-def _most(slope: ca.SX, reach: ca.SX, box: tuple[ca.SX, ca.SX]) -> tuple[ca.SX, ca.SX]:
-    """Return Σ sup|slopeᵢ|·reachᵢ over a box, and whether it is known."""
-    counts = [i for i in range(reach.numel()) if not reach[i].is_zero() and not slope[i].is_zero()]
-    if not counts:
-        return ca.SX(0), ca.SX(1)
-    ball = _enclosed(slope[counts], box)
-    return ca.dot(ca.fabs(ball.centre) + ball.radius, reach[counts]), ball.known
-
-
-def _enclosed(slope: ca.SX, box: tuple[ca.SX, ca.SX]) -> Enclosure:
-    return enclose(ca.densify(slope), *box)
+    return push + ca.reshape(box.enclosed(ca.vec(effect)).most, effect.shape) @ family.input_error

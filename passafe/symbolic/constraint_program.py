@@ -105,7 +105,7 @@ def constraint_rows(
         linearization.tightening,
     )
     if passivity is not None:
-        rows += passivity.rows(u_ref, u_lin, deviations.power, deviations.power_uncertainty)
+        rows.append(passivity.row(u_ref, u_lin, deviations.power, deviations.power_uncertainty))
     return rows
 
 

@@ -1,8 +1,6 @@
 """The passivity row of the sampled law, and the slack that an input really takes."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import reduce
 
 import casadi as ca
 
@@ -20,10 +18,12 @@ from passafe.system import System
 class EnforcedPassivity:
     """The energy's demand on a held input: h_u ≥ −κ(E − E_r) − δ, or h_u ≥ −δ without a tank, for the whole period.
 
+    What a parameter may do to the power is bounded over the trust region, for a soft row need not be exact at its ends.
+
     Attributes:
         system: The plant.
         passivity: What is demanded.
-        held: Its two conditions, by the name of the row: one pair, or one for each end of a family.
+        held: Its two conditions; of the member in the middle of a family.
         general: The same with the symbols of a family's coordinates in them; ``None`` without a family.
         dt_s: T, s: the period. What an input takes that is held for longer is the plant's own doing, like its
             fail-safe.
@@ -33,7 +33,7 @@ class EnforcedPassivity:
 
     system: System
     passivity: Passivity
-    held: Mapping[str, HeldRow]
+    held: HeldRow
     general: HeldRow | None
     dt_s: float
     has_margin: bool
@@ -51,19 +51,12 @@ class EnforcedPassivity:
         if not design.mode.enforces_passivity or design.law is not Law.SAMPLED:
             return None
         passivity, dt_s = design.passivity, design.dt_s
-        general, members = None, {"": design.system}
-        if family is not None:
-            general = held_power(family.system, passivity, tank_j, dt_s, general=True)
-            members = family.members(family.ends(general.q))
-        held = {
-            f"{PASSIVITY_ROW}[{text}]" if text else PASSIVITY_ROW: held_power(system, passivity, tank_j, dt_s)
-            for text, system in members.items()
-        }
+        member = design.system if family is None else family.system
         return cls(
             system=design.system,
             passivity=passivity,
-            held=held,
-            general=general,
+            held=held_power(member, passivity, tank_j, dt_s),
+            general=None if family is None else held_power(member, passivity, tank_j, dt_s, general=True),
             dt_s=dt_s,
             has_margin=design.between_samples,
             family=family,
@@ -77,8 +70,7 @@ class EnforcedPassivity:
             u_lin: Shape (m, 1).
             trust: Radius in each axis, shape (m, 1).
         """
-        (held,) = self.held.values()
-        both = held.deviation(self.system, tube, self.dt_s, trust)
+        both = self.held.deviation(self.system, tube, self.dt_s, trust)
         size, known = ca.substitute([*both], [self.system.u], [u_lin])
         return ca.if_else(known, size, 0), 1 - known
 
@@ -93,11 +85,11 @@ class EnforcedPassivity:
         """
         if self.family is None or self.general is None:
             return MemberBound(ca.SX(0), ca.SX(0, 1), ca.SX(1))
-        bound = member_bound(self.family, self.general, tube, self.dt_s, x_radius, trust)
+        bound = member_bound(self.family, self.general, tube, self.dt_s, x_radius, trust, at_ends=False)
         return MemberBound(*ca.substitute([*bound], [self.system.u], [u_lin]))
 
-    def rows(self, u_ref: ca.SX, u_lin: ca.SX, deviation: ca.SX, uncertainty: ca.SX) -> list[ConstraintRow]:
-        """Return the soft rows, in w: of two conditions that which asks for more at u_lin, or its tangent there.
+    def row(self, u_ref: ca.SX, u_lin: ca.SX, deviation: ca.SX, uncertainty: ca.SX) -> ConstraintRow:
+        """Return the soft row, in w: that of the two conditions which asks for more at u_lin, or its tangent there.
 
         Args:
             u_ref: Where w is zero, shape (m, 1).
@@ -105,31 +97,23 @@ class EnforcedPassivity:
             deviation: W.
             uncertainty: What members of a family take, W; empty without one.
         """
-        rows = []
-        for name, held in self.held.items():
-            function = held.value if self.family is None else held.value - uncertainty
-            if self.has_margin:
-                bends = ca.substitute(held.bend, self.system.u, u_lin) < deviation
-                function = function + ca.if_else(bends, 1, 0) * (held.bend - deviation)
-            row = row_at(self.system, name, function, u_ref, u_lin)
-            rows.append(
-                ConstraintRow(
-                    name=row.name, value=row.value, gradient=row.gradient, slack_price=self.passivity.slack_weight
-                )
-            )
-        return rows
+        function = self.held.value if self.family is None else self.held.value - uncertainty
+        if self.has_margin:
+            bends = ca.substitute(self.held.bend, self.system.u, u_lin) < deviation
+            function = function + ca.if_else(bends, 1, 0) * (self.held.bend - deviation)
+        row = row_at(self.system, PASSIVITY_ROW, function, u_ref, u_lin)
+        return ConstraintRow(
+            name=row.name, value=row.value, gradient=row.gradient, slack_price=self.passivity.slack_weight
+        )
 
     def slack(self, u_plus: ca.SX, deviation: ca.SX, uncertainty: ca.SX) -> ca.SX:
-        """Return the δ ≥ 0 with which u⁺ keeps the rows for the whole period, W, whatever the program took it for.
+        """Return the δ ≥ 0 with which u⁺ keeps the row for the whole period, W, whatever the program took it for.
 
         Args:
             u_plus: Shape (m, 1).
             deviation: W.
             uncertainty: What members of a family take, W; empty without one.
         """
-        return reduce(ca.fmax, (self._slack(held, u_plus, deviation, uncertainty) for held in self.held.values()))
-
-    def _slack(self, held: HeldRow, u_plus: ca.SX, deviation: ca.SX, uncertainty: ca.SX) -> ca.SX:
-        value, bend = ca.substitute([held.value, held.bend], [self.system.u], [u_plus])
+        value, bend = ca.substitute([self.held.value, self.held.bend], [self.system.u], [u_plus])
         margin = ca.fmax(deviation - bend, 0) if self.has_margin else ca.SX(0)
         return ca.fmax(margin - value if self.family is None else margin + uncertainty - value, 0)

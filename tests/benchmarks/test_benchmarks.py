@@ -15,6 +15,7 @@ OTHERS = (
     "experiment_speed",
     "filter_rows",
     "filter_step",
+    "uncertain_step",
     "human_input",
     "lockstep_kills",
     "lockstep_speed",

@@ -21,8 +21,7 @@ def sampled_passivity_row(design: FilterDesign, u_ref: ca.SX, tank: ca.SX) -> Co
     """Return the sampled law's passivity row without a margin between samples."""
     enforced = EnforcedPassivity.of(replace(design, between_samples=False), tank)
     assert enforced is not None
-    (row,) = enforced.rows(u_ref, u_ref, ca.SX(0), ca.SX(0, 1))
-    return row
+    return enforced.row(u_ref, u_ref, ca.SX(0), ca.SX(0, 1))
 
 
 class Derived:
