@@ -1,4 +1,4 @@
-"""The growth of a state's error over one period, as an expression (``docs/theory.md``, section 9a).
+"""The growth of a state's error over one period, as an expression (``docs/theory.md``, section 13).
 
 Let x̂ follow the model and x a member of the family, both under the input that is sent, and e = x − x̂. With d the most
 that parameters, input error and disturbance change of ẋ along x̂, and J̄ a mean of ∂f/∂x,

@@ -1,4 +1,4 @@
-"""Bounds of what rows leave out, for all members of a family of plants (``docs/theory.md``, section 9a).
+"""Bounds of what rows leave out, for all members of a family of plants (``docs/theory.md``, section 13).
 
 Let q = ṗ of the model, Q(τ) its value along the true plant, which begins anywhere in a box around x, and W the most
 that disturbance and input error take from ṗ. Then ṗ ≥ Q − W, Q̇ = −λQ + b along the true plant, and as between samples

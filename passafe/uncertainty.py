@@ -12,7 +12,7 @@ from passafe.system import System
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Uncertainty:
-    """Sets for whose every member a design's rows hold (``docs/theory.md``).
+    """Sets for whose every member a design's rows hold (``docs/theory.md``, section 13).
 
     The true plant is ẋ = f(x, u + du, θ) + w, and the filter knows x up to an error e: parameters θ are constant, all
     the rest may change at any time.
