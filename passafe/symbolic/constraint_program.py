@@ -55,9 +55,9 @@ class Deviations:
             x_radius = ca.fabs(x_error)
             tube = tube_of(barriers.family.motion(x_radius, trust), barriers.design.held_s)
             sizes, less, unknown = barriers.member_bounds(tube, x_radius, u_lin, trust)
-            if passivity is None:
+            if passivity is None or passivity.general is None:
                 return cls(barriers=sizes, power=ca.SX(0), unknown=unknown, uncertainty=less)
-            bound = passivity.member_bound(tube, x_radius, u_lin, trust)
+            bound = passivity.member_bound(passivity.general, tube, x_radius, u_lin, trust)
             return cls(
                 barriers=sizes,
                 power=bound.deviation,

@@ -24,20 +24,19 @@ class EnforcedPassivity:
         system: The plant.
         passivity: What is demanded.
         held: Its two conditions; of the member in the middle of a family.
-        general: The same with the symbols of a family's coordinates in them; ``None`` without a family.
+        general: The plants for which the demand is to be met, and the conditions with the symbols of their coordinates
+            in them; ``None`` for the model alone.
         dt_s: T, s: the period. What an input takes that is held for longer is the plant's own doing, like its
             fail-safe.
         has_margin: Whether the row has a margin between samples.
-        family: The plants for which the demand is to be met; ``None`` for the model alone.
     """
 
     system: System
     passivity: Passivity
     held: HeldRow
-    general: HeldRow | None
+    general: tuple[PlantFamily, HeldRow] | None
     dt_s: float
     has_margin: bool
-    family: PlantFamily | None
 
     @classmethod
     def of(cls, design: FilterDesign, tank_j: ca.SX, family: PlantFamily | None = None) -> "EnforcedPassivity | None":
@@ -56,10 +55,9 @@ class EnforcedPassivity:
             system=design.system,
             passivity=passivity,
             held=held_power(member, passivity, tank_j, dt_s),
-            general=None if family is None else held_power(member, passivity, tank_j, dt_s, general=True),
+            general=None if family is None else (family, held_power(member, passivity, tank_j, dt_s, general=True)),
             dt_s=dt_s,
             has_margin=design.between_samples,
-            family=family,
         )
 
     def deviation(self, tube: Tube, u_lin: ca.SX, trust: ca.SX) -> tuple[ca.SX, ca.SX]:
@@ -74,18 +72,19 @@ class EnforcedPassivity:
         size, known = ca.substitute([*both], [self.system.u], [u_lin])
         return ca.if_else(known, size, 0), 1 - known
 
-    def member_bound(self, tube: Tube, x_radius: ca.SX, u_lin: ca.SX, trust: ca.SX) -> MemberBound:
-        """Return deviation and uncertainty for all members of the family, W; nothing without one.
+    def member_bound(
+        self, general: tuple[PlantFamily, HeldRow], tube: Tube, x_radius: ca.SX, u_lin: ca.SX, trust: ca.SX
+    ) -> MemberBound:
+        """Return deviation and uncertainty for all members of the family, W.
 
         Args:
+            general: That of this demand.
             tube: Of all members for inputs within ``trust`` of u_lin, expressions of the system's u.
             x_radius: Error of x, shape (n, 1).
             u_lin: Shape (m, 1).
             trust: Radius in each axis, shape (m, 1).
         """
-        if self.family is None or self.general is None:
-            return MemberBound(ca.SX(0), ca.SX(0, 1), ca.SX(1))
-        bound = member_bound(self.family, self.general, tube, self.dt_s, x_radius, trust, at_ends=False)
+        bound = member_bound(*general, tube, self.dt_s, x_radius, trust, at_ends=False)
         return MemberBound(*ca.substitute([*bound], [self.system.u], [u_lin]))
 
     def row(self, u_ref: ca.SX, u_lin: ca.SX, deviation: ca.SX, uncertainty: ca.SX) -> ConstraintRow:
@@ -97,7 +96,7 @@ class EnforcedPassivity:
             deviation: W.
             uncertainty: What members of a family take, W; empty without one.
         """
-        function = self.held.value if self.family is None else self.held.value - uncertainty
+        function = self.held.value if self.general is None else self.held.value - uncertainty
         if self.has_margin:
             bends = ca.substitute(self.held.bend, self.system.u, u_lin) < deviation
             function = function + ca.if_else(bends, 1, 0) * (self.held.bend - deviation)
@@ -116,4 +115,4 @@ class EnforcedPassivity:
         """
         value, bend = ca.substitute([self.held.value, self.held.bend], [self.system.u], [u_plus])
         margin = ca.fmax(deviation - bend, 0) if self.has_margin else ca.SX(0)
-        return ca.fmax(margin - value if self.family is None else margin + uncertainty - value, 0)
+        return ca.fmax(margin - value if self.general is None else margin + uncertainty - value, 0)

@@ -14,6 +14,7 @@ from passafe.decision import Status
 from passafe.design import FilterDesign, Mode
 from passafe.filter import SafetyPassivityFilter
 from passafe.models.lagged_point import lagged_point
+from passafe.tank import Tank
 from passafe.uncertainty import Uncertainty
 
 MEMBERS = 30
@@ -109,6 +110,45 @@ def test_every_member_keeps_the_bound_between_samples(name: str) -> None:
             least = (1 - k / INSTANTS) * path[0] if name != "lagged" else 0 * p  # a lagged drive has another share
             assert np.where(path[0] >= 0, p - least, 0.0).min() >= -1e-9, (k, x)
     assert tight >= 3
+
+
+@pytest.mark.parametrize("has_tank", [True, False])
+def test_no_member_takes_more_energy_than_is_reported(has_tank: bool) -> None:
+    """E − E_r, or without a tank the energy since the tick, falls by no more than the slack that is reported."""
+    sets = Uncertainty(
+        parameters={"mass": (0.8, 1.3), "sigma": (0.7, 1.2)},
+        disturbance=(0, 0, 0.1, 0.1),
+        state_error=(1e-4, 1e-4, 1e-3, 1e-3),
+        input_error=(0.1, 0.1),
+    )
+    tank = Tank(initial_j=1.0, reserve_j=0.5) if has_tank else None
+    base = paper_design()
+    design = paper_design(
+        system=base.system,
+        u_fb=-base.system.x[2:],
+        fail_safe=-base.system.x[2:],
+        barriers=(),
+        passivity=paper_passivity(base.system.x, tank=tank),
+        dt_s=0.02,
+        k_i=20.0,
+        mode=Mode.PASSIVE,
+        uncertainty=sets,
+    )
+    core, rng = SafetyPassivityFilter(design), np.random.default_rng(5)
+    members, active = AnyMembers(design, MEMBERS, rng), 0
+    for _ in range(15):
+        x, u_h = rng.normal(size=4), rng.uniform(-20, 20, 2).tolist()
+        decision = core.decide(x.tolist(), [0.0, 0.0], u_h, [0.0, 0.0], 0.55)
+        assert decision.status in GOOD
+        active += decision.status is not Status.PASSED
+        path = members.follow(members.starts(x.tolist(), sets.state_error), decision.u, design.dt_s)
+        for k, x_true in enumerate(path):
+            supplied = np.array(decision.u) @ (x_true[:2] - path[0][:2])  # ∫yᵀu, for y is the position's rate
+            stored = (x_true**2).sum(axis=0) - (path[0] ** 2).sum(axis=0)
+            at_start = 0.05 * (1 - k / INSTANTS) if has_tank else 0.0
+            least = at_start - (0.05 if has_tank else 0.0) - k / INSTANTS * design.dt_s * decision.slack
+            assert (supplied - stored >= least - 1e-9).all(), (k, x)
+    assert active >= 3
 
 
 def near_the_boundary(core: SafetyPassivityFilter, rng: np.random.Generator, count: int) -> Numbers:
