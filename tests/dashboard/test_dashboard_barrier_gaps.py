@@ -1,7 +1,9 @@
 from math import hypot
 
+import casadi as ca
 import pytest
 from passafe_dashboard.live.barrier_gaps import BarrierGaps, Gap
+from passafe_services.scenarios.design import robot_of
 from passafe_services.scenarios.load import load_scenario
 from passafe_services.scenarios.schema import Scenario
 
@@ -66,3 +68,17 @@ def test_gap_between_two_robots_is_the_way_left_to_the_first() -> None:
 
 def test_a_scenario_without_barriers_has_no_gaps() -> None:
     assert BarrierGaps(with_barriers("notomista-cai-2020")).read((0.0,) * 4, 0.0) == []
+
+
+def test_gaps_of_body_spheres_are_distances_in_space() -> None:
+    scenario = load_scenario("arm-over-table")
+    robot = robot_of(scenario)
+    tip = next(sphere for sphere in robot.spheres if sphere.name == "tip")
+    x0 = list(scenario.plant.x0)
+    height = float(ca.Function("z", [robot.system.x], [tip.centre[2]])(x0)) - tip.radius_m
+    table = next(single for single in scenario.barriers if single.name == "table: tip")
+
+    found = {gap.name: gap for gap in BarrierGaps(scenario).read(x0, 0.0)}
+
+    assert found["table: tip"].distance == pytest.approx(height - table.height_m)
+    assert {gap.unit for name, gap in found.items() if name.startswith(("table", "post"))} == {"m"}

@@ -27,7 +27,8 @@ class Gap:
 
     Attributes:
         name: Name of the barrier.
-        distance: Distance to {h = 0} along the slope of h, exact for disks, walls, speeds; < 0: beyond it.
+        distance: Distance to {h = 0}: in space where the barrier says it, else along the slope of h, which is exact for
+            disks, walls, speeds; < 0: beyond it.
         unit: Its unit: m, m/s, rad or rad/s; empty where the barrier is of neither position nor velocity alone.
         towards: Unit vector of the plane in which position or velocity comes nearer to the barrier; zero without one.
         point: Number of the point that it is about, from 0.
@@ -66,8 +67,10 @@ class BarrierGaps:
         for single, barrier in zip(scenario.barriers, barriers_of(scenario, robot), strict=True):
             quantity, point, places = _quantity(robot, barrier.h)
             units = {POSITION: unit, VELOCITY: f"{unit}/s", "": ""}
-            self._about.append((single.name, units[quantity], point))
-            parts.append(_distance(barrier.h, robot.system.x[_of_point(robot, point, places)]))
+            own = single.distance(robot)
+            self._about.append((single.name, units[quantity] if own is None else "m", point))
+            along = robot.system.x[_of_point(robot, point, places)]
+            parts.append(_distance(barrier.h, along) if own is None else own)
             parts.append(_pulls(barrier.h, robot.system.x[places], 2 * robot.points))
         stacked = ca.vertcat(ca.SX(0, 1), *parts)
         self._function = ca.Function("gaps", [robot.system.x, robot.system.t], [ca.densify(stacked)])

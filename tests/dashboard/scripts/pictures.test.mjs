@@ -16,7 +16,7 @@ const { LiveTable } = await import(`${live}/live_table.js`);
 const { certificateText } = await import(`${live}/engineer_sheet.js`);
 const { number } = await import(`${live}/number_table.js`);
 const { refusalText } = await import(`${live}/requests.js`);
-const { jointRange } = await import(`${live}/joint_scene.js`);
+const { angleText, jointRange } = await import(`${live}/joint_scene.js`);
 const { processText } = await import(`${live}/process_panel.js`);
 const { lastText } = await import(`${live}/run_panel.js`);
 const { otherEffects } = await import(`${live}/link_rows.js`);
@@ -210,4 +210,8 @@ test("what a model of a network does is not shown as nothing", () => {
 
 test("an old age is read in the unit that suits it", () => {
   assert.deepEqual([999, 55_105, 111_353].map(ageText), ["999 ms", "55.1 s", "2 min"]);
+});
+
+test("an angle is never written with a power of ten", () => {
+  assert.deepEqual([-6.5e-16, 0.7, -Math.PI / 2].map(angleText), ["0.0°", "40.1°", "−90.0°"]);
 });

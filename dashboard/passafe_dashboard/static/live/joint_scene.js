@@ -1,6 +1,5 @@
 // The live scene of joints: each between its limits, with what was asked and what was allowed.
 
-import { numberText } from "../report/number_text.js";
 import { askedAndAllowed, decisionInForce, drawArrow } from "./input_dial.js";
 import { clear } from "./plane_scene.js";
 
@@ -9,6 +8,13 @@ import { clear } from "./plane_scene.js";
 const MOST_ROW = 96;
 const LEFT = 84;
 const RIGHT = 96;
+
+/** Returns an angle in degrees with one place, as people read it.
+ * @param {number} value rad */
+export function angleText(value) {
+  const degrees = Math.round((value * 1800) / Math.PI) / 10;
+  return `${degrees < 0 ? "−" : ""}${Math.abs(degrees).toFixed(1)}°`;
+}
 
 /** Returns lowest and highest value to show of a joint: its limits with some room, wider while it is beyond them.
  * @param {{low: number | null, high: number | null}} joint
@@ -80,7 +86,7 @@ export class JointScene {
     pen.stroke();
     pen.fillStyle = theme.ink;
     pen.textAlign = "right";
-    pen.fillText(`${numberText((value * 180) / Math.PI, 3)}°`, width - 16, middle);
+    pen.fillText(angleText(value), width - 16, middle);
   }
 
   /** @param {CanvasRenderingContext2D} pen

@@ -64,6 +64,11 @@ class SingleBarrier(BarrierKind):
         del robot
         return None
 
+    def distance(self, robot: Robot) -> ca.SX | None:
+        """Return the distance to the barrier in metres, an expression of the state; ``None`` where h itself says it."""
+        del robot
+        return None
+
     @property
     @abstractmethod
     def h_unit(self) -> str:

@@ -74,6 +74,11 @@ class BallBarrier(EachSphereBarrier):
         """Return h of the one sphere that is named."""
         return ball_keep_out(sphere_of(robot, self.spheres[0]), centre=self.centre, radius=self.radius)
 
+    def distance(self, robot: Robot) -> ca.SX:
+        """Return the distance between sphere and ball."""
+        sphere = sphere_of(robot, self.spheres[0])
+        return ca.norm_2(sphere.centre - ca.DM(self.centre)) - sphere.radius_m - self.radius
+
 
 class LevelBarrier(EachSphereBarrier):
     """A level to stay above, such as a table: h = c_z − r − height, m.
@@ -90,6 +95,10 @@ class LevelBarrier(EachSphereBarrier):
     def bounded(self, robot: Robot) -> BoundedFunction:
         """Return h of the one sphere that is named."""
         return above_level(sphere_of(robot, self.spheres[0]), height=self.height_m)
+
+    def distance(self, robot: Robot) -> ca.SX:
+        """Return the distance between sphere and level, which h is."""
+        return self.h(robot)
 
 
 class SpheresApartBarrier(SphereKind):
@@ -122,8 +131,16 @@ class SpheresApartBarrier(SphereKind):
 
     def bounded(self, robot: Robot) -> BoundedFunction:
         """Return h of the one pair."""
-        first, second = (sphere_of(robot, name) for name in self.pairs[0])
-        return spheres_apart(first, second)
+        return spheres_apart(*self._spheres(robot))
+
+    def distance(self, robot: Robot) -> ca.SX:
+        """Return the distance between the spheres."""
+        first, second = self._spheres(robot)
+        return ca.norm_2(first.centre - second.centre) - first.radius_m - second.radius_m
+
+    def _spheres(self, robot: Robot) -> tuple[BodySphere, BodySphere]:
+        first, second = self.pairs[0]
+        return sphere_of(robot, first), sphere_of(robot, second)
 
 
 def sphere_of(robot: Robot, name: str) -> BodySphere:
