@@ -10,7 +10,7 @@ from zlib import crc32
 import pytest
 from passafe_services.drivers.errors import DriverError
 from passafe_services.drivers.servo_clock import DRIFT, ServoClock
-from passafe_services.drivers.servo_frames import MOVE, STOP, ServoAnswer, ServoCommand, ServoFrames
+from passafe_services.drivers.servo_frames import ASK, MOVE, STOP, ServoAnswer, ServoCommand, ServoFrames
 from passafe_services.drivers.udp_servo import MOST_AT_ONCE, UdpServo
 from passafe_services.scenarios.driver_schema import UdpServoConfig
 
@@ -109,6 +109,18 @@ def test_it_reads_what_it_is_answered(servo: UdpServo, peer: Peer, clock: Clock)
 
     assert reading is not None
     assert (reading.x, reading.at_ns) == ((0.6, 0.1), clock.now_ns)
+
+
+def test_it_asks_for_the_state_before_anything_is_applied(servo: UdpServo, peer: Peer, clock: Clock) -> None:
+    servo.read(0)
+    command = peer.receive()
+    while command.number < servo._number:  # further questions of open()
+        command = peer.receive()
+    assert command.kind == ASK
+    clock.now_ns += MS
+    peer.send(peer.answer(command.number, 501, 0.7, 0.1))
+
+    assert x_of(servo) == (0.7, 0.1)
 
 
 def test_a_late_answer_is_given_its_own_time(servo: UdpServo, peer: Peer, clock: Clock) -> None:

@@ -55,6 +55,7 @@ class UdpServo:
         self._frames, self._times = ServoFrames(axes), ServoClock()
         self._socket: socket.socket | None = None
         self._number = self._answered = 0
+        self._has_asked = False
         self._newest_ns = -1
         self._newest: Reading | None = None
         self.refused = self.repeated = self.unsent = 0
@@ -84,15 +85,22 @@ class UdpServo:
             self._take_answers()
 
     def read(self, at_ns: int) -> Reading | None:
-        """Return the newest trusted state with the time at which it was measured, however old that is."""
+        """Return the newest trusted state with the time at which it was measured, however old that is.
+
+        A servo speaks only when it is asked: where nothing was applied since the last time, its state is asked for.
+        """
         del at_ns
         self._take_answers()
+        if not self._has_asked:
+            self._send(ASK, (0.0,) * self._axes)
+        self._has_asked = False
         return self._newest
 
     def apply(self, u: Vector, at_ns: int) -> None:
         """Send an input; the servo answers it with its state."""
         del at_ns
         self._send(MOVE, u)
+        self._has_asked = True
 
     def close(self) -> None:
         """Ask the servo to stop; it stops by itself if that is lost."""
