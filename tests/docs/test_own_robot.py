@@ -47,7 +47,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_robot_and_scenario_take_less_than_60_lines() -> None:
-    assert len(block("python").splitlines()) + len(block("toml").splitlines()) < 60 + 2
+    assert len(block("python").splitlines()) + len(block("toml").splitlines()) < 60
 
 
 def test_log_is_reviewed_without_the_file(folder: Path) -> None:
