@@ -26,6 +26,7 @@ PAGE: Final = FOLDER.parent / "docs" / "benchmarks.md"
 BENCHMARKS: Final = {
     "filter_step": "one filter step beside other libraries, all of them solving the same program, answers compared",
     "filter_rows": "one filter step with 20 rows",
+    "uncertain_step": "one filter step with rows for sets beside one for the model alone",
     "prediction_cost": "prediction in a filter step, for a plant that is its model and for one that is not",
     "lockstep_speed": "one period of the loop in virtual time, CPU time",
     "experiment_speed": "a sweep over bad networks",
