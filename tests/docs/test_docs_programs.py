@@ -75,6 +75,7 @@ def test_every_kind_of_barrier_motion_and_robot_is_shown() -> None:
     motions = {barrier["motion"]["kind"] for barrier in example["filter"]["barriers"] if "motion" in barrier}
 
     shown = kinds | {"own"}  # of robots that bring barriers, in docs/how-to/own-robot.md
+    shown |= {barrier.kind for barrier in load_scenario("arm-over-table").filter.barriers}  # of a body with spheres
 
     assert shown == {word for kind in SHIPPED for word in kind_words(kind)}
     assert motions == kinds_of(Motion)
