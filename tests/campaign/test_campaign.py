@@ -41,7 +41,9 @@ def outcome(seed: int, **changes: object) -> RolloutResult:
     return RolloutResult.model_validate(parts | changes)
 
 
-@pytest.fixture(scope="module", params=[name for name in shipped_scenarios() if not name.startswith("arm-")])
+@pytest.fixture(
+    scope="module", params=[name for name in shipped_scenarios() if not name.startswith(("arm-", "wrong-"))]
+)
 def rollouts(request: pytest.FixtureRequest) -> Rollouts:
     return Rollouts(load_scenario(request.param))
 

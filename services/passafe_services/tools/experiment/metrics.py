@@ -48,6 +48,7 @@ class Metrics(SweepRecord):
         unserved_share: Share of plant time in one of these two.
         inputs_late: Inputs that came after their time.
         inputs_refused: Inputs that the plant refused.
+        guarded_share: Share of the periods whose input the plant's guard has changed.
         input_lead_ms_p50: By how much the newest input came before its time, median over the plant's samples, ms.
         input_lead_ms_min: The same, smallest.
         command_age_ms_p50: Age of the newest command at a filter tick, time on the way included, median, ms.
@@ -79,6 +80,7 @@ class Metrics(SweepRecord):
     unserved_share: float | None
     inputs_late: int
     inputs_refused: int
+    guarded_share: float | None = None
     input_lead_ms_p50: float | None
     input_lead_ms_min: float | None
     command_age_ms_p50: float | None
@@ -169,6 +171,7 @@ def metrics_of(
         unserved_share=(held_s + fail_safe_s) / duration_s if duration_s else None,
         inputs_late=trace.inputs_late,
         inputs_refused=trace.inputs_refused,
+        guarded_share=trace.inputs_guarded / trajectory.samples if scenario.has_guard and moved else None,
         input_lead_ms_p50=lead[0],
         input_lead_ms_min=lead[1],
         command_age_ms_p50=command_age[0],

@@ -99,6 +99,11 @@ class RunTrace:
         """Inputs that the plant refused."""
         return 0 if self._newest is None else self._newest.inputs_refused
 
+    @property
+    def inputs_guarded(self) -> int:
+        """Periods whose input the plant's guard has changed."""
+        return 0 if self._newest is None else self._newest.guarded
+
     def trajectory(self) -> Trajectory:
         """Return the motion of the plant."""
         rows = self._states.all()

@@ -13,6 +13,7 @@ from passafe_services.operator.errors import RecordingError, SourceConfigError
 from passafe_services.scenarios.errors import ScenarioError
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.scenarios.source_schema import HumanSource
+from passafe_services.scenarios.truth_schema import SwitchingDisturbance, TruthConfig
 from passafe_services.simulation import CompiledScenario, lockstep_loop, steps_of
 from passafe_services.tools.campaign.errors import NoSafeStartError
 from passafe_services.tools.campaign.safe_starts import SafeStarts
@@ -147,7 +148,7 @@ def run_to_its_end(loop: Lockstep, trace: RunTrace, scenario: Scenario) -> None:
 
 
 def _seeded(scenario: Scenario, seed: int, given: frozenset[str]) -> Scenario:
-    """Return a scenario whose links and operator have a seed, except where the experiment names one."""
+    """Return a scenario whose links, operator and truth have a seed, except where the experiment names one."""
     links = {
         name: link if f"links.{name}.seed" in given else link.model_copy(update={"seed": seed})
         for name, link in scenario.links.items()
@@ -155,7 +156,20 @@ def _seeded(scenario: Scenario, seed: int, given: frozenset[str]) -> Scenario:
     operator, source = scenario.operator, scenario.operator.source
     if "seed" in type(source).model_fields and "operator.source.seed" not in given:
         operator = operator.model_copy(update={"source": source.model_copy(update={"seed": seed})})
-    return scenario.model_copy(update={"links": links, "operator": operator})
+    plant = scenario.plant
+    if plant.truth is not None:
+        plant = plant.model_copy(update={"truth": _seeded_truth(plant.truth, seed)})
+    return scenario.model_copy(update={"links": links, "operator": operator, "plant": plant})
+
+
+def _seeded_truth(truth: TruthConfig, seed: int) -> TruthConfig:
+    """Return a truth whose disturbance and noise have a seed."""
+    disturbance, noise = truth.disturbance, truth.noise
+    if isinstance(disturbance, SwitchingDisturbance):
+        disturbance = disturbance.model_copy(update={"seed": seed})
+    if noise is not None:
+        noise = noise.model_copy(update={"seed": seed})
+    return truth.model_copy(update={"disturbance": disturbance, "noise": noise})
 
 
 class _Newest(Generic[V]):
