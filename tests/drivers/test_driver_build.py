@@ -1,5 +1,6 @@
 """Drivers by name: of a scenario, of the command line, of an installed distribution."""
 
+import sys
 from importlib.metadata import EntryPoint
 
 import pytest
@@ -15,6 +16,8 @@ from passafe_services.plant_contract.plant_model import PlantModel
 from passafe_services.scenarios.driver_schema import InstalledDriverConfig, MujocoDriverConfig, UdpServoConfig
 from passafe_services.scenarios.errors import ScenarioError
 from passafe_services.scenarios.load import load_scenario
+
+from passafe.errors import MissingPackageError
 
 SCENARIO = load_scenario("notomista-cai-2020")
 
@@ -83,3 +86,10 @@ def test_the_command_line_names_a_driver_with_its_keys() -> None:
 def test_other_texts_are_refused(text: str, error: type[Exception], message: str) -> None:
     with pytest.raises(error, match=message):
         driver_from(text, SCENARIO)
+
+
+def test_mujoco_is_named_where_it_is_not_installed(model: PlantModel, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delitem(sys.modules, "passafe_services.drivers.mujoco_driver", raising=False)
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    with pytest.raises(MissingPackageError, match=r"pip install 'passafe\[mujoco\]'"):
+        driver_of(SCENARIO, model, MujocoDriverConfig(kind="mujoco", mjcf="seven-joint-arm"))

@@ -31,7 +31,7 @@ for package in {packages}:
                 raise
 """
 
-OPTIONAL = ("foxglove", "foxglove_schemas_protobuf", "rosbags")
+OPTIONAL = ("foxglove", "foxglove_schemas_protobuf", "mujoco", "rosbags")
 """Packages of extras that are neither in the base nor in ``service``."""
 
 

@@ -3,6 +3,7 @@
 from importlib.metadata import entry_points
 from typing import Final, cast
 
+from passafe.errors import MissingPackageError
 from passafe_services.drivers.errors import DriverError
 from passafe_services.drivers.model_driver import ModelDriver
 from passafe_services.drivers.plant_driver import PlantDriver
@@ -44,8 +45,10 @@ def driver_of(scenario: Scenario, model: PlantModel, config: AnyDriver | None = 
     if isinstance(config, ModelDriverConfig):
         return ModelDriver(model.dynamics, x0=x0, period_ns=period_ns)
     if isinstance(config, MujocoDriverConfig):
-        from passafe_services.drivers.mujoco_driver import MujocoDriver  # noqa: PLC0415 - an extra
-
+        try:
+            from passafe_services.drivers.mujoco_driver import MujocoDriver  # noqa: PLC0415 - an extra
+        except ModuleNotFoundError as error:
+            raise MissingPackageError.of(error, "mujoco") from error
         return MujocoDriver(config, model.dynamics, x0=x0, period_ns=period_ns)
     if isinstance(config, InstalledDriverConfig):
         return _installed(config, model, x0)

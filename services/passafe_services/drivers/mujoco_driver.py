@@ -4,26 +4,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
+import mujoco
 import numpy as np
 from passafe_protocol.messages import Vector
 
-from passafe.errors import MissingPackageError
 from passafe.sampled_plant import SampledPlant
 from passafe.workspace import Array
 from passafe_services.drivers.errors import DriverError
 from passafe_services.drivers.hand import Hand
 from passafe_services.drivers.plant_driver import Reading
 from passafe_services.scenarios.driver_schema import MujocoDriverConfig
-
-if TYPE_CHECKING:
-    import mujoco
-else:
-    try:
-        import mujoco
-    except ModuleNotFoundError as error:
-        raise MissingPackageError.of(error, "mujoco") from error
 
 NAME: Final = "mujoco"
 FAR_M: Final = 1.0
