@@ -11,6 +11,7 @@ from passafe.finding import Finding, Severity
 from passafe.row_share import StateBox, row_findings
 from passafe_services.scenarios.design import design_of, robot_of
 from passafe_services.scenarios.schema import Scenario
+from passafe_services.tools.check.assumption import assumption_findings
 from passafe_services.tools.check.fail_safe import fail_safe_findings
 
 WIDTH: Final = 3.0
@@ -31,6 +32,7 @@ def load_findings(scenario: Scenario) -> tuple[Finding, ...]:
         *formula_findings(design, chains, scenario.plant.x0),
         *fail_safe_findings(scenario, robot, design),
         *_play_out(scenario),
+        *assumption_findings(scenario, robot),
     )
 
 
