@@ -22,8 +22,9 @@ from passafe.models.robot import Robot
 
 SHAPES = (ca.SX, tuple[ca.SX, ...])
 
-OTHERWISE_TESTED = {"passafe.models.seven_joint_arm.seven_joint_arm"}
-"""Moves as a joint chain does to the last digit, which is a test beside its port's: ``test_rigid_links``."""
+OTHERWISE_TESTED = {"passafe.models.seven_joint_arm.seven_joint_arm", "passafe.models.unicycle.unicycle"}
+"""The arm moves as a joint chain does to the last digit, which is a test beside its port's: ``test_rigid_links``; the
+state of a car does not begin with the position that barriers are of: ``test_unicycle``."""
 
 
 def public_functions(module: ModuleType, results: tuple[object, ...]) -> Iterator[str]:
