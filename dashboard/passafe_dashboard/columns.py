@@ -10,6 +10,7 @@ from typing import Final
 
 from passafe_protocol.messages import FilterTick, PlantState
 from passafe_services.scenarios.barrier_kinds.barrier_kind import SingleBarrier
+from passafe_services.scenarios.body_in_space import BodyInSpace
 from passafe_services.scenarios.design import robot_of
 from passafe_services.scenarios.drawn_places import DrawnPlaces
 from passafe_services.scenarios.schema import Scenario
@@ -55,6 +56,7 @@ class ColumnLayout:
         points: Number of points in the plane the state begins with; 0 for joints.
         states: Length of the state.
         drawn: Points of a robot that is not drawn where its state begins; ``None``: there.
+        body: Points and spheres of a robot that is drawn in space; ``None`` of others.
     """
 
     barriers: tuple[SingleBarrier, ...]
@@ -62,16 +64,19 @@ class ColumnLayout:
     points: int = 1
     states: int = 2
     drawn: DrawnPlaces | None = None
+    body: BodyInSpace | None = None
 
     @classmethod
     def of(cls, scenario: Scenario) -> "ColumnLayout":
         """Return the layout of a scenario: a barrier with r + 1 class-K functions has ψ₀ … ψ_r."""
+        robot = None if scenario.plant.robot is None else robot_of(scenario)
         return cls(
             barriers=scenario.barriers,
             levels=tuple(len(barrier.class_k) for barrier in scenario.barriers),
             points=scenario.plant.robot_model.points,
             states=len(scenario.plant.x0),
-            drawn=None if scenario.plant.robot is None else DrawnPlaces.of(robot_of(scenario)),
+            drawn=None if robot is None else DrawnPlaces.of(robot),
+            body=None if robot is None else BodyInSpace.of(robot),
         )
 
     @property

@@ -176,11 +176,15 @@ def _plant_json(feed: Feed, state: PlantState) -> Json:
 
 
 def _drawn_json(feed: Feed, state: PlantState) -> Json:
-    """Return places, angle and velocities of a robot that is not drawn where its state begins; nothing of others."""
+    """Return a body in space, or places, angle and velocities of a robot that is not drawn where its state begins."""
     drawn = feed.layout.drawn
     if drawn is None or not feed.layout.fits(state):
         return {}
-    places, heading, velocities = drawn.at(state.x[: feed.layout.states])
+    x = state.x[: feed.layout.states]
+    if feed.layout.body is not None:
+        points, spheres = feed.layout.body.at(x)
+        return {"body": {"points": points, "spheres": spheres}}
+    places, heading, velocities = drawn.at(x)
     return {"places": places, "heading": heading, "velocities": velocities}
 
 

@@ -5,10 +5,12 @@ from typing import Any, Final
 
 import numpy as np
 from passafe_services.scenarios.barrier_kinds.outline import Outline
+from passafe_services.scenarios.body_in_space import BodyInSpace
 from passafe_services.scenarios.design import robot_of
 from passafe_services.scenarios.drawn_places import DrawnPlaces
 from passafe_services.scenarios.schema import Scenario
 
+from passafe_dashboard.live.space_scene import space_scene
 from passafe_dashboard.run_record.scene_payload import scene_payload
 from passafe_dashboard.run_record.signals import SignalLayout
 
@@ -21,8 +23,11 @@ PERIOD_SAMPLES: Final = 200
 
 
 def live_scene(scenario: Scenario) -> dict[str, Any]:
-    """Return the scene as JSON values: that of a report, and the bounds of the view in the plane."""
+    """Return the scene as JSON values: of a robot in space, or that of a report and the bounds of the view."""
     robot = robot_of(scenario)
+    body = BodyInSpace.of(robot)
+    if body is not None:
+        return space_scene(scenario, body)
     layout = SignalLayout.of(scenario, robot)
     scene = scene_payload(layout, scenario.plant.robot_model.position_unit)
     if layout.points:

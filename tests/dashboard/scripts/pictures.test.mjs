@@ -18,6 +18,7 @@ const { number } = await import(`${live}/number_table.js`);
 const { refusalText } = await import(`${live}/requests.js`);
 const { angleText, jointRange } = await import(`${live}/joint_scene.js`);
 const { processText } = await import(`${live}/process_panel.js`);
+const { seen } = await import(`${live}/space_scene.js`);
 const { lastText } = await import(`${live}/run_panel.js`);
 const { otherEffects } = await import(`${live}/link_rows.js`);
 
@@ -214,4 +215,9 @@ test("an old age is read in the unit that suits it", () => {
 
 test("an angle is never written with a power of ten", () => {
   assert.deepEqual([-6.5e-16, 0.7, -Math.PI / 2].map(angleText), ["0.0°", "40.1°", "−90.0°"]);
+});
+
+test("a place in space is seen from the side and from above", () => {
+  assert.deepEqual(seen([1, 2, 3], [0, 2]), [1, 3]);
+  assert.deepEqual(seen([1, 2, 3], [0, 1]), [1, 2]);
 });

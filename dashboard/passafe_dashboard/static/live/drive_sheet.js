@@ -10,6 +10,7 @@ import { NetworkPanel } from "./network_panel.js";
 import { PlaneScene } from "./plane_scene.js";
 import { ProcessPanel } from "./process_panel.js";
 import { RunPanel } from "./run_panel.js";
+import { SpaceScene } from "./space_scene.js";
 import { connectTabs } from "./tabs.js";
 import { HOLD_LOST, showWords } from "./words_panel.js";
 
@@ -17,6 +18,18 @@ import { HOLD_LOST, showWords } from "./words_panel.js";
 
 const NUMBERS_EVERY_MS = 200;
 const PANELS_EVERY_MS = 250;
+
+/** Returns the scene of a robot in space, of joints, or in the plane.
+ * @param {import("./types.js").Setup["scene"]} scene
+ * @param {HTMLCanvasElement} ground
+ * @param {HTMLCanvasElement} canvas
+ * @param {import("./live_table.js").LiveTable} states
+ * @param {number[]} full */
+function sceneOf(scene, ground, canvas, states, full) {
+  if (scene?.kind === "space") return new SpaceScene(ground, canvas, scene);
+  if (scene?.kind === "joints") return new JointScene(ground, canvas, scene, full);
+  return new PlaneScene(ground, canvas, /** @type {import("./types.js").Plane} */ (scene), states, full);
+}
 
 export class DriveSheet {
   /** @param {import("./types.js").Setup} setup
@@ -27,10 +40,7 @@ export class DriveSheet {
     this.steering = steering;
     const [ground, canvas] = ["scene-ground", "scene"].map((id) => /** @type {HTMLCanvasElement} */ (byId(id)));
     const full = setup.drive?.full ?? [];
-    this.scene =
-      setup.scene?.kind === "joints"
-        ? new JointScene(ground, canvas, setup.scene, full)
-        : new PlaneScene(ground, canvas, /** @type {import("./types.js").Plane} */ (setup.scene), tables.states, full);
+    this.scene = sceneOf(setup.scene, ground, canvas, tables.states, full);
     this.gaps = new GapBars();
     this.energy = new EnergyMeter();
     this.network = new NetworkPanel(setup);

@@ -11,11 +11,18 @@
 
 /** @typedef {{kind: "joints", unit: string, joints: Joint[], velocities: number}} Joints */
 
+/** @typedef {[number, number, number]} Spot */
+
+/** @typedef {{kind: "space", links: Pair[], radii: number[], bounds: [Spot, Spot], levels: {name: string, height_m: number}[],
+ *   balls: {name: string, centre: Spot, radius: number}[]}} Space */
+
+/** @typedef {{points: Spot[], spheres: Spot[]}} Body */
+
 /** @typedef {{axes: number, pairs: number[][], full: number[]}} DriveSetup */
 
 /** @typedef {{layout: string, rows: number, window_s: number, tolerances: Record<string, number>, links: string[],
  *   networks: {name: string, title: string}[], statuses: Record<string, {meaning: string, background: string, text: string}>,
- *   bands: any, columns?: {ticks: string[], states: string[]}, scene?: Plane | Joints, charts?: any[], drive?: DriveSetup | null,
+ *   bands: any, columns?: {ticks: string[], states: string[]}, scene?: Plane | Joints | Space, charts?: any[], drive?: DriveSetup | null,
  *   script?: string, input_unit?: string, scenario?: string}} Setup */
 
 /** @typedef {{tone: string, headline: string, detail: string}} Words */
