@@ -5,7 +5,7 @@ from closed_form import MS, header, paper_scenario, state, tick
 from passafe_dashboard.live.driver_words import DriverWords
 from passafe_dashboard.live.feed import Feed
 from passafe_dashboard.live.page_state import page_state
-from passafe_protocol.messages import CommandState, FilterStatus, OverrideReport, PlantPhase, RowReport
+from passafe_protocol.messages import CommandState, FilterStatus, GuardAction, OverrideReport, PlantPhase, RowReport
 
 AT = (1.04, 0.0, 0.0, 0.0)
 """4 cm to the right of the disk."""
@@ -56,6 +56,14 @@ def test_a_violated_barrier_wins_over_the_status() -> None:
             "The robot brakes by itself",
             "No newer command",
         ),
+        (
+            {"override": FREE},
+            {"guard": GuardAction.CHANGED, "guard_cause": "disk[mass=0.8]"},
+            "The guard at the robot holds back: “disk” on the left, 4.0 cm away",
+            "on the robot's own state",
+        ),
+        ({}, {"guard": GuardAction.FAIL_SAFE, "guard_cause": "fallback"}, "The guard at the robot brakes", "No input"),
+        ({"override": FREE}, {"guard": GuardAction.PASSED}, "The way is free", "“disk” on the left"),
         ({"status": FilterStatus.STALE, "state_age_ns": 480 * MS}, {}, "Standing by", "480 ms old"),
         ({"status": FilterStatus.INFEASIBLE}, {}, "Limits conflict", "“disk” on the left, 4.0 cm away"),
         ({"override": FREE}, {}, "The way is free", "“disk” on the left, 4.0 cm away"),

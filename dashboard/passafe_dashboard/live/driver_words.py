@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from math import hypot
 from typing import Final, NamedTuple
 
-from passafe_protocol.messages import CommandState, FilterStatus, FilterTick, PlantPhase
+from passafe_protocol.messages import CommandState, FilterStatus, FilterTick, GuardAction, PlantPhase
 from passafe_services.filter.member_rows import without_member
 from passafe_services.tools.review.verdict_so_far import TOLERANCES
 
@@ -105,6 +105,20 @@ def _fail_safe(now: Situation) -> DriverWords | None:
     stale = tick is not None and tick.status is FilterStatus.STALE
     detail = f"The filter waits. {_stale_reason(tick)}" if tick is not None and stale else "No input arrives in time."
     return DriverWords("guard", "The robot brakes by itself", detail)
+
+
+def _guarded(now: Situation) -> DriverWords | None:
+    """Return the words for a guard that acts: it has the last word, whatever the filter decided."""
+    state = now.feed.run.state
+    if state is None or state.guard not in {GuardAction.CHANGED, GuardAction.FAIL_SAFE}:
+        return None
+    why = "It judges every input on the robot's own state."
+    if state.guard == GuardAction.FAIL_SAFE:
+        return DriverWords("guard", "The guard at the robot brakes", f"No input keeps every limit for sure. {why}")
+    gaps = {gap.name: gap for gap in now.gaps}
+    name = without_member(state.guard_cause)
+    cause = _with_distance(now, gaps[name]) if name in gaps else _row_words(name)
+    return DriverWords("held", f"The guard at the robot holds back: {cause}", why)
 
 
 def _stale(now: Situation) -> DriverWords | None:
@@ -209,6 +223,7 @@ _RULES: Final[tuple[Callable[[Situation], DriverWords | None], ...]] = (
     _not_live,
     _beyond_a_limit,
     _fail_safe,
+    _guarded,
     _stale,
     _fallback,
     _held,
