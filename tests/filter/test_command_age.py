@@ -1,6 +1,7 @@
 """Age of commands: what was too long on the way does not count, and what counts again ramps in."""
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import pytest
 from hypothesis import given
@@ -221,6 +222,18 @@ def test_link_at_the_limit_is_reported_once_a_second() -> None:
     found = texts(*((10.0 * k, states[k % 2]) for k in range(301)))
 
     assert [now_ms for now_ms, _ in found] == [0, 1010, 2020]
+
+
+def test_another_command_after_a_short_silence_does_not_jump() -> None:
+    request = make()
+    for sent_ms in range(0, 50, 10):
+        send(request, sent_ms, sent_ms, 0.0)
+    assert at(request, 242).state is CommandState.SILENT
+    send(request, 50, 243, 8.0)
+
+    found = [at(request, now_ms).u_h[0] for now_ms in range(242, 252, 2)]
+
+    assert max(after - before for before, after in pairwise(found)) == pytest.approx(8.0 * 2 / FADE_MS)
 
 
 Link = st.lists(st.tuples(st.floats(0.0, 500.0), st.booleans(), st.booleans()), min_size=1, max_size=80)

@@ -7,6 +7,7 @@ class DeadManFade:
     """Fades the last request to zero along a straight line: u_h(t) = (1 − t/T)·u_h(0), t since the release.
 
     Attributes:
+        fade_ns: T, ns.
         last_u_h: u_h(0), the last request while the switch was held, m numbers.
         released_ns: Monotonic time of the last release, ns.
     """
@@ -18,7 +19,7 @@ class DeadManFade:
             inputs: m.
             fade_ns: T, time after which the request is zero, ns.
         """
-        self._fade_ns = fade_ns
+        self.fade_ns = fade_ns
         self._zero: Vector = (0.0,) * inputs
         self.restart()
 
@@ -29,13 +30,13 @@ class DeadManFade:
 
     def left(self, elapsed_ns: int) -> float:
         """Return 1 − t/T, the share of the last request that is left at a time after the release, ns."""
-        left_ns = self._fade_ns - max(elapsed_ns, 0)
-        return left_ns / self._fade_ns if left_ns > 0 else 0.0
+        left_ns = self.fade_ns - max(elapsed_ns, 0)
+        return left_ns / self.fade_ns if left_ns > 0 else 0.0
 
     def at(self, elapsed_ns: int) -> tuple[Vector, Vector]:
         """Return u_h and its rate, units of u and per second, at a time after the release, ns."""
         share = self.left(elapsed_ns)
         if share == 0.0:
             return self._zero, self._zero
-        rate = -1e9 / self._fade_ns
+        rate = -1e9 / self.fade_ns
         return tuple([share * value for value in self.last_u_h]), tuple([rate * value for value in self.last_u_h])

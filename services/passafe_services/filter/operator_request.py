@@ -129,7 +129,7 @@ class PassThroughRequest:
             self._dead_man.released_ns = released_ns
         if ramps_in:
             anew = before is None or reception is Reception.BEGINS
-            self._ramp.begin(received.received_ns, self._dead_man, anew=anew)
+            self._ramp.begin(received.received_ns, self._dead_man, command.u_h, anew=anew)
         return reception
 
     def _is_valid(self, command: OperatorCommand) -> bool:

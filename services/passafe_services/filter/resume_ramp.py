@@ -9,8 +9,10 @@ class ResumeRamp:
     """Blends from the faded request before a stale stretch to the command.
 
     u_h(t) = s·command(t) + (1 − s)·faded(t), with t since the first command that counts again: continuous, and never
-    larger than the larger of the two. s grows from 0 to 1 in the time T = resume·(1 − left), where left is the share
-    of the operator's command that the stretch had left: a stretch that ends at once costs little.
+    larger than the larger of the two. s grows from 0 to 1 in the time T, the longer of resume·(1 − left) and
+    fade·change, where left is the share of the operator's command that the stretch had left, and change the largest
+    difference between command and faded request as a share of the larger of the two: a stretch that ends at once
+    costs little, and another command comes no faster than the last one would have faded.
     """
 
     def __init__(self, before: DeadManFade, resume_ns: int) -> None:
@@ -29,17 +31,19 @@ class ResumeRamp:
         self._began_ns = 0
         self._length_ns = 0
 
-    def begin(self, now_ns: int, fade: DeadManFade, *, anew: bool) -> None:
+    def begin(self, now_ns: int, fade: DeadManFade, u_h: Vector, *, anew: bool) -> None:
         """Begin at the arrival of the first command that counts again.
 
         Args:
             now_ns: Monotonic time, ns.
             fade: The fade that is under way.
+            u_h: The command.
             anew: Whether no command counted before.
         """
         released_ns = fade.released_ns
         left = 0.0 if anew else self.share(released_ns) * fade.left(now_ns - released_ns)
-        self._began_ns, self._length_ns = now_ns, round(self._resume_ns * (1.0 - left))
+        changed = _change(u_h, fade.at(now_ns - released_ns)[0])
+        self._began_ns, self._length_ns = now_ns, round(max(self._resume_ns * (1.0 - left), fade.fade_ns * changed))
         self._before.last_u_h, self._before.released_ns = fade.last_u_h, released_ns
 
     def share(self, now_ns: int) -> float:
@@ -70,3 +74,10 @@ class ResumeRamp:
             ]
         )
         return value, rate
+
+
+def _change(u_h: Vector, faded: Vector) -> float:
+    """Return the largest difference of two requests as a share of the larger of them, at most 1."""
+    size = max(map(abs, (*u_h, *faded)))
+    apart = max(abs(one - other) for one, other in zip(u_h, faded, strict=True))
+    return min(apart / size, 1.0) if size else 0.0
