@@ -32,8 +32,9 @@ def serve(port: int) -> None:
                 datagram, sender = bound.recvfrom(2048)
                 command = frames.command_of(datagram)
             except TimeoutError:
-                command = None
+                command = None  # nobody asks: it brakes by itself, whatever was asked before
             now_s = time.monotonic()
+            # The joints have moved until now under what was in force, not under what has just been asked.
             elapsed_s, moved_s = now_s - moved_s, now_s
             braking = 0.0 if now_s - received_s <= PATIENCE_S else 20.0
             for i in range(AXES):
@@ -42,6 +43,7 @@ def serve(port: int) -> None:
             if now_s - received_s > PATIENCE_S:
                 u = (0.0,) * AXES
             if command is not None:
+                # A question is no command: it is answered, and nothing is driven.
                 received_s = now_s
                 u = command.u if command.kind == MOVE else (0.0,) * AXES
                 bound.sendto(frames.answer(ServoAnswer(command.number, time.monotonic_ns(), (*p, *v))), sender)

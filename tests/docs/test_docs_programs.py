@@ -39,8 +39,8 @@ def kinds_of(union: object) -> set[str]:
 @pytest.mark.parametrize(
     ("page", "begins"), [(ROOT / "README.md", "MODIFIED"), (DOCS / "how-to" / "library.md", "1 MODIFIED")]
 )
-def test_the_only_program_of_a_page_runs(page: Path, begins: str) -> None:
-    [program] = blocks(page, "python")
+def test_the_program_of_a_page_runs(page: Path, begins: str) -> None:
+    program = "\n".join(blocks(page, "python"))  # each continues the one before
 
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
 

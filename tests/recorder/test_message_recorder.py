@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from mcap.reader import make_reader
 from passafe_protocol.codec import MAX_MESSAGE_BYTES, encode
-from passafe_protocol.messages import Event, Header, PlantPhase, PlantState, TopicHealth
+from passafe_protocol.messages import SCHEMA_VERSION, Event, Header, PlantPhase, PlantState, TopicHealth
 from passafe_protocol.topics import EVENT, STATE
 from passafe_services.log.log_writer import LogWriter
 from passafe_services.log.wire_header import read_header
@@ -44,7 +44,7 @@ def test_gaps_are_counted_per_key(tmp_path: Path) -> None:
 def test_what_is_not_valid_is_logged_at_the_time_of_its_arrival(tmp_path: Path) -> None:
     key = EVENT.key("plant")
     good = event(0)
-    other_version = good.replace(b"\x08\x02", b"\x08\x03", 1)
+    other_version = good.replace(bytes((8, SCHEMA_VERSION)), bytes((8, SCHEMA_VERSION + 1)), 1)
     forged = event(1, source="filter")
     before_1970 = event(2, wall_ns=-1)
     bad = [good[:-1], b"", other_version, forged, before_1970]
