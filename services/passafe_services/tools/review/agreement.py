@@ -64,7 +64,7 @@ class LogAgreement:
         first = self._listed[0] if self._listed else None
         said = [] if first is None else [f"{count} differences ({kinds}), first: {first.text}"]
         if self.left_out:
-            said.append(f"{self.compared} of {self.compared + self.left_out} checked")
+            said.append(f"{self.compared} of {self.compared + self.left_out} logged numbers could be recomputed")
         return Property(
             holds=count == 0 if self.compared or count else None,
             required=required and bool(self.compared or count),
