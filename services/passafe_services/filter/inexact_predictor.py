@@ -7,10 +7,10 @@ from msgspec import Struct
 from msgspec.structs import replace
 from passafe_protocol.messages import PlantPhase, PlantState, Vector
 
-from passafe.sampled_plant import Sample, SampledPlant
+from passafe.sampled_plant import SampledPlant
 from passafe.state_set import ErrorGrowth, StateSet
 from passafe.tank import Tank
-from passafe_services.filter.predictor import Predicted, initial_tank_j
+from passafe_services.filter.predictor import Predicted, as_reported, initial_tank_j
 from passafe_services.plant_contract.fail_safe import FailSafe
 
 WAITING: Final = PlantPhase.WAITING
@@ -273,17 +273,7 @@ class InexactPredictor:
         self._expected.clear()
 
     def _course_from(self, state: PlantState) -> InputCourse:
-        known = self._known if self._growth is not None else None
-        x = state.x if known is None else known.center
-        sample = Sample(x, state.y, state.energy_stored_j, 0.0, state.integration_error)
-        begin = Predicted(
-            state.plant_ns,
-            sample,
-            self._tank_j,
-            state.u,
-            state.phase,
-            state.input_since_ns,
-            state.sequence_break_ns,
-            None if known is None else known.radius,
-        )
+        begin = as_reported(state, self._tank_j)
+        if self._growth is not None and self._known is not None:
+            begin.sample, begin.x_error = replace(begin.sample, x=self._known.center), self._known.radius
         return InputCourse(begin, state.u_asked or state.u)

@@ -170,19 +170,26 @@ class Predictor:
         self._trajectory.clear()
         for time_ns in [time_ns for time_ns in self._sent if time_ns < state.plant_ns]:
             del self._sent[time_ns]
-        sample = Sample(state.x, state.y, state.energy_stored_j, 0.0, state.integration_error)
-        self._trajectory.append(
-            Predicted(
-                state.plant_ns,
-                sample,
-                self._tank_j,
-                state.u,
-                state.phase,
-                state.input_since_ns,
-                state.sequence_break_ns,
-            )
-        )
+        self._trajectory.append(as_reported(state, self._tank_j))
         self._undecided = False
+
+
+def as_reported(state: PlantState, tank_j: float) -> Predicted:
+    """Return the plant as a state reports it.
+
+    Args:
+        state: The state.
+        tank_j: Energy in the tank then, J.
+    """
+    return Predicted(
+        state.plant_ns,
+        Sample(state.x, state.y, state.energy_stored_j, 0.0, state.integration_error),
+        tank_j,
+        state.u,
+        state.phase,
+        state.input_since_ns,
+        state.sequence_break_ns,
+    )
 
 
 def initial_tank_j(tank: Tank, state: PlantState) -> float:
