@@ -30,7 +30,7 @@ TOGETHER = {
 
 def point(**sets: object) -> FilterDesign:
     """Return the paper's robot at a slow rate, so that what happens between samples counts."""
-    return paper_design(dt_s=0.02, k_i=20.0, mode=Mode.SAFE, uncertainty=Uncertainty(**sets))  # type: ignore[arg-type]
+    return paper_design(dt_s=0.02, k_i=20.0, mode=Mode.SAFE, uncertainty=Uncertainty(**sets))  # type: ignore[arg-type]  # sets by name
 
 
 def drag(**_: object) -> FilterDesign:

@@ -63,7 +63,7 @@ def test_a_symbol_that_is_no_parameter_is_refused() -> None:
 def test_what_is_no_set_of_parameters_is_refused(given: object) -> None:
     x, u = ca.SX.sym("x"), ca.SX.sym("u")
     with pytest.raises(DesignError, match="system parameters"):
-        System(x=x, u=u, f=u, y=x, parameters=given)  # type: ignore[arg-type]
+        System(x=x, u=u, f=u, y=x, parameters=given)  # type: ignore[arg-type]  # wrong on purpose
 
 
 def test_what_is_no_parameter_is_refused() -> None:

@@ -48,7 +48,7 @@ def squared_gain(**changes: object) -> FilterDesign:
 def pushed(design: FilterDesign, **more: object) -> Decision:
     x = (-1.05, 0.0, 0.45, 0.0) if design.system.n == 4 else (0.9, 0.1)
     core, m = SafetyPassivityFilter(design), design.system.m
-    return core.decide(x, (0.0,) * m, (20.0,) * m, (0.0,) * m, **more)  # type: ignore[arg-type]
+    return core.decide(x, (0.0,) * m, (20.0,) * m, (0.0,) * m, **more)  # type: ignore[arg-type]  # by name
 
 
 def test_the_reciprocal_of_a_mass_takes_its_place() -> None:

@@ -18,7 +18,7 @@ from passafe.uncertainty import Uncertainty
 
 
 def point(**sets: object) -> FilterDesign:
-    return paper_design(dt_s=0.01, k_i=20.0, uncertainty=Uncertainty(**sets))  # type: ignore[arg-type]
+    return paper_design(dt_s=0.01, k_i=20.0, uncertainty=Uncertainty(**sets))  # type: ignore[arg-type]  # sets by name
 
 
 def test_without_disturbance_an_error_moves_as_the_plant_does() -> None:

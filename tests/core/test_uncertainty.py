@@ -33,7 +33,7 @@ def test_numbers_in_every_form_are_taken() -> None:
 )
 def test_what_is_no_set_is_refused(given: Mapping[str, object], named: str) -> None:
     with pytest.raises(PassafeError, match=named):
-        Uncertainty(**given)  # type: ignore[arg-type]
+        Uncertainty(**given)  # type: ignore[arg-type]  # wrong on purpose
 
 
 @pytest.mark.parametrize(
@@ -49,7 +49,7 @@ def test_what_is_no_set_is_refused(given: Mapping[str, object], named: str) -> N
 )
 def test_sets_of_another_system_are_refused(given: Mapping[str, object], named: str) -> None:
     with pytest.raises(PassafeError, match=named):
-        paper_design(uncertainty=Uncertainty(**given))  # type: ignore[arg-type]
+        paper_design(uncertainty=Uncertainty(**given))  # type: ignore[arg-type]  # wrong on purpose
 
 
 def test_something_else_than_a_set_is_refused() -> None:

@@ -45,7 +45,7 @@ def test_readings_that_differ_narrow_the_box(growth: ErrorGrowth) -> None:
 def test_the_box_widens_by_the_disturbance(growth: ErrorGrowth) -> None:
     estimate = StateEstimate(growth)
     estimate.observe(X, None)
-    allowed = growth.roll(estimate.newest, [U] * 100)  # type: ignore[arg-type]
+    allowed = growth.roll(estimate.newest, [U] * 100)  # type: ignore[arg-type]  # a box by then
 
     assert allowed.radius[2] == pytest.approx(0.1 * 0.9048374 + 0.5 * 0.0951626, rel=1e-5)
 

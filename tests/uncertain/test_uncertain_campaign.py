@@ -29,7 +29,7 @@ SEEDS = (0, 2, 5, 6, 7, 10)
 def paper(**sets: object) -> FilterDesign:
     scenario = load_scenario("notomista-cai-2020", {"filter.mode": "safe", "rate_hz": 250.0})
     design = design_of(scenario, robot_of(scenario))
-    return FilterDesign(**{name: getattr(design, name) for name in GIVEN} | sets)  # type: ignore[arg-type]
+    return FilterDesign(**{name: getattr(design, name) for name in GIVEN} | sets)  # type: ignore[arg-type]  # parts by name
 
 
 GIVEN = ("system", "u_fb", "fail_safe", "barriers", "passivity", "k_i", "dt_s", "input_bound", "mode")
