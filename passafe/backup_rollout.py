@@ -28,7 +28,7 @@ from passafe.enclosure import enclose
 from passafe.reachable_tube import reachable_tube
 from passafe.sampled_plant import held_flow
 from passafe.settling import Settling
-from passafe.workspace import Array, BlockLayout, Workspace
+from passafe.workspace import Array, BlockLayout, Workspace, dense_function
 
 LONGEST: Final = 2048
 """Periods after which a rollout ends where the robot has not come to rest."""
@@ -204,7 +204,7 @@ def _step(design: FilterDesign, chains: Sequence[BarrierChain]) -> tuple[ca.Func
     period = ca.Function("period", [ca.vertcat(system.x, system.t), system.u], [end, seen])
     state, held = ca.vertcat(system.x, system.t, system.u), ca.SX.sym("held")
     after, observed = period(state[: -system.m], ca.if_else(held, system.u, law))
-    return ca.Function("step", [state, held], [after, observed]), law
+    return dense_function("step", [state, held], [after, observed]), law
 
 
 class _LeastH(NamedTuple):

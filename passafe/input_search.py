@@ -15,7 +15,7 @@ import numpy as np
 from passafe.decision_block import DecisionBlock
 from passafe.enclosure import enclose
 from passafe.symbolic.enforced_barriers import EnforcedBarriers
-from passafe.workspace import Array
+from passafe.workspace import Array, dense_function
 
 BOXES: Final = 2000
 """Boxes that are looked at, at most."""
@@ -48,7 +48,7 @@ class InputSearch:
         radius = ca.SX.sym("radius", system.m)
         ball = enclose(rows, system.u, radius)
         most = ca.if_else(ball.known, ca.mmin(ball.centre + ball.radius), np.inf)
-        self._look = ca.Function("look", [system.x, system.t, system.u, radius], [ca.mmin(rows), most])
+        self._look = dense_function("look", [system.x, system.t, system.u, radius], [ca.mmin(rows), most])
 
     def find(self, block: DecisionBlock) -> Found:
         """Return what is found for the request of a block, within the limits of its program.

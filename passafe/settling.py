@@ -30,7 +30,7 @@ from passafe.barrier_chain import BarrierChain
 from passafe.design import FilterDesign
 from passafe.enclosure import enclose
 from passafe.system import System
-from passafe.workspace import Array, BlockLayout, Workspace
+from passafe.workspace import Array, BlockLayout, Workspace, dense_function
 
 SLOWEST: Final = 1 - 1e-7
 """Largest contraction in a period that counts as one."""
@@ -96,7 +96,7 @@ class Settling:
         self._members = [len(chain.branches) for chain in chains]
         branches = [branch.psi[0] for chain in chains for branch in chain.branches]
         after = step(state, 0)[0]
-        slope = ca.densify(ca.jacobian(after, state))
+        slope = ca.jacobian(after, state)
         radius, wherever = ca.SX.sym("radius", state.numel()), ca.SX.sym("wherever", state.numel())
         bounds = _bounds(branches, [system.rate(h) for h in branches], state, radius, wherever)
         self._moves_with = np.array([_depends(ca.vertcat(h), state) for h in branches]).reshape(-1, state.numel())
@@ -116,8 +116,9 @@ class Settling:
         self._state, self._after = space.part("state"), space.part("after")
         self._radius, self._wherever = space.part("radius"), space.part("wherever")
         self._slope, self._bounds = space.view("slope"), space.view("bounds")
-        self._linearize = space.bind(ca.Function("linearize", [state], [after, slope]), ("state",), ("after", "slope"))
-        bound = ca.Function("bound", [state, radius, wherever], [ca.densify(bounds)])
+        linearize = dense_function("linearize", [state], [after, slope])
+        self._linearize = space.bind(linearize, ("state",), ("after", "slope"))
+        bound = dense_function("bound", [state, radius, wherever], [bounds])
         self._bound = space.bind(bound, ("state", "radius", "wherever"), ("bounds",))
         self._space = space  # holds what the calls above write to
         self._rest = self._rest_point()
@@ -170,12 +171,13 @@ class Settling:
         deviation = (state[self._r] - rest.r) / rest.scale
         halfway = state.copy()
         halfway[self._r] = (state[self._r] + rest.r) / 2
-        slopes = [rest.slope, *(self._slope_at(each)[:, self._r] * rest.scale for each in (halfway, state))]
-        contraction = max(_gain(each[self._r] / rest.scale[:, None], rest.root, rest.inverse_root) for each in slopes)
+        nearby = [self._slope_at(each)[:, self._r] * rest.scale for each in (halfway, state)]
+        slopes = np.stack([rest.slope, *nearby]) @ rest.inverse_root
+        contraction = _largest_gain(rest.root @ (slopes[:, self._r] / rest.scale[:, None]))
         if contraction >= 1:
             return None
         size = float(np.linalg.norm(rest.root @ deviation))
-        travel = np.max([np.linalg.norm(each[self._q] @ rest.inverse_root, axis=1) for each in slopes], axis=0)
+        travel = np.linalg.norm(slopes[:, self._q], axis=2).max(axis=0)
         radius = np.zeros(len(state))
         reach = np.abs(deviation) + np.linalg.norm(rest.inverse_root, axis=1) * size
         radius[self._r] = WIDER * rest.scale * reach
@@ -226,9 +228,9 @@ class Settling:
         return self._slope.copy()
 
 
-def _gain(A: Array, root: Array, inverse_root: Array) -> float:
-    """Return the largest ‖Ad‖_P/‖d‖_P; infinite where A is not finite."""
-    return float(np.linalg.norm(root @ A @ inverse_root, 2)) if np.isfinite(A).all() else np.inf
+def _largest_gain(maps: Array) -> float:
+    """Return the largest ‖A‖₂ of maps of shape (k, k); infinite where one is not finite."""
+    return float(np.linalg.norm(maps, 2, axis=(1, 2)).max()) if np.isfinite(maps).all() else np.inf
 
 
 def _spectral_radius(A: Array) -> float:
