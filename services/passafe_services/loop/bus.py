@@ -49,9 +49,13 @@ class TopicReader:
         self._subscriber = subscriber
         self._capacity = capacity
 
-    def drain(self) -> list[bytes]:
-        """Return the payloads received since the last call, at most one ring full, so that the call is bounded."""
-        samples = islice(iter(self._subscriber.try_recv, None), self._capacity)
+    def drain(self, at_most: int | None = None) -> list[bytes]:
+        """Return the oldest payloads received since the last call.
+
+        Args:
+            at_most: How many; ``None``: one ring full, so that the call is bounded.
+        """
+        samples = islice(iter(self._subscriber.try_recv, None), at_most or self._capacity)
         return [sample.payload.to_bytes() for sample in samples]
 
 

@@ -11,7 +11,7 @@ from passafe_protocol.link_settings import LinkSettings
 from passafe_protocol.messages import Event, Health, LinkConfig, Message
 from passafe_protocol.topics import EVENT, HEALTH, LINK_CONFIG, LINK_EVENT, LINK_STATE, SCENARIO, Topic
 
-from passafe_services.loop.bounded_reading import READ_SHARE, BoundedReading
+from passafe_services.loop.bounded_reading import DRAIN_SHARE, READ_SHARE, BoundedReading
 from passafe_services.loop.bus import Bus
 from passafe_services.loop.health_report import HealthReporter
 from passafe_services.loop.inlet import Inlet, inlets_of, pop_inbox, require_links
@@ -74,7 +74,7 @@ class Driver:
         self._links = LinkControl(linked, changes, lambda link: sources[link.name].sources)
         self._outlet = Outlet(bus, node.name, epoch, health)
         self._scheduled_ns = self._started_ns = monotonic_ns()
-        self._read_ns = 0
+        self._drain_ns = self._read_ns = 0
 
     @property
     def withheld(self) -> int:
@@ -99,7 +99,7 @@ class Driver:
             collect: Called once a second, after a step.
         """
         health_due_ns = pace.due_ns + HEALTH_PERIOD_NS
-        self._read_ns = round(READ_SHARE * pace.period_ns)
+        self._drain_ns, self._read_ns = (round(share * pace.period_ns) for share in (DRAIN_SHARE, READ_SHARE))
         reported_ns, reported_steps, reported_skipped = pace.due_ns, 0, 0
         self._publish(EVENT, Event("info", "started"))
         while True:
@@ -138,7 +138,7 @@ class Driver:
 
     def _step(self, scheduled_ns: int) -> None:
         configs = self._config_reader.drain()
-        self._reading.drain()
+        self._reading.drain(monotonic_ns() + self._drain_ns, monotonic_ns)
         # Read the clock after draining: even if this process was suspended, no message is received before it was sent.
         now_ns = monotonic_ns()
         self._scheduled_ns = scheduled_ns
