@@ -29,6 +29,7 @@ BENCHMARKS: Final = {
     "uncertain_step": "one filter step with rows for sets beside one for the model alone",
     "prediction_cost": "prediction in a filter step, for a plant that is its model and for one that is not",
     "lockstep_speed": "one period of the loop in virtual time, CPU time",
+    "replay_speed": "the replay of a log beside the loop that it repeats, processor time",
     "experiment_speed": "a sweep over bad networks",
     "campaign_speed": "one tick of an adversarial campaign, CPU time",
     "human_input": "errors of estimates of the operator's input and its rate, RMS of φ; least and most over signals",

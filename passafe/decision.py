@@ -91,7 +91,7 @@ class Attempt(Struct, frozen=True, eq=False, gc=False):
     assessment: Assessment[float]
 
 
-class Decision(Struct, frozen=True, eq=False):
+class Decision(Struct, frozen=True, eq=False, gc=False):
     """One decision. Vectors are views of one block of numbers, copied once, never written again.
 
     A msgspec struct: a frozen dataclass costs ten times as much to make (``docs/decisions/0003-msgspec-structs.md``).

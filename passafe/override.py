@@ -96,7 +96,7 @@ class Explainer:
         self._space = space = Workspace(BlockLayout.of({**shapes, **sizes}))
         self._evaluate = space.bind(function)
         self._decided = space.block[: core.layout.size]
-        self._explanation = _Explanation.of(space.view)
+        self._explanation = Explanation.of(space.view)
         self._read_push, self._read_share = space.reader("push"), space.reader("share")
 
     def override(self, decision: Decision) -> Override:
@@ -115,6 +115,22 @@ class Explainer:
             unavoidable=fraction < 0.0,
         )
 
+    def explain(self, blocks: Array) -> "Explanation[Array]":
+        """Return the numbers behind the overrides of many decisions.
+
+        Args:
+            blocks: Blocks of the decisions, shape (N, numbers of a decision).
+        """
+        space, decided, evaluate = self._space, self._decided, self._evaluate
+        explained = space.block[decided.size :]
+        found = np.empty((len(blocks), explained.size))
+        for block, row in zip(blocks, found, strict=True):
+            decided[:] = block
+            evaluate()
+            row[:] = explained
+        parts = space.layout.parts
+        return Explanation.of(lambda name: found[:, parts[name].start - decided.size : parts[name].stop - decided.size])
+
     def _causes(self) -> tuple[OverrideCause, ...]:
         """Return the active rows in the order of their shares."""
         rows = zip(self._names, self._read_push(), self._read_share(), strict=True)
@@ -122,8 +138,16 @@ class Explainer:
         return tuple(sorted(causes, key=lambda cause: -cause.share))
 
 
-class _Explanation(Stage[T], frozen=True, eq=False, gc=False):
-    """Expressions or values of one decision: the allowed fraction is −1 where there is none."""
+class Explanation(Stage[T], frozen=True, eq=False, gc=False):
+    """Expressions or values of one decision, or values of many: N rows.
+
+    Attributes:
+        change: u⁺ − u_want, m.
+        held_back: The same in terms of the operator's command, m.
+        push: λ of every row, N, see ``OverrideCause.push``.
+        share: Its share of the change, N.
+        allowed_fraction: Part of the command that would have passed, 1; −1 where there is none.
+    """
 
     change: T
     held_back: T
@@ -139,7 +163,7 @@ def _explain(
     tangents: NormTangents[ca.SX],
     answer: Answer[ca.SX],
     evaluation: Evaluation[ca.SX],
-) -> _Explanation[ca.SX]:
+) -> Explanation[ca.SX]:
     design = core.design
     m, dt_s = design.system.m, design.dt_s
     start, u_h = request.start, request.u_h
@@ -164,7 +188,7 @@ def _explain(
         at_least, at_most = _within(wanted[list(norm.axes)], command[list(norm.axes)], length)
         least, most = ca.fmax(least, at_least), ca.fmin(most, at_most)
     is_number = ca.sumsqr(wanted) + ca.sumsqr(command) < inf
-    return _Explanation(
+    return Explanation(
         change=change,
         held_back=change / gain,
         push=push,

@@ -21,6 +21,7 @@ OTHERS = (
     "lockstep_speed",
     "log_rate",
     "prediction_cost",
+    "replay_speed",
 )
 PLAIN = ("mutation", "write_page")
 

@@ -1,7 +1,7 @@
 """Ragged columns and texts, by values counted by hand."""
 
 import numpy as np
-from passafe_services.log.column import Ragged, Texts, joined
+from passafe_services.log.column import Ragged, Texts, joined, same_rows
 
 
 def ragged(*rows: list[float]) -> Ragged:
@@ -53,3 +53,14 @@ def test_texts_in_lists_get_common_codes() -> None:
 
     assert both.are("b").tolist() == [True, False, True]
     assert len(both) == 2
+
+
+def test_rows_are_the_same_only_to_the_last_bit() -> None:
+    numbers, others = np.array([0.0, np.nan, 1.0]), np.array([-0.0, np.nan, 1.0])
+    first, second = ragged([1, 2], [], [3], [4]), ragged([1, 2], [7], [3], [5])
+    words, same_words = Texts(np.array([0, 1, 1]), ("a", "b")), Texts(np.array([1, 0, 2]), ("b", "a", "c"))
+
+    assert same_rows(numbers, others).tolist() == [False, True, True]
+    assert same_rows(first, second).tolist() == [True, False, True, False]
+    assert same_rows(words, same_words).tolist() == [True, True, False]
+    assert same_rows(np.array([3, 4]), np.array([3, 5])).tolist() == [True, False]

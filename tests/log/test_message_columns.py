@@ -25,6 +25,7 @@ from passafe_protocol.messages import (
 )
 from passafe_protocol.topics import STATE, TICK, TOPICS, Topic
 from passafe_services.log.column import Ragged, Texts
+from passafe_services.log.column_records import records_of
 from passafe_services.log.message_columns import ColumnDecoder
 from passafe_services.log.message_field import fields_of
 
@@ -176,3 +177,18 @@ def test_known_layouts_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
         assert decoder.decode(messages, ()).valid.size == 8
 
     assert max(len(layouts) for layouts in decoder._known.values()) <= 2
+
+
+@pytest.mark.parametrize("topic", TOPICS, ids=lambda topic: topic.name)
+@settings(max_examples=15, deadline=None, suppress_health_check=list(HealthCheck))
+@given(data=st.data())
+def test_records_of_columns_are_what_the_codec_decodes(topic: Topic, data: st.DataObject) -> None:
+    messages = []
+    for _ in range(data.draw(st.integers(1, 3))):
+        header, body = data.draw(headers), data.draw(MESSAGES[topic.body])
+        messages += [codec.encode(replace(header, sequence=number), body) for number in range(4)]
+
+    found = records_of(topic, ColumnDecoder(topic).decode(messages, fields_of(topic)).columns)
+
+    expected = [codec.decode(topic, data) for data in messages]
+    assert list(map(repr, found)) == list(map(repr, expected))  # by repr: types, and the sign of a zero, as well

@@ -33,7 +33,7 @@ STATUS: Final = tuple(_BY_VALUE.get(value, FilterStatus.UNCERTIFIED) for value i
 """Status on the wire by the value of the core's status; a table, because hashing a member costs 0.4 µs."""
 
 
-class TickRecord(Struct, frozen=True, eq=False):
+class TickRecord(Struct, frozen=True, eq=False, gc=False):
     """Data of a tick message, which is computed only on demand.
 
     Attributes:

@@ -15,8 +15,10 @@ from passafe_protocol.topics import TOPIC_OF_NAME, Topic
 
 from passafe_services.log.chunk import DAMAGE, chunk_contents
 from passafe_services.log.column import Column
+from passafe_services.log.column_records import records_of
 from passafe_services.log.log_writer import topic_of_key
 from passafe_services.log.message_columns import RECORD, WIRE, ColumnDecoder, objects
+from passafe_services.log.message_field import fields_of
 from passafe_services.log.record_scan import Damage
 
 ORDER_FIELDS: Final = ("header.source", "header.epoch", "header.sequence", "header.wall_ns")
@@ -24,6 +26,9 @@ ORDER_FIELDS: Final = ("header.source", "header.epoch", "header.sequence", "head
 
 Wants: TypeAlias = Mapping[str, Collection[str]]
 """Paths of the wanted columns by name of the topic, besides ``ORDER_FIELDS``."""
+
+LEAST_IN_COLUMNS: Final = 64
+"""Messages of a stretch from which on records are made of columns: of fewer the codec makes them sooner."""
 
 _CHUNK_HEAD_BYTES: Final = 49
 """Size of a chunk's record without the name of its compression and its data."""
@@ -104,16 +109,20 @@ def decode_stretch(stretch: Stretch, channels: Mapping[int, str], wants: Wants) 
 
 def _decode(topic: Topic, messages: Sequence[bytes], paths: Collection[str], found: DecodedStretch) -> None:
     decoder = _decoders.setdefault(topic.name, ColumnDecoder(topic))
-    table = decoder.decode(messages, {*ORDER_FIELDS, *paths} - {RECORD, WIRE})
+    wanted = {*ORDER_FIELDS, *paths} - {RECORD, WIRE}
+    makes_records = RECORD in paths and len(messages) >= LEAST_IN_COLUMNS
+    table = decoder.decode(messages, {*wanted, *fields_of(topic)} if makes_records else wanted)
     if table.valid.size < len(messages):
         found.undecodable[topic.name] = len(messages) - table.valid.size
     if not table.valid.size:
         return
-    found.tables[topic.name] = columns = table.columns
+    found.tables[topic.name] = columns = {path: table.columns[path] for path in wanted}
     wire = [messages[number] for number in table.valid.tolist()] if RECORD in paths or WIRE in paths else []
     if WIRE in paths:
         columns[WIRE] = objects(wire)
-    if RECORD in paths:
+    if makes_records:
+        columns[RECORD] = objects(records_of(topic, table.columns))
+    elif RECORD in paths:
         columns[RECORD] = objects([codec.decode(topic, data) for data in wire])
 
 

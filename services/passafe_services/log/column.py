@@ -122,3 +122,28 @@ def _expanded(starts: Counts, counts: Counts) -> Places:
     total = int(ends[-1]) if len(ends) else 0
     places: Places = np.arange(total) + np.repeat(starts - (ends - counts), counts)
     return places
+
+
+def same_rows(first: Column, second: Column) -> NDArray[np.bool_]:
+    """Return which rows of two columns of one kind and length are the same to the last bit, shape (N,)."""
+    if isinstance(first, Texts) and isinstance(second, Texts):
+        number_of = {word: number for number, word in enumerate(second.words)}
+        to_second = np.array([number_of.get(word, -1) for word in first.words], dtype=np.int32)
+        codes = first.codes
+        coded = Ragged(to_second[codes.values], codes.counts) if isinstance(codes, Ragged) else to_second[codes]
+        return same_rows(coded, second.codes)
+    if isinstance(first, Ragged) and isinstance(second, Ragged):
+        same: NDArray[np.bool_] = first.counts == second.counts
+        (rows,) = np.nonzero(same)
+        one, other = (first, second) if rows.size == same.size else (first.take(rows), second.take(rows))
+        equal = _bits(one.values) == _bits(other.values)
+        same[rows[one.row_numbers[~equal]]] = False
+        return same
+    if isinstance(first, np.ndarray) and isinstance(second, np.ndarray):
+        return np.asarray(_bits(first) == _bits(second))
+    raise TypeError(f"columns: got {type(first).__name__} and {type(second).__name__}, allowed two of one kind")
+
+
+def _bits(values: Numbers) -> Numbers:
+    """Return numbers as integers: they tell 0.0 from −0.0, and know a NaN again."""
+    return values.view(np.int64) if values.dtype == np.float64 else values

@@ -1,34 +1,42 @@
 """Replays a filter from the messages that it consumed, and compares every tick to the last bit."""
 
 from collections import deque
-from collections.abc import Sequence
 from dataclasses import dataclass, field
-from itertools import zip_longest
-from typing import Final, TypeAlias
+from typing import Final
 
+import numpy as np
 from passafe_protocol.field_difference import are_identical, field_differences
-from passafe_protocol.messages import FilterTick, Header, Message, OperatorCommand, PlantState, Received, Record
-from passafe_protocol.topics import TICK, TOPIC_OF_BODY
+from passafe_protocol.messages import FilterTick, Header, Message, OperatorCommand, PlantState, Received
+from passafe_protocol.topics import COMMAND, STATE, TICK, TOPIC_OF_BODY
 
 from passafe_services.filter.build import CompiledFilter, filter_node
 from passafe_services.filter.node import FilterNode
+from passafe_services.filter.telemetry import TickRecord
 from passafe_services.filter.unpredicted_node import UnpredictedFilterNode
-from passafe_services.log.continuity import LoggedMessage
+from passafe_services.log.chunk_decoding import Wants
+from passafe_services.log.column import same_rows, take
+from passafe_services.log.log_pass import LogSlice
+from passafe_services.log.message_columns import RECORD
 from passafe_services.plant_contract.plant_model import PlantModel
 from passafe_services.scenarios.info import versions
+from passafe_services.tools.replay.logged_ticks import TICK_COLUMNS, LoggedStep, LoggedTicks, MessageKey
+from passafe_services.tools.replay.replayed_ticks import ReplayedTicks
 from passafe_services.tools.review.run_identity import RunIdentity
+
+WANTS: Final[Wants] = {COMMAND.name: (RECORD,), STATE.name: (RECORD,), TICK.name: TICK_COLUMNS}
+"""What the filter consumed and what it decided."""
 
 KEPT: Final = 100_000
 """Messages that are kept for a tick that consumes them: 20 s of the fastest loop, longer than any link delays."""
 
-PATIENCE: Final = 20_000
-"""Messages after which one that a tick needs counts as missing: publishers are logged in no order."""
+PATIENCE: Final = 200_000
+"""Messages after which one that a tick needs counts as missing: longer than a pass holds back what follows a gap."""
 
 NAMED: Final = 4
 """Fields of a difference that are named."""
 
-_Key: TypeAlias = tuple[str, int, int]
-"""Topic, session and number of a message."""
+TOGETHER: Final = 1024
+"""Ticks that are compared together."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -59,30 +67,25 @@ class Replay:
 
 @dataclass(slots=True)
 class _Session:
-    """Session of the filter: its node, the number of its next tick, and the ticks that are not compared yet."""
+    """Session of the filter.
+
+    Attributes:
+        node: Its node.
+        ticks: Its ticks.
+        waited: Messages since its next step began to wait for one that it consumed.
+        rows: Rows of ticks that have been replayed and not compared.
+        records: The replayed ones.
+    """
 
     node: FilterNode | UnpredictedFilterNode
-    expected: int = 0
+    ticks: LoggedTicks = field(default_factory=LoggedTicks)
     waited: int = 0
-    ticks: dict[int, LoggedMessage[FilterTick]] = field(default_factory=dict)
-
-    def whole_step(self) -> list[LoggedMessage[FilterTick]]:
-        """Return the ticks of the next step; none while another one of it may come."""
-        found: list[LoggedMessage[FilterTick]] = []
-        while (tick := self.ticks.get(self.expected + len(found))) is not None:
-            if found and tick.header.scheduled_ns != found[0].header.scheduled_ns:
-                return found
-            found.append(tick)
-        return []
-
-    def rest_of_step(self) -> list[LoggedMessage[FilterTick]]:
-        """Return the ticks of the next step that there are."""
-        ordered = [self.ticks[number] for number in sorted(self.ticks)]
-        return [tick for tick in ordered if tick.header.scheduled_ns == ordered[0].header.scheduled_ns]
+    rows: list[int] = field(default_factory=list)
+    records: list[TickRecord] = field(default_factory=list)
 
 
 class FilterReplay:
-    """Replay of a filter, message by message, in any order that a recorder may log.
+    """Replay of a filter, slice by slice of a log, whatever the order of its publishers.
 
     Attributes:
         is_over: Whether a message is missing, so that no further tick can be compared.
@@ -101,29 +104,30 @@ class FilterReplay:
         self._identity = identity
         self._model = PlantModel.of(identity.scenario)
         self._compiled = CompiledFilter.of(identity.scenario, self._model.robot)
-        self._sent: dict[_Key, LoggedMessage[Message]] = {}
-        self._order: deque[_Key] = deque()
+        self._replayed = ReplayedTicks(self._compiled)
+        self._sent: dict[MessageKey, tuple[Header, Message]] = {}
+        self._order: deque[MessageKey] = deque()
         self._sessions: dict[int, _Session] = {}
         self._ticks = self._identical = self._missing = 0
         self._first_difference = ""
 
-    def add(self, header: Header, body: Message) -> None:
-        """Add a message of the log; those that a replay does not need are ignored."""
-        if self.is_over:
-            return
-        if isinstance(body, FilterTick):
-            self._session(header).ticks.setdefault(header.sequence, LoggedMessage(header, body))
-        elif isinstance(body, OperatorCommand | PlantState):
-            self._keep(header, body)
+    def take(self, part: LogSlice) -> None:
+        """Take the next messages of the log: columns as in ``WANTS``."""
+        added = self._keep(part)
+        for block in part.blocks(TICK.name):
+            clock_id = int(block.numbers("header.clock_id")[0])
+            self._session(block.epoch, clock_id).ticks.add(block)
+            added += len(block)
         for session in self._sessions.values():
-            self._advance(session)
+            session.waited += added
+            self._advance(session, is_over=False)
+        while len(self._order) > KEPT:
+            del self._sent[self._order.popleft()]
 
     def end(self) -> Replay:
         """Compare what is left, and return the result."""
         for session in self._sessions.values():
-            while session.ticks and not self.is_over:
-                step = session.rest_of_step()
-                self._compare(session, step, is_last=len(step) == len(session.ticks))
+            self._advance(session, is_over=True)
         return Replay(
             ticks=self._ticks,
             identical=self._identical,
@@ -132,81 +136,94 @@ class FilterReplay:
             versions=_other_versions(self._identity.versions),
         )
 
-    def _session(self, header: Header) -> _Session:
-        session = self._sessions.get(header.epoch)
+    def _session(self, epoch: int, clock_id: int) -> _Session:
+        session = self._sessions.get(epoch)
         if session is None:
             node = filter_node(
                 self._identity.scenario,
                 self._identity.driver,
-                header.epoch,
+                epoch,
                 self._model,
                 self._compiled,
-                clock_id=header.clock_id,
+                clock_id=clock_id,
             )
-            session = self._sessions[header.epoch] = _Session(node)
+            session = self._sessions[epoch] = _Session(node)
         return session
 
-    def _keep(self, header: Header, body: Message) -> None:
-        key = (TOPIC_OF_BODY[type(body)].name, header.epoch, header.sequence)
-        if key in self._sent:
-            return
-        self._sent[key] = LoggedMessage(header, body)
-        self._order.append(key)
-        if len(self._order) > KEPT:
-            del self._sent[self._order.popleft()]
+    def _keep(self, part: LogSlice) -> int:
+        """Keep what a filter may consume; return how many messages that are."""
+        count = len(self._order)
+        for body in (OperatorCommand, PlantState):
+            name = TOPIC_OF_BODY[body].name
+            for block in part.blocks(name):
+                for message in block.objects(RECORD):
+                    key = (name, block.epoch, message[0].sequence)
+                    if key not in self._sent:
+                        self._sent[key] = message
+                        self._order.append(key)
+        return len(self._order) - count
 
-    def _advance(self, session: _Session) -> None:
-        """Compare the steps that are complete; give up one that waited for too long."""
-        while session.ticks and not self.is_over:
-            step = session.whole_step()
-            if not step or any(key not in self._sent for key in _keys(step)):
-                session.waited += 1
-                if session.waited < PATIENCE or (not step and len(session.ticks) == len(session.rest_of_step())):
-                    return
-                step = session.rest_of_step()
+    def _advance(self, session: _Session, *, is_over: bool) -> None:
+        """Replay the steps that are complete, and compare them; give up one that waited for too long."""
+        ticks, sent = session.ticks, self._sent
+        while not self.is_over and (step := ticks.next_step(is_over=is_over)) is not None:
+            missing = step.missing
+            if not missing:
+                missing = sum(key not in sent for key, _, _ in step.consumed)
+                if missing and not is_over and session.waited < PATIENCE:
+                    break
+            if missing:
+                self._missing, self.is_over = missing, True
+                break
             session.waited = 0
-            self._compare(session, step, is_last=False)
+            self._replay(session, step)
+            ticks.leave(step)
+        self._compare(session)
 
-    def _compare(self, session: _Session, step: Sequence[LoggedMessage[FilterTick]], *, is_last: bool) -> None:
-        keys, newest = _keys(step), step[-1].header.sequence
-        self._missing = newest + 1 - session.expected - len(step) + sum(key not in self._sent for key in keys)
-        if self._missing:
-            self.is_over = True
+    def _replay(self, session: _Session, step: LoggedStep) -> None:
+        sent = self._sent
+        inbox = [Received(*sent[key], received_ns, term) for key, received_ns, term in step.consumed]
+        outgoing = session.node.step(step.scheduled_ns, inbox)
+        records = [body for topic, body in outgoing if topic is TICK and isinstance(body, TickRecord)]
+        if step.is_open:
+            del records[len(step.rows) :]
+        both = min(len(step.rows), len(records))
+        session.rows += step.rows[:both]
+        session.records += records[:both]
+        if len(session.rows) >= TOGETHER:
+            self._compare(session)
+        if len(step.rows) != len(records):
+            self._compare(session)
+            self._ticks += max(len(step.rows), len(records)) - both
+            if not self._first_difference and len(records) > both:
+                self._first_difference = "the replay has a tick that the log does not contain"
+            elif not self._first_difference:
+                tick = session.ticks.message(step.rows[both]).tick
+                self._first_difference = f"tick {tick}: missing in the replay"
+
+    def _compare(self, session: _Session) -> None:
+        """Compare the ticks that have been replayed: all at once, and only those that seem to differ one by one."""
+        rows, records = session.rows, session.records
+        if not records:
             return
-        session.expected = newest + 1
-        for tick in step:
-            del session.ticks[tick.header.sequence]
-        consumed = [each for tick in step for each in tick.body.consumed]
-        sent = [self._sent[key] for key in keys]
-        inbox = [
-            Received(header, body, each.received_ns, each.term)
-            for (header, body), each in zip(sent, consumed, strict=True)
-        ]
-        outgoing = session.node.step(step[0].header.scheduled_ns, inbox)
-        replayed = [body if isinstance(body, Record) else body() for topic, body in outgoing if topic is TICK]
-        if is_last:
-            del replayed[len(step) :]
-        for logged, again in zip_longest(step, replayed):
-            self._ticks += 1
-            if logged is not None and again is not None and are_identical(logged.body, again):
+        session.rows, session.records = [], []
+        same, places = np.ones(len(rows), dtype=np.bool_), np.array(rows)
+        for path, replayed in self._replayed.columns(records).items():
+            same &= same_rows(take(session.ticks.columns[path], places), replayed)
+        self._ticks += len(rows)
+        self._identical += int(same.sum())
+        for place in np.nonzero(~same)[0].tolist():
+            logged, replayed_tick = session.ticks.message(rows[place]), records[place]()
+            if are_identical(logged, replayed_tick):
                 self._identical += 1
             elif not self._first_difference:
-                self._first_difference = _difference(logged, again)
+                self._first_difference = _difference(logged, replayed_tick)
 
 
-def _keys(step: Sequence[LoggedMessage[FilterTick]]) -> list[_Key]:
-    return [(each.topic, each.epoch, each.sequence) for tick in step for each in tick.body.consumed]
-
-
-def _difference(logged: LoggedMessage[FilterTick] | None, replayed: Message | None) -> str:
-    if logged is None:
-        return "the replay has a tick that the log does not contain"
-    number = f"tick {logged.body.tick}"
-    if replayed is None:
-        return f"{number}: missing in the replay"
-    found = field_differences(logged.body, replayed)
+def _difference(logged: FilterTick, replayed: FilterTick) -> str:
+    found = field_differences(logged, replayed)
     more = f", and {len(found) - NAMED} more fields" if len(found) > NAMED else ""
-    return f"{number}: " + ", ".join(map(str, found[:NAMED])) + more
+    return f"tick {logged.tick}: " + ", ".join(map(str, found[:NAMED])) + more
 
 
 def _other_versions(logged: dict[str, str]) -> dict[str, tuple[str, str]]:
