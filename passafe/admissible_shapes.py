@@ -7,6 +7,7 @@ import numpy as np
 
 from passafe.arguments import described, numbers, one_number
 from passafe.errors import DesignError
+from passafe.fixed_order import length
 from passafe.ranges import require_positive
 
 
@@ -47,9 +48,9 @@ class HalfSpace:
     def __post_init__(self) -> None:
         """Scale to unit length, and refuse what is no half-space."""
         weights, bound = numbers("input half-space weights", self.weights), one_number("input half-space", self.bound)
-        length = float(np.linalg.norm(weights)) if weights else 0.0
-        if not 0.0 < length < inf or not -inf < bound < inf:
+        size = length(np.array(weights))
+        if not 0.0 < size < inf or not -inf < bound < inf:
             got = f"weights {list(weights)}, bound {bound}"
             raise DesignError("input half-space", got, "finite numbers, and a weight that is not zero")
-        object.__setattr__(self, "weights", tuple(weight / length for weight in weights))
-        object.__setattr__(self, "bound", bound / length)
+        object.__setattr__(self, "weights", tuple(weight / size for weight in weights))
+        object.__setattr__(self, "bound", bound / size)

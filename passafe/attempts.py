@@ -19,6 +19,7 @@ from passafe.decision_functions import DecisionFunctions
 from passafe.decision_schema import Assessment, keeps_barriers
 from passafe.derivation import first_tightening
 from passafe.design import FilterDesign
+from passafe.fixed_order import length
 from passafe.fixed_point import FixedPoint
 from passafe.quadratic_program import BY_INSPECTION, QuadraticProgram
 from passafe.solvers.solver import SOLVED
@@ -141,7 +142,7 @@ class Attempts:
 
     def _distance(self) -> float:
         """Return ‖z‖: the distance of the answer from the reference input, the price of slack included."""
-        return float(np.linalg.norm(self._block.answer.z))
+        return length(self._block.answer.z)
 
     def _attempt_whole(self) -> Attempt:
         """Solve over constraints and limits and certify; relax hard rows that conflict, as little as possible."""

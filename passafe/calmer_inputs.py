@@ -11,6 +11,7 @@ import casadi as ca
 import numpy as np
 
 from passafe.design import FilterDesign
+from passafe.fixed_order import least_squares
 from passafe.symbolic.trust_region import LEAST_TRUST
 from passafe.workspace import Array
 
@@ -40,7 +41,7 @@ class CalmerInputs:
             high: Largest one, shape (m,).
         """
         drift, effect = (each.full() for each in self._motion(x))
-        least = np.linalg.lstsq(effect, -drift.ravel(), rcond=None)[0]
+        least = least_squares(effect, -drift.ravel())
         calmest = self._limits.nearest(least, u, low, high)
         way = wanted - calmest
         for share in SHARES:

@@ -14,9 +14,9 @@ from typing import Final, NamedTuple
 
 import casadi as ca
 import numpy as np
-from scipy.linalg import expm
 
 from passafe.enclosure import enclose
+from passafe.fixed_order import exponential
 from passafe.plant_family import PlantFamily
 from passafe.reachable_tube import (
     HeldMotion,
@@ -68,10 +68,10 @@ def error_flow(nominal: System, family: PlantFamily, radius: ca.SX, dt_s: float)
     M = metzler_bound(motion)
     if not ca.symvar(J):
         A = ca.DM(ca.densify(J)).full()
-        after = ca.DM(np.abs(expm(A * dt_s))) @ radius + ca.DM(integral_of_magnitude(A, dt_s)) @ push
+        after = ca.DM(np.abs(exponential(A * dt_s))) @ radius + ca.DM(integral_of_magnitude(A, dt_s)) @ push
         known = ca.SX(1)
     elif M is not None:
-        after = ca.DM(expm(M * dt_s)) @ radius + ca.DM(integral_of_exponential(M, dt_s)) @ push
+        after = ca.DM(exponential(M * dt_s)) @ radius + ca.DM(integral_of_exponential(M, dt_s)) @ push
         known = ca.SX(1)
     else:
         after, known = _nonlinear(motion, radius, push, dt_s)

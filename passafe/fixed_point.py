@@ -8,13 +8,14 @@ from typing import Final
 
 import numpy as np
 
+from passafe.fixed_order import least_squares, product
 from passafe.workspace import Array
 
 MEMORY: Final = 3
 """Number of earlier answers that are taken into account, at most."""
 
 SMALLEST: Final = 1e-10
-"""Singular values below this share of the largest count as zero."""
+"""A change that adds less than this share of the largest to the others counts as none."""
 
 
 class FixedPoint:
@@ -36,5 +37,5 @@ class FixedPoint:
         if len(self._tried) == 1:
             return answer.copy()
         steps, turns = np.diff(self._tried, axis=0).T, np.diff(self._changes, axis=0).T
-        weights = np.linalg.lstsq(turns, self._changes[-1], rcond=SMALLEST)[0]
-        return np.asarray(answer - (steps + turns) @ weights)
+        weights = least_squares(turns, self._changes[-1], SMALLEST)
+        return np.asarray(answer - product(steps + turns, weights))

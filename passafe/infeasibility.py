@@ -25,6 +25,7 @@ from msgspec import Struct
 
 from passafe.admissible_shapes import NormBound
 from passafe.decision import Decision
+from passafe.fixed_order import inner, length, product
 from passafe.limits import ROUNDING, Limits
 from passafe.workspace import Array
 
@@ -69,25 +70,26 @@ class _Program(Struct, frozen=True, eq=False):
 
     def kept(self, w: Array) -> float:
         """Return by how much w keeps the row that it keeps least."""
-        return float(np.minimum.reduce(self.G @ w - self.d))
+        return float(np.minimum.reduce(product(self.G, w) - self.d))
 
     def admissible(self, w: Array, known: Array) -> Array:
         """Return the last admissible point on the segment from an admissible one to w."""
         reach = self.limits.reach
         for half_space in self.limits.half_spaces:  # on a plane already, a way that ends past it has no admissible part
-            missed = float(np.dot(half_space.weights, self.u_ref + w)) - half_space.bound
+            missed = inner(np.array(half_space.weights), self.u_ref + w) - half_space.bound
             if missed > 0.0:
                 w = w - (missed + DRAWN_IN * reach) * np.array(half_space.weights)
         w = np.minimum(np.maximum(w, self.low), self.high)
         start, step, share = self.u_ref + known, w - known, 1.0
         for norm in self.limits.norms:
             from_, way = start[list(norm.axes)], step[list(norm.axes)]
-            a, b, c = float(way @ way), float(from_ @ way), max(norm.bound**2 - float(from_ @ from_), 0.0)
+            a, b, c = inner(way, way), inner(from_, way), max(norm.bound**2 - inner(from_, from_), 0.0)
             if a + 2 * b > c:
                 share = min(share, (sqrt(b * b + a * c) - b) / a)
         for half_space in self.limits.half_spaces:
-            slope = float(np.dot(half_space.weights, step))
-            room = max(half_space.bound - float(np.dot(half_space.weights, start)), 0.0)
+            weights = np.array(half_space.weights)
+            slope = inner(weights, step)
+            room = max(half_space.bound - inner(weights, start), 0.0)
             if slope > room + ROUNDING * reach:
                 share = min(share, room / slope)
         return w if share == 1.0 else known + step * share
@@ -103,7 +105,7 @@ class _Program(Struct, frozen=True, eq=False):
         for norm in self.limits.norms:
             axes = [axis for axis in norm.axes if left[axis]]
             left[axes] = False
-            in_ball = float(norm.bound * np.linalg.norm(pull[axes]) - pull[axes] @ self.u_ref[axes])
+            in_ball = norm.bound * length(pull[axes]) - inner(pull[axes], self.u_ref[axes])
             most += min(float(np.add.reduce(over_axes[axes])), in_ball)
         return most + float(np.add.reduce(over_axes[left]))
 
@@ -233,7 +235,7 @@ class DistanceToInfeasibility:
         self._bounds[: self._hard] = program.d * scale
         self._rows[self._planes :], self._bounds[self._planes :] = 0.0, -_FAR
         for place, half_space in enumerate(program.limits.half_spaces, start=self._hard):
-            beyond = float(np.dot(half_space.weights, program.u_ref)) - half_space.bound
+            beyond = inner(np.array(half_space.weights), program.u_ref) - half_space.bound
             self._bounds[place] = beyond * scale
         self._used = self._planes
         self._linear[:m], self._linear[m] = 0.0, -1 / ETA
@@ -255,12 +257,12 @@ class DistanceToInfeasibility:
         if not total > 0.0:
             return np.zeros(self._m), inf
         mu = weights / total
-        pull = mu[:hard] @ program.G
-        most = -float(mu[:hard] @ program.d)
+        pull = product(mu[:hard], program.G)
+        most = -inner(mu[:hard], program.d)
         if program.limits.has_only_axes:
             return pull, most + program.most(pull)
-        rest = pull + mu[hard:used] @ self._rows[hard:used, :-1]
-        past = float(mu[hard:used] @ self._bounds[hard:used]) * self.reach
+        rest = pull + product(mu[hard:used], self._rows[hard:used, :-1])
+        past = inner(mu[hard:used], self._bounds[hard:used]) * self.reach
         return pull, most + min(program.most(rest) - past, program.most_in_balls(pull))
 
     def _refine(self, program: _Program, known: Array, lower: float, touching: list[_Touch]) -> None:
@@ -270,7 +272,7 @@ class DistanceToInfeasibility:
         for touch in touching:
             axes = list(touch.norm.axes)
             self._rows[self._used, axes] = -touch.unit
-            self._bounds[self._used] = (float(touch.unit @ program.u_ref[axes]) - touch.norm.bound) * scale
+            self._bounds[self._used] = (inner(touch.unit, program.u_ref[axes]) - touch.norm.bound) * scale
             self._used += 1
 
 
@@ -280,6 +282,6 @@ def _touching(program: _Program, w: Array, pull: Array) -> list[_Touch]:
     for norm in program.limits.norms:
         for u in (program.u_ref + w, pull):
             part = u[list(norm.axes)]
-            if length := sqrt(float(part @ part)):
-                found.append(_Touch(norm, part / length))
+            if size := length(part):
+                found.append(_Touch(norm, part / size))
     return found

@@ -14,6 +14,7 @@ import numpy as np
 
 from passafe.decision_block import DecisionBlock
 from passafe.enclosure import enclose
+from passafe.fixed_order import length
 from passafe.symbolic.enforced_barriers import EnforcedBarriers
 from passafe.workspace import Array, dense_function
 
@@ -86,4 +87,4 @@ class InputSearch:
 
 
 def _least_length(low: Array, high: Array) -> float:
-    return float(np.linalg.norm(np.maximum(np.maximum(low, -high), 0.0)))
+    return length(np.maximum(np.maximum(low, -high), 0.0))

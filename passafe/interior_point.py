@@ -6,6 +6,7 @@ from typing import Final
 import numpy as np
 
 from passafe.admissible_shapes import HalfSpace, NormBound
+from passafe.fixed_order import inner, length
 from passafe.workspace import Array
 
 INSETS: Final = (0.3, 0.1, 0.03, 1e-2, 1e-3, 1e-4)
@@ -51,16 +52,16 @@ def _projected(
 ) -> Array:
     for half_space in half_spaces:
         weights = np.array(half_space.weights)
-        u = u - max(float(weights @ u) - half_space.bound + room, 0.0) * weights
+        u = u - max(inner(weights, u) - half_space.bound + room, 0.0) * weights
     for norm in norms:
         axes = list(norm.axes)
-        length = float(np.linalg.norm(u[axes]))
-        if length > (1 - inset) * norm.bound:
+        size = length(u[axes])
+        if size > (1 - inset) * norm.bound:
             u = u.copy()
-            u[axes] *= (1 - inset) * norm.bound / length
+            u[axes] *= (1 - inset) * norm.bound / size
     return u
 
 
 def _is_inside(u: Array, norms: Sequence[NormBound], half_spaces: Sequence[HalfSpace]) -> bool:
-    in_balls = all(float(np.linalg.norm(u[list(norm.axes)])) < norm.bound for norm in norms)
-    return in_balls and all(float(np.dot(each.weights, u)) < each.bound for each in half_spaces)
+    in_balls = all(length(u[list(norm.axes)]) < norm.bound for norm in norms)
+    return in_balls and all(inner(np.array(each.weights), u) < each.bound for each in half_spaces)

@@ -1,7 +1,6 @@
 """The tangents that stand in the program for the limits of norms: where they lie, and how many are in use."""
 
-import numpy as np
-
+from passafe.fixed_order import length
 from passafe.limits import Limits
 from passafe.symbolic.whole_program import norm_asked, tangents_of
 from passafe.workspace import Array
@@ -34,11 +33,11 @@ class TangentsOfNorm:
             u: The input, shape (m,).
         """
         part = u[self._axes]
-        length = float(np.linalg.norm(part))
-        if self.used == self._count or length <= self._asked:
+        size = length(part)
+        if self.used == self._count or size <= self._asked:
             return False
         cuts[self._first + self.used] = 0.0
-        cuts[self._first + self.used, self._axes] = part / length
+        cuts[self._first + self.used, self._axes] = part / size
         self.used += 1
         return True
 

@@ -19,6 +19,7 @@ import numpy as np
 from passafe.decision import Decision, Status
 from passafe.decision_schema import Answer, Evaluation, NormTangents, Program, Request
 from passafe.filter import SafetyPassivityFilter
+from passafe.fixed_order import length
 from passafe.stage import Stage, T
 from passafe.symbolic.whole_program import limit_bounds
 from passafe.workspace import Array, BlockLayout, Workspace, expressions_by_name, named_function
@@ -66,7 +67,7 @@ class Override:
     @property
     def size(self) -> float:
         """‖held_back‖, units of u."""
-        return float(np.linalg.norm(self.held_back))
+        return length(self.held_back)
 
 
 class Explainer:

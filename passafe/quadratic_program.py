@@ -17,6 +17,7 @@ from typing import Final, cast
 import numpy as np
 
 from passafe.decision_block import DecisionBlock
+from passafe.fixed_order import product
 from passafe.limits import Limits
 from passafe.norm_tangents import norm_tangents
 from passafe.solvers.daqp_solver import DaqpSolver
@@ -114,8 +115,9 @@ class QuadraticProgram:
         self._d[first : first + m] = program.low - program.u_ref
         self._d[first + m : first + 2 * m] = program.u_ref - program.high
         if len(self._asked):
-            self._d[first + 2 * m : first + 2 * m + len(self._asked)] = self._weights @ program.u_ref - self._asked
+            planes = slice(first + 2 * m, first + 2 * m + len(self._asked))
+            self._d[planes] = product(self._weights, program.u_ref) - self._asked
         if len(cuts):
             tangents = slice(first + 2 * m + len(self._asked), None)
             self._G[tangents, :m] = -cuts
-            self._d[tangents] = cuts @ program.u_ref - self._lengths
+            self._d[tangents] = product(cuts, program.u_ref) - self._lengths

@@ -11,9 +11,9 @@ from typing import Final, NamedTuple
 
 import casadi as ca
 import numpy as np
-from scipy.linalg import expm
 
 from passafe.enclosure import enclose
+from passafe.fixed_order import exponential, product
 from passafe.system import System
 from passafe.workspace import Array
 
@@ -166,7 +166,7 @@ def integral_of_exponential(M: Array, held_s: float) -> Array:
     n = len(M)
     block = np.zeros((2 * n, 2 * n))
     block[:n, :n], block[:n, n:] = M, np.eye(n)
-    return np.asarray(expm(block * held_s)[:n, n:])
+    return exponential(block * held_s)[:n, n:]
 
 
 def integral_of_magnitude(A: Array, held_s: float) -> Array:
@@ -175,11 +175,11 @@ def integral_of_magnitude(A: Array, held_s: float) -> Array:
     M = np.abs(A)
     np.fill_diagonal(M, np.maximum(np.diag(A), 0.0))
     within = integral_of_exponential(M, piece_s)
-    step, reached, total = expm(A * piece_s), np.eye(n), np.zeros((n, n))
+    step, reached, total = exponential(A * piece_s), np.eye(n), np.zeros((n, n))
     for _ in range(PIECES):
         total += np.abs(reached)
-        reached = step @ reached
-    return np.asarray(total @ within)
+        reached = product(step, reached)
+    return product(total, within)
 
 
 def comparison_matrix(motion: HeldMotion, J: ca.SX, radius: ca.SX) -> Tube:

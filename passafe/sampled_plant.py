@@ -7,11 +7,11 @@ from typing import Final
 import casadi as ca
 import numpy as np
 from msgspec import Struct
-from scipy.linalg import expm
 
 from passafe.arguments import one_number, vectors
 from passafe.errors import IntegrationError
 from passafe.expressions import as_column
+from passafe.fixed_order import exponential
 from passafe.stage import Stage, T
 from passafe.system import System
 from passafe.workspace import BlockLayout, Workspace, dense_function, expressions_by_name, named_function
@@ -219,7 +219,7 @@ def _linear_flow(system: System, h: float) -> tuple[ca.SX, ca.SX]:
     M = np.zeros((n + k + m + 1,) * 2)
     M[:n, :n], M[:n, n + k : n + k + m], M[:n, -1] = A, B, f0
     M[n : n + k, :n], M[n : n + k, -1] = C, y0
-    after = ca.DM(expm(M * h)) @ ca.vertcat(x, ca.DM.zeros(k), u, 1)
+    after = ca.DM(exponential(M * h)) @ ca.vertcat(x, ca.DM.zeros(k), u, 1)
     return after[:n], after[n : n + k]
 
 

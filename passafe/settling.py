@@ -24,11 +24,11 @@ from typing import Final, NamedTuple
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import matrix_balance
 
 from passafe.barrier_chain import BarrierChain
 from passafe.design import FilterDesign
 from passafe.enclosure import enclose
+from passafe.fixed_order import balancing, cholesky, largest_gain, length, product, solution, spectral_radius
 from passafe.system import System
 from passafe.workspace import Array, BlockLayout, Workspace, dense_function
 
@@ -172,11 +172,11 @@ class Settling:
         halfway = state.copy()
         halfway[self._r] = (state[self._r] + rest.r) / 2
         nearby = [self._slope_at(each)[:, self._r] * rest.scale for each in (halfway, state)]
-        slopes = np.stack([rest.slope, *nearby]) @ rest.inverse_root
-        contraction = _largest_gain(rest.root @ (slopes[:, self._r] / rest.scale[:, None]))
+        slopes = product(np.stack([rest.slope, *nearby]), rest.inverse_root)
+        contraction = _largest_gain(product(rest.root, slopes[:, self._r] / rest.scale[:, None]))
         if contraction >= 1:
             return None
-        size = float(np.linalg.norm(rest.root @ deviation))
+        size = length(product(rest.root, deviation))
         travel = np.linalg.norm(slopes[:, self._q], axis=2).max(axis=0)
         radius = np.zeros(len(state))
         reach = np.abs(deviation) + np.linalg.norm(rest.inverse_root, axis=1) * size
@@ -194,7 +194,7 @@ class Settling:
         rate = _spectral_radius(slope[r])
         if rate >= SLOWEST:
             return None
-        scale: Array = matrix_balance(slope[r], permute=False, separate=True)[1][0]
+        scale = balancing(slope[r])
         slope = slope * scale
         root = _root(slope[r] / scale[:, None] / ((1 + rate) / 2))
         drifts = np.zeros(len(end), dtype=bool)
@@ -213,9 +213,8 @@ class Settling:
             change = (self._after - end)[r]
             if not (np.isfinite(slope).all() and np.isfinite(change).all()):
                 return None
-            try:
-                step = np.linalg.solve(np.eye(len(r)) - slope, change)
-            except np.linalg.LinAlgError:  # rests side by side: no single point
+            step = solution(np.eye(len(r)) - slope, change)
+            if step is None:  # rests side by side: no single point
                 return None
             end[r] += step
             if (np.abs(step) <= SMALLEST * (1 + np.abs(end[r]))).all():
@@ -230,21 +229,21 @@ class Settling:
 
 def _largest_gain(maps: Array) -> float:
     """Return the largest ‖A‖₂ of maps of shape (k, k); infinite where one is not finite."""
-    return float(np.linalg.norm(maps, 2, axis=(1, 2)).max()) if np.isfinite(maps).all() else np.inf
+    return float(largest_gain(maps).max()) if np.isfinite(maps).all() else np.inf
 
 
 def _spectral_radius(A: Array) -> float:
     """Return the largest magnitude of an eigenvalue; infinite where A is not finite."""
-    return float(np.abs(np.linalg.eigvals(A)).max(initial=0.0)) if np.isfinite(A).all() else np.inf
+    return float(spectral_radius(A)) if np.isfinite(A).all() else np.inf
 
 
 def _root(A: Array) -> Array:
     """Return an upper triangular R with RᵀR = P = Σ (Aᵏ)ᵀAᵏ, the solution of AᵀPA = P − I, for a radius below one."""
     P, power = np.eye(len(A)), A
     while np.abs(power).max(initial=0.0) >= SMALLEST:
-        P = P + power.T @ P @ power
-        power = power @ power
-    return np.asarray(np.linalg.cholesky(P).T, dtype=float)
+        P = P + product(power.T, product(P, power))
+        power = product(power, power)
+    return cholesky(P)
 
 
 def _ignorable(system: System, law: ca.SX) -> tuple[Flags, Flags]:

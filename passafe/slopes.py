@@ -12,6 +12,7 @@ import casadi as ca
 import numpy as np
 
 from passafe.expression_graph import Graph, Operation, graph_of
+from passafe.fixed_order import inner
 from passafe.workspace import Array
 
 STEPS: Final = (1e-6, 1e-7)
@@ -74,7 +75,7 @@ def _points_on(distance: ca.SX, symbols: ca.SX, moves: Array) -> Iterator[tuple[
             for _ in range(NEWTON_STEPS):
                 value, slope = (part.full().ravel() for part in function(point))
                 slope = slope * moves
-                size = float(slope @ slope)
+                size = inner(slope, slope)
                 if not np.isfinite(value[0]) or not np.isfinite(size) or size == 0.0:
                     break
                 if abs(value[0]) <= ON_THE_KINK * np.sqrt(size) * (1 + np.abs(point).max()):

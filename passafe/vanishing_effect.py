@@ -13,6 +13,7 @@ import numpy as np
 from passafe.barrier_chain import BarrierChain
 from passafe.design import FilterDesign
 from passafe.finding import Finding, Severity
+from passafe.fixed_order import least_squares
 from passafe.workspace import Array
 
 STARTS: Final = 24
@@ -52,7 +53,7 @@ def vanishing_effect(design: FilterDesign, chain: BarrierChain, low: Array, high
             largest = max(largest, size)
             if size <= VANISHED * largest:
                 break
-            x = x - np.linalg.lstsq(slope, values.ravel(), rcond=None)[0]
+            x = x - least_squares(slope, values.ravel())
         *before, last = psi(x, centre, 0.0).full().ravel()
         is_found = size <= VANISHED * largest and min(before) >= 0 and (x >= low).all() and (x <= high).all()
         if is_found and (lowest is None or last < lowest[0]):

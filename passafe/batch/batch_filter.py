@@ -14,6 +14,7 @@ from passafe.certificate import accepts
 from passafe.decision import Status
 from passafe.decision_schema import Answer, Assessment, Evaluation, Program, Request, keeps_barriers
 from passafe.filter import SafetyPassivityFilter
+from passafe.fixed_order import product
 from passafe.symbolic.evaluation import UNPROTECTED
 from passafe.symbolic.whole_program import limit_bounds, shape_tolerance
 from passafe.workspace import Array
@@ -155,7 +156,7 @@ class BatchFilter:
         np.subtract(u_ref, program.high, bounds[first + m : first + 2 * m])
         tangent = first + 2 * m + len(self._asked)
         if len(self._asked):
-            np.subtract(self._weights @ u_ref, self._asked, bounds[first + 2 * m : tangent])
+            np.subtract(product(self._weights, u_ref), self._asked, bounds[first + 2 * m : tangent])
         np.subtract(u_ref[self._first_axis : self._first_axis + len(self._lengths)], self._lengths, bounds[tangent:])
         points.find(answer.z, answer.lam[: len(bounds)])
 

@@ -10,8 +10,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import casadi as ca
-import numpy as np
 
+from passafe.fixed_order import spectral_radius
 from passafe.models.rigid_links import RigidLink
 from passafe.models.rotation_bounds import rotation_bounds, vector_bounds
 from passafe.models.serial_chain import SerialChain
@@ -38,7 +38,7 @@ def power_margin_bounds(chain: SerialChain, links: Sequence[RigidLink], rates: c
         moved = _moved(chain.lengths(i, link.centre_m), rates, u_size)
         turned = _moved((*(0.0,) * (i - 1), 1.0), rates, u_size)
         joint = _Growth(rates[:, i - 1], ca.vertcat(u_size[i - 1], 0, 0))
-        largest = float(np.linalg.eigvalsh(link.inertia.full()).max())
+        largest = float(spectral_radius(link.inertia.full()))
         for weight, growth in ((link.mass_kg, moved), (largest, turned), (link.motor_kg_m2, joint)):
             total += weight * _of_energy(growth)
     return total

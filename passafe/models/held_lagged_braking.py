@@ -11,11 +11,12 @@ the sampled map at e^{−κ₁dt}, e^{−κ₂dt}, with κ₁, κ₂ ever larger
 
 from dataclasses import dataclass
 from functools import lru_cache
+from math import exp
 from typing import Final
 
 import numpy as np
-from scipy.linalg import expm
 
+from passafe.fixed_order import exponential, least_squares, product, spectral_radius
 from passafe.workspace import Array
 
 FASTER: Final = (1.0, 1.02, 1.05, 1.1, 1.2, 1.35, 1.5, 2.0, 3.0, 5.0)
@@ -72,36 +73,34 @@ class HeldLaggedBraking:
         """Return the gains with which velocity and force decay with e^{−κ₁dt} and e^{−κ₂dt} (Ackermann's formula)."""
         step = _flow(self.sigma, self.lag_s, self.dt_s)
         A, B = step[1:3, 1:3], step[1:3, 3]
-        z_1, z_2 = np.exp(-np.array([k_1, k_2]) * self.dt_s)
-        wanted = A @ A - (z_1 + z_2) * A + z_1 * z_2 * np.eye(2)
-        row = np.linalg.solve(np.column_stack((B, A @ B)).T, np.array([0.0, 1.0])) @ wanted
+        z_1, z_2 = exp(-k_1 * self.dt_s), exp(-k_2 * self.dt_s)
+        wanted = product(A, A) - (z_1 + z_2) * A + z_1 * z_2 * np.eye(2)
+        last = least_squares(np.stack((B, product(A, B))), np.array([0.0, 1.0]))
+        row = product(last, wanted)
         return LaggedGains(on_velocity=float(row[0]), on_force=-float(row[1]))
 
     def keeps(self, gains: LaggedGains) -> bool:
         """Return whether h ≥ 0 from every state with h, ψ₁, ψ₂ ≥ 0, between samples too."""
         step = self._closed(gains, self.dt_s)
-        if np.abs(np.linalg.eigvals(step[1:, 1:])).max() > SLOWEST:
+        if spectral_radius(step[1:, 1:]) > SLOWEST:
             return False
         heights, jump = self._h_within(gains), step
         state = self._rays()
         first, largest = np.abs(state[1:]).max(axis=0), np.zeros(3)
         while (np.abs(state[1:]).max(axis=0) > RESTS * first).any():
-            h = heights @ state
+            h = product(heights, state)
             largest = np.maximum(largest, np.abs(h).max(axis=0))
             if (h.min(axis=0) < -MISSED * largest).any():
                 return False
-            state = jump @ state
+            state = product(jump, state)
             if len(heights) < AT_ONCE * INSTANTS:
-                heights, jump = np.concatenate((heights, heights @ jump)), jump @ jump
+                heights, jump = np.concatenate((heights, product(heights, jump))), product(jump, jump)
         return True
 
     def _rays(self) -> Array:
-        """Return (h, ḣ, w) on the three extreme rays, as columns."""
-        g_1, g_2 = self.gamma_1, max(self.gamma_1, self.gamma_2)
-        psi = np.array([[1.0, 0.0, 0.0], [g_1, 1.0, 0.0], [g_1 * g_2, g_1 + g_2, 1.0]])
-        force = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, self.sigma, 1.0]])
-        rays: Array = force @ np.linalg.inv(psi)
-        return rays
+        """Return (h, ḣ, w) on the three extreme rays, as columns: where h, ψ₁ and ψ₂ in turn are one."""
+        g_1, g_2, sigma = self.gamma_1, max(self.gamma_1, self.gamma_2), self.sigma
+        return np.array([[1.0, 0.0, 0.0], [-g_1, 1.0, 0.0], [g_1 * (g_1 - sigma), sigma - g_1 - g_2, 1.0]])
 
     def _closed(self, gains: LaggedGains, seconds: float) -> Array:
         """Return the map of (h, ḣ, w) that begins with a sample of the law and lasts for some seconds."""
@@ -121,7 +120,7 @@ def _flow(sigma: float, lag_s: float, seconds: float) -> Array:
     M = np.zeros((4, 4))
     M[0, 1], M[1, 1:3] = 1.0, (-sigma, 1.0)
     M[2, 2:] = -1 / lag_s, 1 / lag_s
-    return np.asarray(expm(M * seconds))
+    return exponential(M * seconds)
 
 
 @lru_cache(maxsize=64)  # a scenario's robot is built by many of its parts

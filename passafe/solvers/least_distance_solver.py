@@ -8,8 +8,9 @@ active-set method with orthogonal factorisations: slow, but it has nothing in co
 from typing import Final
 
 import numpy as np
-from scipy.optimize import nnls
 
+from passafe.fixed_order import inner, product
+from passafe.solvers.nonnegative import nonnegative_least_squares
 from passafe.solvers.solver import FAILED, INFEASIBLE, SOLVED, SolverOutcome
 from passafe.workspace import Array
 
@@ -45,16 +46,15 @@ class LeastDistanceSolver:
         f[-1] = 1.0
         if not np.isfinite(E).all():
             return FAILED
-        try:
-            y, _ = nnls(E, f)
-        except RuntimeError:  # the iteration did not end
+        y = nonnegative_least_squares(E, f)
+        if y is None:
             return FAILED
-        r = E @ y - f
-        if float(r @ r) <= PROVEN:
-            lam[:] = y
+        r = product(E, y) - f
+        if inner(r, r) <= PROVEN:
+            lam[:] = y.data
             return INFEASIBLE
         if r[-1] == 0.0:  # underflow: the rows leave the nearest point beyond all numbers
             return FAILED
-        z[:] = r[:-1] * (-scale / r[-1])
-        lam[:] = y * (-scale / r[-1])
+        z[:] = (r[:-1] * (-scale / r[-1])).data
+        lam[:] = (y * (-scale / r[-1])).data
         return SOLVED

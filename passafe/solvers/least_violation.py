@@ -13,6 +13,7 @@ import numpy as np
 from msgspec import Struct
 
 from passafe.certificate import Tolerance, accepts, residuals_of
+from passafe.fixed_order import product
 from passafe.solvers.daqp_solver import DaqpSolver
 from passafe.solvers.least_distance_solver import LeastDistanceSolver
 from passafe.solvers.solver import SOLVED
@@ -65,7 +66,7 @@ def least_violation(G: Array, d: Array, limits_G: Array, limits_d: Array) -> Lea
         for kind in (DaqpSolver, LeastDistanceSolver):
             outcome = kind(rows, bounds).solve(z.data, lam.data)
             if outcome is SOLVED and accepts(tolerance, residuals_of(rows, bounds, z, lam)):
-                needed = d - G @ z[:m]
+                needed = d - product(G, z[:m])
                 relaxed = np.where(needed > 0, needed + ROOM * (1 + np.abs(d)), 0.0)
                 return LeastViolation(relaxed, np.maximum(ETA * lam[hard:], 0.0))
     return None

@@ -6,6 +6,7 @@ from random_programs import KINDS, Array, random_programs
 from two_row_oracle import solve_exactly
 
 import passafe.solvers.least_distance_solver
+import passafe.solvers.nonnegative
 from passafe.certificate import Tolerance, accepts, residuals_of
 from passafe.solvers.daqp_solver import DaqpSolver
 from passafe.solvers.least_distance_solver import LeastDistanceSolver
@@ -106,10 +107,7 @@ def test_is_known_by_name(name: str) -> None:
 
 
 def test_an_iteration_that_does_not_end_has_failed(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    def endless(*_: object) -> None:
-        raise RuntimeError("Maximum number of iterations reached.")
-
-    monkeypatch.setattr(passafe.solvers.least_distance_solver, "nnls", endless)
+    monkeypatch.setattr(passafe.solvers.nonnegative, "STEPS", 0)
     solver, G, d = at_work(name, 2)
     G[:], d[:] = np.eye(2), [1.0, 2.0]
 
@@ -119,7 +117,8 @@ def test_an_iteration_that_does_not_end_has_failed(name: str, monkeypatch: pytes
 
 def test_an_answer_beyond_all_numbers_is_none(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Least squares that end with r of no last entry put the nearest point at infinity."""
-    monkeypatch.setattr(passafe.solvers.least_distance_solver, "nnls", lambda E, _f: (np.eye(E.shape[1])[0], 1.0))
+    module = passafe.solvers.least_distance_solver
+    monkeypatch.setattr(module, "nonnegative_least_squares", lambda E, _f: np.eye(E.shape[1])[0])
     solver, G, d = at_work(name, 2)
     G[:], d[:] = np.eye(2), [5.0, 2.0]
 

@@ -1,0 +1,101 @@
+"""Linear algebra in a fixed order agrees with LAPACK's and with what defines it."""
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+from passafe.fixed_order import (
+    balancing,
+    cholesky,
+    exponential,
+    inner,
+    largest_gain,
+    least_squares,
+    length,
+    product,
+    solution,
+    spectral_radius,
+)
+
+SEEDS = range(40)
+
+
+def drawn(seed: int, *shape: int) -> np.ndarray:
+    return np.random.default_rng([60, seed]).normal(size=shape)
+
+
+@pytest.mark.parametrize(
+    "shapes", [((3,), (3,)), ((3,), (3, 2)), ((4, 3), (3,)), ((4, 3), (3, 2)), ((5, 4, 3), (3, 2))]
+)
+def test_products_are_those_of_matmul(shapes: tuple[tuple[int, ...], tuple[int, ...]]) -> None:
+    A, B = (drawn(k, *shape) for k, shape in enumerate(shapes))
+    assert product(A, B) == pytest.approx(A @ B, rel=1e-14, abs=1e-14)
+
+
+def test_inner_products_and_lengths() -> None:
+    assert inner(np.array([1.0, 2.0]), np.array([3.0, 4.0])) == 11.0
+    assert length(np.array([3.0, 4.0])) == 5.0
+
+
+@pytest.mark.parametrize("size", [0.0, 1e-3, 1.0, 30.0])
+def test_exponential_is_that_of_scipy(size: float) -> None:
+    A = size * drawn(1, 5, 5)
+    assert exponential(A) == pytest.approx(expm(A), rel=1e-12, abs=1e-12 * float(np.abs(expm(A)).max()))
+
+
+def test_exponential_of_a_chain_of_integrators_is_exact() -> None:
+    flow = exponential(np.diag([0.25, 0.25], 1))
+    assert flow.tolist() == [[1.0, 0.25, 0.03125], [0.0, 1.0, 0.25], [0.0, 0.0, 1.0]]
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_least_squares_are_the_shortest_ones(seed: int) -> None:
+    m, n, rank = (int(k) for k in np.random.default_rng([61, seed]).integers((1, 1, 0), 7))
+    A, b = drawn(seed, m, rank) @ drawn(seed + 100, rank, n), drawn(seed + 200, m)
+    assert least_squares(A, b, 1e-10) == pytest.approx(np.linalg.lstsq(A, b, rcond=1e-10)[0], rel=1e-8, abs=1e-8)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_solution_solves_for_vectors_and_matrices(seed: int) -> None:
+    A, b = drawn(seed, 4, 4), drawn(seed + 100, 4, 3)
+    for asked in (b, b[:, 0]):
+        x = solution(A, asked)
+        assert x is not None
+        assert A @ x == pytest.approx(asked, rel=1e-10, abs=1e-10)
+
+
+def test_a_singular_matrix_has_no_solution() -> None:
+    assert solution(np.array([[1.0, 2.0], [2.0, 4.0]]), np.ones(2)) is None
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_radius_and_gain_bound_eigenvalues_and_lengths(seed: int) -> None:
+    A = drawn(seed, 3, 4, 4)
+    assert spectral_radius(A) == pytest.approx(np.abs(np.linalg.eigvals(A)).max(axis=1), rel=1e-10)
+    gain = np.linalg.norm(A, 2, axis=(1, 2))
+    assert largest_gain(A) == pytest.approx(gain, rel=1e-7)
+    assert (largest_gain(A) >= gain * (1 - 1e-14)).all()
+
+
+@pytest.mark.parametrize("A", [np.array([[0.0, 1.0], [0.0, 0.0]]), np.zeros((2, 2)), np.zeros((0, 0))])
+def test_radius_of_a_nilpotent_matrix_is_zero(A: np.ndarray) -> None:
+    assert spectral_radius(A) == 0.0
+
+
+def test_root_is_that_of_cholesky() -> None:
+    A = drawn(3, 5, 5)
+    P = A.T @ A + np.eye(5)
+    assert cholesky(P) == pytest.approx(np.linalg.cholesky(P).T, rel=1e-12, abs=1e-12)
+
+
+def test_balancing_makes_rows_as_large_as_columns() -> None:
+    units = 2.0 ** np.array([0, 12, -9, 3])
+    A = drawn(4, 4, 4) * units / units[:, None]
+    scale = balancing(A)
+    sizes = np.abs(A * scale / scale[:, None])
+    assert np.log2(scale) % 1 == pytest.approx(0.0)
+    assert sizes.sum(axis=0) / sizes.sum(axis=1) == pytest.approx(np.ones(4), rel=3.0)
+
+
+def test_balancing_leaves_alone_what_is_not_coupled() -> None:
+    assert balancing(np.diag([1.0, 1e9])).tolist() == [1.0, 1.0]
