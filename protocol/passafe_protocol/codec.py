@@ -1,7 +1,7 @@
 """Encodes and decodes the messages of every topic; both directions validate.
 
 The conversion is driven by the shapes of the records (``passafe_protocol.shapes``): a field added to
-``passafe.proto`` and ``messages.py`` needs no change here. ``docs/wire-protocol.md`` describes the format.
+``passafe.proto`` and ``messages`` needs no change here. ``docs/wire-protocol.md`` describes the format.
 """
 
 from functools import cache
