@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from inspect import getdoc
 from typing import Any, Final, TypeAlias
 
-from markdown.extensions.toc import slugify  # type: ignore[import-untyped]
+from markdown.extensions.toc import slugify  # type: ignore[import-untyped]  # Markdown ships no types
 from pydantic import BaseModel
 
 JsonSchema: TypeAlias = Mapping[str, Any]

@@ -140,7 +140,7 @@ _NAMES_OF: Final = {
 }
 _MODULE_OF: Final = {name: module for module, names in _NAMES_OF.items() for name in names}
 
-__all__ = sorted(_MODULE_OF)  # noqa: PLE0605
+__all__ = sorted(_MODULE_OF)  # noqa: PLE0605 - names, sorted
 
 
 if not TYPE_CHECKING:  # a checker would take any name for granted

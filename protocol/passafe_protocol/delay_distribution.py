@@ -6,7 +6,7 @@ mean 0 and standard deviation 1. The shapes are those of netem's tables (iproute
 """
 
 from collections.abc import Callable
-from math import pow, sqrt  # noqa: A004  this one returns a float, whatever the exponent
+from math import pow, sqrt  # noqa: A004 - this one returns a float, whatever the exponent
 from statistics import NormalDist
 from typing import Final, TypeAlias
 

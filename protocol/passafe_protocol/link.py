@@ -183,7 +183,7 @@ class Link(Generic[T]):
     def _sequence(self, effect: str) -> Callable[[], float]:
         """Return the random generator of an effect, created at the first use."""
         if effect not in self._generators:
-            generator = Random(f"{self.name}/{self.settings.seed}/{effect}")  # noqa: S311  simulation, no secret
+            generator = Random(f"{self.name}/{self.settings.seed}/{effect}")  # noqa: S311 - simulation, no secret
             self._generators[effect] = generator.random
         return self._generators[effect]
 

@@ -139,7 +139,7 @@ def test_plants_take_the_same_vectors() -> None:
 
     for form in FORMS.values():
         assert plant.advance(form(X), form(U)) == expected  # type: ignore[operator]  # of many types
-        assert plant.at(form(X)).x == X  # type: ignore[operator]
+        assert plant.at(form(X)).x == X  # type: ignore[operator]  # of many types
     for x, u in ((X, ("hard", 0.0)), (None, U), ("1234", U), ((1j,) * 4, U)):
         with pytest.raises(ShapeError, match=r"^(x|u): got "):
             plant.advance(x, u)  # type: ignore[arg-type]  # the point

@@ -2,11 +2,13 @@
 
 from math import hypot
 
+import casadi as ca
 import numpy as np
 import pytest
 from core_designs import PAPER_START, drag_design, paper_design, random_state
 from finite_differences import Array
 
+from passafe import Barrier, FilterDesign, Linear, Passivity, System
 from passafe.decision import Status
 from passafe.design import Mode
 from passafe.filter import SafetyPassivityFilter
@@ -79,10 +81,6 @@ def test_within_a_norm_the_answer_is_the_nearest_one() -> None:
 
 
 def test_the_norm_is_kept_with_seven_axes_too() -> None:
-    import casadi as ca  # noqa: PLC0415
-
-    from passafe import Barrier, FilterDesign, Linear, Passivity, System  # noqa: PLC0415 - one design of its own
-
     x, u = ca.SX.sym("x", 7), ca.SX.sym("u", 7)
     gamma = Linear(gain=2.0)
     sums = [(1 + 0.1 * i) * x[i] + 0.3 * x[i - 1] for i in range(7)]

@@ -143,7 +143,7 @@ def test_a_trace_costs_no_telemetry_and_changes_nothing() -> None:
 
     for slot in loop._slots:
         if slot.name == "filter":
-            slot.node._decisions._telemetry.message = refuse  # type: ignore[attr-defined]
+            slot.node._decisions._telemetry.message = refuse  # type: ignore[attr-defined]  # slots hold any node
     loop.run(60)
 
     assert not made

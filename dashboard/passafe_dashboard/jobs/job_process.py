@@ -23,10 +23,9 @@ def main() -> None:
     step_back(int(sys.argv[1]))
     line = sys.stdin.buffer.readline()
     Thread(target=_end_with_the_server, name="lifeline", daemon=True).start()
-    # what takes a second to import comes after stepping back
-    from passafe.errors import PassafeError  # noqa: PLC0415
-    from passafe_dashboard.jobs.job_order import JobOrder, JobReport  # noqa: PLC0415
-    from passafe_dashboard.jobs.job_work import do  # noqa: PLC0415
+    from passafe.errors import PassafeError  # noqa: PLC0415 - what takes a second to import comes after stepping back
+    from passafe_dashboard.jobs.job_order import JobOrder, JobReport  # noqa: PLC0415 - likewise
+    from passafe_dashboard.jobs.job_work import do  # noqa: PLC0415 - likewise
 
     def report(about: JobReport) -> None:
         sys.stdout.write(about.model_dump_json() + "\n")

@@ -24,8 +24,7 @@ def browse(
     - `passafe browse`
     - `passafe browse experiments/delay --port 8090`
     """
-    # a second that other commands need not wait
-    from passafe_dashboard.browsing import browse as serve  # noqa: PLC0415
+    from passafe_dashboard.browsing import browse as serve  # noqa: PLC0415 - a second that others need not wait
 
     if not folder.is_dir():
         raise OptionError("FOLDER", str(folder), "a folder that exists")

@@ -103,8 +103,11 @@ def _require_file(path: Path, option: str) -> None:
 
 def _reported(run: Path, html: Path, asked: LogContract) -> Verdict:
     """Write the report of a log and return its verdict, both from one pass over it."""
-    # a second that other reviews need not wait
-    from passafe_dashboard.run_report import RunCollector, render_report, write_report  # noqa: PLC0415
+    from passafe_dashboard.run_report import (  # noqa: PLC0415 - a second that other reviews need not wait
+        RunCollector,
+        render_report,
+        write_report,
+    )
 
     _require_file(html, "--html")
     records: list[RunCollector] = []

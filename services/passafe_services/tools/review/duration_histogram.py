@@ -51,7 +51,7 @@ class DurationHistogram:
             low, high = float(self._values[below]), float(self._values[above])
             share = place - int(place)
             # The two sides of NumPy's rule, so that the same durations give the same number.
-            found.append(low + (high - low) * share if share < 0.5 else high - (high - low) * (1 - share))  # noqa: PLR2004
+            found.append(low + (high - low) * share if share < 0.5 else high - (high - low) * (1 - share))  # noqa: PLR2004 - half
         return tuple(found)
 
     def _merge(self, values: IntArray, counts: IntArray) -> None:

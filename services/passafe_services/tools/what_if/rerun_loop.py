@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from heapq import merge
 from operator import attrgetter
 from typing import Final
@@ -146,12 +147,12 @@ class RerunLoop:
                 yield session.steps[0].started_ns + process.offset_ns, RESTART_RANK, 0, run.clear
             for step in session.steps:
                 at_ns = step.started_ns + process.offset_ns
-                yield at_ns, RANKS[process.name], 0, lambda run=run, step=step: run.step(step)  # type: ignore[misc]
+                yield at_ns, RANKS[process.name], 0, partial(run.step, step)
 
     def _stream_resent(self) -> Iterator[tuple[int, int, int, Callable[[], None]]]:
         for number, each in enumerate(self._resent):
             at_ns = each.header.started_ns + each.offset_ns
-            yield at_ns, RANKS[OPERATOR], number, lambda each=each: self._resend(each)  # type: ignore[misc]
+            yield at_ns, RANKS[OPERATOR], number, partial(self._resend, each)
 
     def _resend(self, each: Resent) -> None:
         header = each.header
