@@ -3,7 +3,7 @@
 import csv
 import io
 import xml.etree.ElementTree as ET
-from math import inf, nan, sqrt
+from math import inf, nan
 
 import numpy as np
 import pytest
@@ -16,9 +16,9 @@ from passafe_services.tools.feasibility.constraint_feasibility import Constraint
 from passafe_services.tools.feasibility.errors import FeasibilityError
 from passafe_services.tools.feasibility.grid import Grid, GridCoordinate
 from passafe_services.tools.feasibility.share import Share, random_states
+from scipy.stats import binomtest
 
 SVG = "{http://www.w3.org/2000/svg}"
-Z_95 = 1.959963984540054
 
 
 def grid(cells: int = 8) -> Grid:
@@ -72,11 +72,9 @@ def test_a_grid_over_nothing_is_refused(first: int, second: int, cells: int, nam
 
 @pytest.mark.parametrize(("kept", "of"), [(0, 10), (10, 10), (37, 120), (9999, 10000)])
 def test_the_interval_is_wilson_s(kept: int, of: int) -> None:
-    share, p = Share.counted(kept, of), kept / of
-    middle = (p + Z_95**2 / (2 * of)) / (1 + Z_95**2 / of)
-    half = Z_95 / (1 + Z_95**2 / of) * sqrt(p * (1 - p) / of + Z_95**2 / (4 * of**2))
+    share, expected = Share.counted(kept, of), binomtest(kept, of).proportion_ci(0.95, method="wilson")
 
-    assert (share.low, share.high) == pytest.approx((middle - half, middle + half), abs=1e-12)
+    assert (share.low, share.high) == pytest.approx((expected.low, expected.high), abs=1e-12)
     assert (share.kept, share.of) == (kept, of)
 
 

@@ -1,13 +1,17 @@
 """Shares of random states with confidence intervals."""
 
 from collections.abc import Sequence
-from typing import Self
+from math import sqrt
+from statistics import NormalDist
+from typing import Final, Self
 
 import numpy as np
-from scipy.stats import binomtest
 
 from passafe.workspace import Array
 from passafe_services.tools.runs.record import SweepRecord
+
+QUANTILE: Final = NormalDist().inv_cdf(0.975)
+"""Of the standard normal distribution, for an interval of 95 %."""
 
 
 class Share(SweepRecord):
@@ -30,8 +34,11 @@ class Share(SweepRecord):
         """Return the share of a count; without states, its interval is [0, 1]."""
         if of == 0:
             return cls(kept=0, of=0, low=0.0, high=1.0)
-        interval = binomtest(kept, of).proportion_ci(confidence_level=0.95, method="wilson")
-        return cls(kept=kept, of=of, low=float(interval.low), high=float(interval.high))
+        square = QUANTILE**2
+        middle = (2 * kept + square) / (2 * (of + square))
+        half = QUANTILE * sqrt(4 * kept * (of - kept) / of + square) / (2 * (of + square))
+        low, high = 0.0 if kept == 0 else middle - half, 1.0 if kept == of else middle + half
+        return cls(kept=kept, of=of, low=low, high=high)
 
 
 def random_states(low: Sequence[float], high: Sequence[float], count: int, seed: int) -> Array:
