@@ -8,11 +8,14 @@ GENERATE := $(BIN)/python -m grpc_tools.protoc -I protocol
 DEMO ?=
 PYTHONS ?= python3.12 python3.13
 QUIET := not live and not browser and not campaign and not container
+LIVE := live or browser
+# Whole files to a worker, in the order of tests/conftest.py: the longest first.
+PARALLEL := -n auto --dist loadfile --no-loadscope-reorder
 # Tests whose coverage of core and protocol counts: to measure it takes two thirds more time, so the others go without.
 COVERING := tests/core tests/protocol tests/keys tests/loop tests/tables
 CAMPAIGN ?= $(filter-out arm-%,$(basename $(notdir $(wildcard services/passafe_services/scenarios/*.toml))))
 
-.PHONY: help demo test check fast proto lock docs site pictures screenshots bench campaign generated-campaign uncertain-campaign arm-campaign atlas delay-atlas worker-kills resumes faults recovery mutation wheel wheel-test container-test network-test fuzz soak clean golden what-if-pairs
+.PHONY: help demo test check lint types current fast proto lock docs site pictures screenshots bench campaign generated-campaign uncertain-campaign arm-campaign atlas delay-atlas worker-kills resumes faults recovery mutation wheel wheel-test container-test network-test fuzz soak clean golden what-if-pairs
 
 help:  ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 13
@@ -28,27 +31,33 @@ demo: $(STAMP)  ## the multi-process demo; options by DEMO='--mode off --duratio
 	$(BIN)/passafe demo $(DEMO)
 
 test: $(STAMP)  ## every test that CI runs, with coverage of core and protocol
-	$(BIN)/python -m pytest -n auto --dist loadfile -m '$(QUIET)' $(COVERING) --cov --cov-report=term:skip-covered --cov-fail-under=100
-	$(BIN)/python -m pytest -n auto --dist loadfile -m '$(QUIET)' $(addprefix --ignore=,$(COVERING))
-	$(BIN)/python -m pytest -m 'live or browser'
+	$(BIN)/python -m pytest $(PARALLEL) -m '$(QUIET)' $(COVERING) --cov --cov-report=term:skip-covered --cov-fail-under=100
+	$(BIN)/python -m pytest $(PARALLEL) -m '$(QUIET)' $(addprefix --ignore=,$(COVERING))
+	$(BIN)/python -m pytest $(PARALLEL) -m '($(LIVE)) and not alone'
+	$(BIN)/python -m pytest -m alone
 
 fast: $(STAMP)  ## the tests that start no process and no browser, and compile nothing
-	$(BIN)/python -m pytest -n auto --dist loadfile -m 'not live and not browser and not compiled and not campaign and not container'
+	$(BIN)/python -m pytest $(PARALLEL) -m 'not live and not browser and not compiled and not campaign and not container'
 
-check: $(STAMP)  ## lint, format, types, import direction, generated files current, docs build
+check: lint types current  ## lint, format, types, import direction, generated files current; with -j 2 side by side
+
+lint: $(STAMP)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+	$(BIN)/lint-imports
+
+types: $(STAMP)
 	$(BIN)/mypy
 	$(BIN)/mypy wheel_build
 	$(BIN)/mypy benchmarks
 	$(BIN)/mypy docs_build examples
 	$(BIN)/mypy deploy
-	$(BIN)/lint-imports
+
+current: $(STAMP)
 	@mkdir -p .build && $(GENERATE) --python_out=.build --pyi_out=.build $(PROTO)
 	@for f in passafe_pb2.py passafe_pb2.pyi; do cmp .build/passafe_protocol/$$f protocol/passafe_protocol/$$f || { echo "protocol/passafe_protocol/$$f is not current: run make proto"; exit 1; }; done
 	$(BIN)/python -m passafe_protocol.wire_table --check docs/wire-protocol.md
 	$(BIN)/python docs_build/reference.py --check
-	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict
 
 proto: $(STAMP)  ## generate the protobuf code
 	$(GENERATE) --python_out=protocol --pyi_out=protocol $(PROTO)

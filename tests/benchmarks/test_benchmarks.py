@@ -48,6 +48,7 @@ def test_benchmark_runs_and_its_checks_hold(name: str) -> None:
 
 
 @pytest.mark.live
+@pytest.mark.alone
 @pytest.mark.parametrize("name", LIVE)
 def test_live_benchmark_runs_and_its_checks_hold(name: str) -> None:
     check(name)

@@ -114,6 +114,7 @@ def test_cells_are_spread_evenly() -> None:
 
 
 @pytest.mark.live
+@pytest.mark.alone
 def test_a_live_run_is_compared_with_lockstep_in_every_metric(tmp_path: Path) -> None:
     """The differences depend on the machine; the motion of the robot does not."""
     # A play-out time in which a busy machine does not let the plant run out of inputs.

@@ -12,6 +12,7 @@ SLICE = ("wall clock −1 h, then back, filter", "forged, epoch 2⁶⁴ − 1, i
 
 
 @pytest.mark.live
+@pytest.mark.alone
 def test_faults_of_a_run_break_no_promise(tmp_path: Path) -> None:
     faults = [fault for fault in (*survived(), *from_strangers()) if fault.key in SLICE]
 

@@ -15,7 +15,7 @@ from passafe_services.loop.bus import Bus, RecordingReader, TopicReader, open_bu
 from passafe_services.loop.errors import BusError, PublisherError
 from passafe_services.loop.router_endpoint import RouterEndpoint
 
-pytestmark = pytest.mark.live
+pytestmark = [pytest.mark.live, pytest.mark.alone]
 
 PATIENCE_S = 20.0
 

@@ -15,7 +15,7 @@ from passafe_protocol.topics import COMMAND, TOPIC_OF_NAME
 from passafe_services.loop.bus import Bus, open_bus
 from passafe_services.loop.router_endpoint import RouterEndpoint
 
-pytestmark = pytest.mark.live
+pytestmark = [pytest.mark.live, pytest.mark.alone]
 
 PATIENCE_S = 20.0
 LoggedMessage = list[tuple[Header, Message]]

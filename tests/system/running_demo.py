@@ -119,6 +119,12 @@ def all_gone(pids: list[int], timeout_s: float) -> bool:
     return True
 
 
+def only_log(folder: Path) -> Path:
+    """Return the log in a folder."""
+    [log] = [path for path in folder.glob("*.mcap") if not path.name.endswith(".torn.mcap")]
+    return log
+
+
 def free_port() -> int:
     """Return a free port of the loopback interface."""
     with socket.create_server(("127.0.0.1", 0)) as server:

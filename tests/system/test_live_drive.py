@@ -2,6 +2,7 @@
 
 import json
 import re
+import signal
 import subprocess
 import sys
 from itertools import groupby
@@ -9,7 +10,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from lease_watch import wait_for_driver
 from passafe_protocol.messages import OperatorCommand, OperatorLease, Steer
+from passafe_services.loop.bus import open_bus
+from passafe_services.loop.router_endpoint import RouterEndpoint
 from passafe_services.tools.review.run_log import RunLog
 from running_demo import running_demo
 from websockets.sync.client import ClientConnection, connect
@@ -37,8 +41,9 @@ def drive_by_example(host: str) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.mark.live
+@pytest.mark.alone
 def test_pages_drive_a_running_demo(tmp_path: Path) -> None:
-    options = ("--scenario", "walls-and-disks", "--rate", str(RATE_HZ), "--duration", "18")
+    options = ("--scenario", "walls-and-disks", "--rate", str(RATE_HZ))
     with running_demo(tmp_path, *options) as demo:
         host = demo.wait_for("page at").split("//")[1].strip().rstrip("/")
         demo.wait_for("running")
@@ -52,6 +57,9 @@ def test_pages_drive_a_running_demo(tmp_path: Path) -> None:
             silent = receive(page, "driver")  # nothing more was sent
             page.send('{"type": "script"}')
             back = receive(page, "driver")
+        with open_bus(RouterEndpoint.of_demo(demo.router_port, "recorder")) as bus:
+            wait_for_driver(bus, "waypoints")
+        demo.process.send_signal(signal.SIGINT)
         code = demo.end()
 
     for done in both:

@@ -10,7 +10,7 @@ import pytest
 from running_demo import RunningDemo, running_demo
 from watched_page import ARGUMENTS, CHROMIUM, Watched, open_browser
 
-pytestmark = [pytest.mark.live, pytest.mark.browser]
+pytestmark = [pytest.mark.live, pytest.mark.browser, pytest.mark.alone]
 
 PAD_PX = 150
 REACH_PX = PAD_PX / 2 - 20

@@ -75,6 +75,7 @@ def test_five_robots_receive_their_own_messages_alone(keys: Path, stack: ExitSta
     assert recorded == {robot: {f"passafe/{robot}/filter/input"} for robot in ROBOTS}
 
 
+@pytest.mark.alone
 def test_a_flood_of_one_robot_does_not_delay_another(keys: Path, stack: ExitStack) -> None:
     at = router(keys, stack)
     flood = bus(keys, stack, at, "operator", "arm-1").publisher(COMMAND, "operator")
