@@ -53,9 +53,11 @@ class _BoundedFilter(BatchFilter):
     """Batch filter that makes only so many decisions one by one."""
 
     left: int = MOST_SCALAR
+    asked: int = AT_ONCE
+    """Number of elements that are decisions of a log; the others fill the arrays up."""
 
     def _decide_scalar(self, element: int, *, start: bool) -> None:
-        if self.left > 0:
+        if element < self.asked and self.left > 0:
             self.left -= 1
             super()._decide_scalar(element, start=start)
             self.scalar[element] = False
@@ -153,6 +155,7 @@ class DecisionCheck:
             more = np.repeat(columns[..., -1:], AT_ONCE - size, axis=-1)
             return np.concatenate((columns, more), axis=-1)
 
+        batch.asked = size
         batch.decide(
             padded(logged.x_hat),
             padded(logged.before),
