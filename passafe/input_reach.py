@@ -96,33 +96,39 @@ def reach_of(system: System, derivative: ca.SX, degree: int, rate_per_s: float) 
 
 def _effects(system: System, gradient: ca.SX) -> Array:
     """Return |∂/∂u| at the probes, shape (P, m): zero where it is rounding, or at no fair share of the probes more."""
-    evaluate = ca.Function("gradient", [system.x, system.u, system.t], [ca.densify(gradient)])
-    rng = np.random.default_rng(1)
-    found = np.array([_steady(evaluate, x, u, t, rng) for x, u, t in _probes(system)])
-    is_finite = np.isfinite(found).all(axis=1)
-    found = found[is_finite]
-    if not len(found) or not (found > 0).any(axis=1).mean() >= FEWEST:
-        return np.zeros((len(is_finite), system.m))
-    effects = np.zeros((len(is_finite), system.m))
-    effects[is_finite] = found
+    found = _steady(np.abs(_gradients(system, gradient)))
+    finite = np.flatnonzero(np.isfinite(found).all(axis=1))
+    effects = np.zeros(found.shape)
+    if finite.size and (found[finite] > 0).any(axis=1).mean() >= FEWEST:
+        effects[finite] = found[finite]
     return effects
 
 
-def _steady(evaluate: ca.Function, x: Array, u: Array, t_s: float, rng: np.random.Generator) -> Array:
-    """Return the gradient's size at a state, each axis for itself, and zero where it does not stay."""
-    shifted = [x * (1 + SHIFT * k * rng.uniform(0.5, 1.0, len(x))) for k in range(SHIFTS)]
-    values = np.abs([evaluate(state, u, t_s).full().ravel() for state in shifted])
+def _gradients(system: System, gradient: ca.SX) -> Array:
+    """Return ∂/∂u at the probes, at each with several changes of its last digits, shape (P, SHIFTS, m)."""
+    x, u, t_s = _probes(system)
+    changes = np.random.default_rng(1).uniform(0.5, 1.0, (len(x), SHIFTS, system.n))
+    shifted = x[:, None] * (1 + (SHIFT * np.arange(SHIFTS))[:, None] * changes)
+    states = shifted.reshape(-1, system.n).T
+    evaluate = ca.Function("gradient", [system.x, system.u, system.t], [ca.densify(gradient)])
+    values: Array = evaluate(states, np.tile(u[:, None], states.shape[1]), np.repeat(t_s, SHIFTS)[None]).full()
+    return values.ravel(order="F").reshape(len(x), SHIFTS, system.m)
+
+
+def _steady(values: Array) -> Array:
+    """Return each probe's gradient without changes, each axis for itself, and zero where it does not stay."""
     with np.errstate(invalid="ignore"):
-        spread: Array = values.max(axis=0) - values.min(axis=0)
-    return np.where(spread <= STEADY * values.max(axis=0), values[0], np.where(np.isfinite(spread), 0.0, np.nan))
+        spread: Array = values.max(axis=1) - values.min(axis=1)
+    without: Array = values[:, 0]
+    return np.where(spread <= STEADY * values.max(axis=1), without, np.where(np.isfinite(spread), 0.0, np.nan))
 
 
-def _probes(system: System) -> list[tuple[Array, Array, float]]:
-    """Return states, inputs and times in general position, of several sizes."""
+def _probes(system: System) -> tuple[Array, Array, Array]:
+    """Return P states, shape (P, n), one input and P times in general position, of several sizes."""
     states = [
         scale * np.array([(0.37 + 0.11 * k + 0.29 * i) * (-1) ** (i + k) for i in range(system.n)])
         for scale in (1, 10, 100)
         for k in range(8)
     ]
     u = np.array([0.53 + 0.17 * j for j in range(system.m)])
-    return [(x, u, t_s) for t_s in (0.0, 0.71) for x in states]
+    return np.array(states * 2), u, np.repeat((0.0, 0.71), len(states))
