@@ -1,4 +1,4 @@
-"""What the check of a run's decisions makes again."""
+"""Decisions that a review of a run makes again."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Who drives a running system, as its bus has it."""
+"""Wait for who drives a running system, as its bus has it."""
 
 import time
 from typing import Final
