@@ -28,7 +28,16 @@ from numpy.typing import NDArray
 from passafe.barrier_chain import BarrierChain
 from passafe.design import FilterDesign
 from passafe.enclosure import enclose
-from passafe.fixed_order import balancing, cholesky, largest_gain, length, product, solution, spectral_radius
+from passafe.fixed_order import (
+    balancing,
+    cholesky,
+    largest_gain,
+    least_squares,
+    length,
+    product,
+    solution,
+    spectral_radius,
+)
 from passafe.system import System
 from passafe.workspace import Array, BlockLayout, Workspace, dense_function
 
@@ -110,6 +119,8 @@ class Settling:
                     "after": size,
                     "slope": (size, size),
                     "bounds": (3, len(branches)),
+                    "map": (len(self._r), len(self._r)),
+                    "gain": 1,
                 }
             )
         )
@@ -120,6 +131,8 @@ class Settling:
         self._linearize = space.bind(linearize, ("state",), ("after", "slope"))
         bound = dense_function("bound", [state, radius, wherever], [bounds])
         self._bound = space.bind(bound, ("state", "radius", "wherever"), ("bounds",))
+        self._map, self._gain = space.view("map"), space.part("gain")
+        self._write_gain = space.bind(largest_gain(len(self._r)), ("map",), ("gain",))
         self._space = space  # holds what the calls above write to
         self._rest = self._rest_point()
 
@@ -173,7 +186,8 @@ class Settling:
         halfway[self._r] = (state[self._r] + rest.r) / 2
         nearby = [self._slope_at(each)[:, self._r] * rest.scale for each in (halfway, state)]
         slopes = product(np.stack([rest.slope, *nearby]), rest.inverse_root)
-        contraction = _largest_gain(product(rest.root, slopes[:, self._r] / rest.scale[:, None]))
+        maps = product(rest.root, slopes[:, self._r] / rest.scale[:, None])
+        contraction = max(self._largest_gain(each) for each in maps)
         if contraction >= 1:
             return None
         size = length(product(rest.root, deviation))
@@ -199,7 +213,8 @@ class Settling:
         root = _root(slope[r] / scale[:, None] / ((1 + rate) / 2))
         drifts = np.zeros(len(end), dtype=bool)
         drifts[q] = ~self._is_bounded[q] | (np.abs(drift) > STILL * (1 + np.abs(end[q])))
-        rest = _RestPoint(end[r], scale, slope, root, np.asarray(np.linalg.inv(root), dtype=float), drifts)
+        inverse_root = least_squares(root, np.eye(len(root)))
+        rest = _RestPoint(end[r], scale, slope, root, inverse_root, drifts)
         slope_of_h = self._bounds_around(rest, end, np.zeros(len(end)))[2]
         can_stay = np.where(self._drifts(rest), slope_of_h, np.inf)
         return rest if self._lowest_of_chains(can_stay) >= 0 else None
@@ -221,20 +236,23 @@ class Settling:
                 return end
         return None
 
+    def _largest_gain(self, A: Array) -> float:
+        """Return ‖A‖₂; infinite where it is not finite."""
+        if not np.isfinite(A).all():
+            return np.inf
+        self._map[:] = A
+        self._write_gain()
+        return float(self._gain[0])
+
     def _slope_at(self, state: Array) -> Array:
         self._state[:] = state
         self._linearize()
         return self._slope.copy()
 
 
-def _largest_gain(maps: Array) -> float:
-    """Return the largest ‖A‖₂ of maps of shape (k, k); infinite where one is not finite."""
-    return float(largest_gain(maps).max()) if np.isfinite(maps).all() else np.inf
-
-
 def _spectral_radius(A: Array) -> float:
     """Return the largest magnitude of an eigenvalue; infinite where A is not finite."""
-    return float(spectral_radius(A)) if np.isfinite(A).all() else np.inf
+    return spectral_radius(A) if np.isfinite(A).all() else np.inf
 
 
 def _root(A: Array) -> Array:

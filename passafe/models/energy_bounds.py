@@ -38,7 +38,7 @@ def power_margin_bounds(chain: SerialChain, links: Sequence[RigidLink], rates: c
         moved = _moved(chain.lengths(i, link.centre_m), rates, u_size)
         turned = _moved((*(0.0,) * (i - 1), 1.0), rates, u_size)
         joint = _Growth(rates[:, i - 1], ca.vertcat(u_size[i - 1], 0, 0))
-        largest = float(spectral_radius(link.inertia.full()))
+        largest = spectral_radius(link.inertia.full())
         for weight, growth in ((link.mass_kg, moved), (largest, turned), (link.motor_kg_m2, joint)):
             total += weight * _of_energy(growth)
     return total
