@@ -7,17 +7,18 @@ of the solver (HiGHS; Huangfu & Hall 2018) instead of thousands. t < 0 is the vi
 is approximated by tangents, each added where the previous solution exceeded it (cutting planes, Kelley 1960).
 """
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import linprog
-from scipy.sparse import bsr_array
 
 from passafe.limits import Limits
 from passafe.workspace import Array
 from passafe_services.tools.feasibility.batch_rows import StateRows
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 NORM_ROUNDS: Final = 40
 """Largest number of tangents per state; an input that is then still too long is led towards the limits' centre."""
@@ -71,6 +72,8 @@ def _tangents(u: Array, limits: Limits) -> tuple[Array, NDArray[np.bool_]]:
 
 
 def _solve(G: Array, d: Array, cuts: Array, bounds: Array, limits: Limits) -> tuple[Array, Array]:
+    from scipy.optimize import linprog  # noqa: PLC0415 - a fifth of a second that other commands need not wait
+
     count, _, m = G.shape
     constraints = np.concatenate((-G, np.ones((*d.shape, 1))), axis=2)
     tangents = np.concatenate((cuts, np.zeros((*cuts.shape[:2], 1))), axis=2)
@@ -79,7 +82,7 @@ def _solve(G: Array, d: Array, cuts: Array, bounds: Array, limits: Limits) -> tu
     low, high = np.append(limits.low, -LARGEST_COEFFICIENT), np.append(limits.high, LARGEST_COEFFICIENT)
     found = linprog(
         np.tile(np.append(np.zeros(m), -1.0), count),
-        A_ub=_block_diagonal(blocks).tocsr(),
+        A_ub=_block_diagonal(blocks),
         b_ub=above.ravel(),
         bounds=np.tile(np.column_stack((low, high)), (count, 1)),
         method="highs-ds",
@@ -91,11 +94,13 @@ def _solve(G: Array, d: Array, cuts: Array, bounds: Array, limits: Limits) -> tu
     return answer[:, :m], answer[:, m]
 
 
-def _block_diagonal(blocks: Array) -> bsr_array:
+def _block_diagonal(blocks: Array) -> "csr_array":
     """Return the block-diagonal matrix of ``blocks``, shape (C, R, k)."""
+    from scipy.sparse import bsr_array  # noqa: PLC0415 - likewise
+
     count, height, k = blocks.shape
     starts = np.arange(count + 1)
-    return bsr_array((blocks, starts[:-1], starts), shape=(count * height, count * k))
+    return bsr_array((blocks, starts[:-1], starts), shape=(count * height, count * k)).tocsr()
 
 
 def _within(u: Array, limits: Limits) -> Array:

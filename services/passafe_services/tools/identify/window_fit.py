@@ -10,8 +10,6 @@ from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
-from scipy.linalg import qr, solve_triangular
-from scipy.optimize import least_squares
 
 from passafe.system import System
 from passafe_services.tools.identify.motion_log import FloatArray, UnbrokenMotion
@@ -111,6 +109,8 @@ class _Window:
 
     def project(self, theta: FloatArray, noise: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return weighted residuals and their slopes in theta, what is the window's own eliminated."""
+        from scipy.linalg import qr, solve_triangular  # noqa: PLC0415 - see fit_windows
+
         p = theta.size
         for _ in range(2):  # its own part is linear or nearly so
             x, S = self._model.run(self._start, self._u, theta, self._push)
@@ -148,6 +148,8 @@ def fit_windows(
         dt_s: Period, s.
         periods: Periods of a window.
     """
+    from scipy.optimize import least_squares  # noqa: PLC0415 - a fifth of a second that other commands need not wait
+
     model = WindowModel(system, names, dt_s, periods)
     windows = [
         _Window(model, stretch.x[begin : begin + periods + 1], stretch.u[begin : begin + periods])

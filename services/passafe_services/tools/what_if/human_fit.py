@@ -7,7 +7,6 @@ from typing import Final
 import numpy as np
 from passafe_protocol.messages import OperatorCommand, PlantState
 from pydantic import BaseModel, ConfigDict
-from scipy.optimize import minimize
 
 from passafe_services.operator.human.human import SimulatedHuman
 from passafe_services.operator.human.steered_robot import SteeredRobot
@@ -107,6 +106,8 @@ def fit_human(log: RunLog, scenario: Scenario) -> HumanFit:
     best = min((np.array(start) for start in STARTS), key=error)
     bounds = list(zip(LOW, HIGH, strict=True))
     options = {"maxfev": MOST_EVALUATIONS, "xatol": 1e-4, "fatol": 1e-9}
+    from scipy.optimize import minimize  # noqa: PLC0415 - a fifth of a second that other commands need not wait
+
     found = minimize(error, best, method="Nelder-Mead", bounds=bounds, options=options)
     fit = HumanFit(
         crossover_rad_per_s=float(found.x[0]),
