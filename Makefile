@@ -9,9 +9,11 @@ DEMO ?=
 PYTHONS ?= python3.12 python3.13
 QUIET := not live and not browser and not campaign and not container
 LIVE := live or browser
+# Test files in which a mark stands, $(call OF_MARK,live|browser): the others need not be imported.
+OF_MARK = $(shell grep -rlE 'mark\.($(1))' --include='test_*.py' tests)
 # Whole files to a worker, in the order of tests/conftest.py: the longest first.
 PARALLEL := -n auto --dist loadfile --no-loadscope-reorder
-# Tests whose coverage of core and protocol counts: to measure it takes two thirds more time, so the others go without.
+# Tests whose coverage of core and protocol counts: to measure it takes a quarter more time, so the others go without.
 COVERING := tests/core tests/protocol tests/keys tests/loop tests/tables
 CAMPAIGN ?= $(filter-out arm-%,$(basename $(notdir $(wildcard services/passafe_services/scenarios/*.toml))))
 
@@ -33,8 +35,8 @@ demo: $(STAMP)  ## the multi-process demo; options by DEMO='--mode off --duratio
 test: $(STAMP)  ## every test that CI runs, with coverage of core and protocol
 	$(BIN)/python -m pytest $(PARALLEL) -m '$(QUIET)' $(COVERING) --cov --cov-report=term:skip-covered --cov-fail-under=100
 	$(BIN)/python -m pytest $(PARALLEL) -m '$(QUIET)' $(addprefix --ignore=,$(COVERING))
-	$(BIN)/python -m pytest $(PARALLEL) -m '($(LIVE)) and not alone'
-	$(BIN)/python -m pytest -m alone
+	$(BIN)/python -m pytest $(PARALLEL) -m '($(LIVE)) and not alone' $(call OF_MARK,live|browser)
+	$(BIN)/python -m pytest -m alone $(call OF_MARK,alone)
 
 fast: $(STAMP)  ## the tests that start no process and no browser, and compile nothing
 	$(BIN)/python -m pytest $(PARALLEL) -m 'not live and not browser and not compiled and not campaign and not container'

@@ -9,7 +9,10 @@ from pathlib import Path
 import pytest
 
 FOLDER = Path(__file__).parents[2] / "benchmarks"
-LIVE = ("live_flood", "live_kills", "live_latency", "live_page", "live_stops", "live_tls")
+LIVE = ("live_flood", "live_kills", "live_latency", "live_page", "live_tls")
+PROMPT = "live_stops"
+"""Live, too; it judges how soon a stop acts."""
+
 OTHERS = (
     "campaign_speed",
     "experiment_speed",
@@ -48,8 +51,7 @@ def test_benchmark_runs_and_its_checks_hold(name: str) -> None:
 
 
 @pytest.mark.live
-@pytest.mark.alone
-@pytest.mark.parametrize("name", LIVE)
+@pytest.mark.parametrize("name", [*LIVE, pytest.param(PROMPT, marks=pytest.mark.alone)])
 def test_live_benchmark_runs_and_its_checks_hold(name: str) -> None:
     check(name)
 
@@ -61,7 +63,7 @@ def test_mutation_tries_a_change_of_the_core() -> None:
 def test_every_benchmark_is_run_here() -> None:
     scripts = {path.stem for path in FOLDER.glob("*.py") if "typer.run(main)" in path.read_text()}
 
-    assert scripts == {*LIVE, *OTHERS, *PLAIN}
+    assert scripts == {*LIVE, PROMPT, *OTHERS, *PLAIN}
 
 
 def test_page_has_every_benchmark_that_measures_ratios() -> None:

@@ -10,7 +10,7 @@ from passafe_services.tools.replay.replay_log import replay_filter
 from passafe_services.tools.review.run_log import RunLog
 from running_demo import running_demo
 
-pytestmark = [pytest.mark.live, pytest.mark.alone]
+pytestmark = pytest.mark.live
 
 SLOW = ("--link", "operator-to-filter:delay=0.35", "--link", "plant-to-filter:delay=0.25,jitter=0.05")
 

@@ -14,7 +14,7 @@ from passafe_services.tools.review.link_accounts import link_accounts
 from passafe_services.tools.review.run_log import RunLog
 from running_demo import RunningDemo, running_demo
 
-pytestmark = [pytest.mark.live, pytest.mark.alone]
+pytestmark = pytest.mark.live
 
 DELAY_S = 0.15
 
