@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from passafe_services.loop.readiness import ready_line
+from supervised_toys import Terminal
 
 TOY = Path(__file__).with_name("toy_process.py")
 PATIENCE_S = 20.0
@@ -106,3 +107,9 @@ def router(start: Callable[..., Toy], port: int) -> Toy:
     toy = start("router", "--port", port)
     toy.wait_ready("router")
     return toy
+
+
+@pytest.fixture
+def terminal() -> Terminal:
+    """Return what receives the output of a supervisor."""
+    return Terminal()
