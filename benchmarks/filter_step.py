@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from functools import partial
 from importlib import import_module
 from statistics import median
-from typing import Annotated
 
 import numpy as np
 import typer
@@ -20,7 +19,7 @@ from passafe_services.operator.sources.scenario_source import source_of
 from passafe_services.scenarios.design import robot_of, sampled_plant_of
 from passafe_services.scenarios.load import load_scenario
 from passafe_services.scenarios.schema import Scenario
-from report import AsJson, Ratio, Report, Smallest, spread
+from report import AsJson, Ratio, Report, Rounds, Smallest, States, spread
 from timing import Times, call_times_us, in_turn
 
 from passafe import Status
@@ -30,8 +29,8 @@ SCOUTED = 50
 
 
 def main(
-    states: Annotated[int, typer.Option(min=10, max=5000, help="States along the closed loop.")] = 500,
-    rounds: Annotated[int, typer.Option(min=1, max=200, help="Rounds.")] = 15,
+    states: States = 500,
+    rounds: Rounds = 15,
     smallest: Smallest = False,
     as_json: AsJson = False,
 ) -> None:

@@ -12,6 +12,8 @@ from rich.console import Console
 from rich.table import Table
 
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of the table.")]
+States = Annotated[int, typer.Option(min=10, max=5000, help="States along the closed loop.")]
+Rounds = Annotated[int, typer.Option(min=1, max=200, help="Rounds.")]
 Smallest = Annotated[bool, typer.Option("--smallest", help="Measure next to nothing: does it run, do answers agree?")]
 
 

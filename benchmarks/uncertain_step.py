@@ -8,14 +8,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from statistics import median
-from typing import Annotated
 
 import numpy as np
 import typer
 from passafe_services.scenarios.design import design_of, robot_of, sampled_plant_of, tank_of
 from passafe_services.scenarios.load import load_scenario
 from passafe_services.tools.uncertain.trials import SETS
-from report import AsJson, Ratio, Report, Smallest, spread
+from report import AsJson, Ratio, Report, Rounds, Smallest, States, spread
 from timing import call_times_us, in_turn
 
 from passafe import SafetyPassivityFilter, Status
@@ -32,8 +31,8 @@ LOOPS: dict[str, dict[str, object]] = {
 
 
 def main(
-    states: Annotated[int, typer.Option(min=10, max=5000, help="States along the closed loop.")] = 500,
-    rounds: Annotated[int, typer.Option(min=1, max=200, help="Rounds.")] = 15,
+    states: States = 500,
+    rounds: Rounds = 15,
     smallest: Smallest = False,
     as_json: AsJson = False,
 ) -> None:

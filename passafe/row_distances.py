@@ -75,7 +75,7 @@ class RowDistances:
 
 def _kept(G: Array, w: Array, d: Array) -> Array:
     """Return by how much each w keeps the row that it keeps least."""
-    kept: Array = (np.matmul(G, w[..., None])[..., 0] - d).min(axis=1)
+    kept: Array = (np.einsum("nij,nj->ni", G, w) - d).min(axis=1)  # of each as in passafe.fixed_order
     return kept
 
 

@@ -81,7 +81,7 @@ def test_the_newest_state_is_as_old_as_both_delays(link: str, age: int) -> None:
         if k < 80 - 1 - age:
             assert predicted[:, 0] == pytest.approx(x, abs=1e-12)
         assert (error == 0).all()
-        states.send(np.zeros((2, 2)))
+        states.send(np.zeros((2, 2)), np.zeros((2, 2)))
         x = plant.advance(x, zero).x
     assert predicted[0, 0] > x[0] + 0.5  # the state that was off by one has arrived by now, and none after it
 

@@ -6,13 +6,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from passafe.batch.batch_workspace import BatchWorkspace
-from passafe.state_set import ErrorGrowth
+from passafe.state_set import ROUNDING, ErrorGrowth
 from passafe.workspace import Array, BlockLayout
 from passafe_services.tools.uncertain.trials import DelayedLink
 
 
 class DelayedStates:
-    """Measured states, which of them are known when, and the roll from there through the inputs that were sent."""
+    """Measured states, which of them are known when, and the roll from there through the inputs that were sent.
+
+    As the filter does (``plant_contract.state_estimate``), each rollout keeps the box of states that agree with all
+    readings that it knows: grown through the inputs in force, cut by each reading.
+    """
 
     def __init__(
         self, link: DelayedLink, growth: ErrorGrowth, ticks: int, rngs: Sequence[np.random.Generator], dt_s: float
@@ -32,7 +36,11 @@ class DelayedStates:
         self._newest = _newest(link, ticks, rngs, dt_s)
         self._measured: list[Array] = []
         self._sent: list[Array] = []
+        self._applied: list[Array] = []
+        self._guarded = [np.zeros(count, dtype=np.intp)]
         self._error = np.array(growth.at_measurement)[:, None]
+        self._at = np.zeros(count, dtype=np.intp)
+        self._box: Array | None = None
         self._space = BatchWorkspace(BlockLayout.of({"pair": 2 * n, "u": system.m, "after": 2 * n}), count)
         self._step = self._space.bind(growth.period, ["pair", "u"], ["after"])
 
@@ -40,24 +48,59 @@ class DelayedStates:
         """Take what was measured at the next plant time, shape (n, count)."""
         self._measured.append(x)
 
-    def send(self, u: Array) -> None:
-        """Take the inputs sent for the next plant time, shape (m, count)."""
+    def send(self, u: Array, applied: Array) -> None:
+        """Take the inputs sent for the next plant time, and what a guard made of them, each of shape (m, count)."""
         self._sent.append(u)
+        self._applied.append(applied)
+        self._guarded.append(self._guarded[-1] + (u != applied).any(axis=0))
 
     def predicted(self) -> tuple[Array, Array]:
         """Return states and their errors at the next plant time without an input, each of shape (n, count)."""
-        now, n, used = len(self._sent), self._n, self._space.used
+        now, n = len(self._sent), self._n
         newest = self._newest[max(now - self._ahead, 0)]
-        pair = np.zeros((2 * n, used))
+        box = self._box = self._read(newest)
+        pair = np.zeros_like(box)
         for k in range(int(newest.min()), now + 1):
             known = newest == k
-            pair[:n, known] = self._measured[k][:, known]
-            pair[n:, known] = self._error
+            pair[:, known] = box[:, known]
             if k < now:
-                self._space.part("pair")[:, :used], self._space.part("u")[:, :used] = pair, self._sent[k]
-                self._step()
-                pair = self._space.part("after")[:, :used].copy()
+                pair = self._rolled(pair, self._sent[k])
         return pair[:n], pair[n:]
+
+    def _read(self, newest: NDArray[np.intp]) -> Array:
+        """Return the box of every rollout at its newest state, which the reading of that has cut."""
+        at, self._at = self._at, newest
+        read = np.array([self._measured[k][:, i] for i, k in enumerate(newest.tolist())]).T
+        read = np.concatenate([read, np.broadcast_to(self._error, read.shape)])
+        if self._box is None:
+            return read
+        pair = self._box
+        for k in range(int(at.min()), int(newest.max())):
+            passed = (at <= k) & (k < newest)
+            # A state tells the input in force; what was sent tells those of states that were lost.
+            u = np.where(k == at, self._applied[k], self._sent[k])
+            pair = np.where(passed, self._rolled(pair, u), pair)
+        guarded = np.array([self._guarded[k][i] for i, k in enumerate(newest.tolist())])
+        guarded -= np.array([self._guarded[k][i] for i, k in enumerate(at.tolist())])
+        is_unknown = (newest - at > 1) & (guarded > 0)
+        return np.where(newest == at, self._box, np.where(is_unknown, read, self._cut(pair, read)))
+
+    def _cut(self, allowed: Array, read: Array) -> Array:
+        """Return the boxes of the states that are in both; the one that was read where there are none."""
+        n = self._n
+        low = np.maximum(allowed[:n] - allowed[n:], read[:n] - read[n:])
+        high = np.minimum(allowed[:n] + allowed[n:], read[:n] + read[n:])
+        room = allowed[n:] + read[n:] + ROUNDING * (1 + np.abs(allowed[:n]))
+        is_violated = (np.abs(read[:n] - allowed[:n]) > room).any(axis=0)
+        cut = np.concatenate([(low + high) / 2, np.maximum((high - low) / 2, 0.0)])
+        return np.where(is_violated, read, cut)
+
+    def _rolled(self, pair: Array, u: Array) -> Array:
+        """Return state and error one period later, shape (2n, count)."""
+        used = self._space.used
+        self._space.part("pair")[:, :used], self._space.part("u")[:, :used] = pair, u
+        self._step()
+        return self._space.part("after")[:, :used].copy()
 
 
 def _newest(link: DelayedLink, ticks: int, rngs: Sequence[np.random.Generator], dt_s: float) -> NDArray[np.intp]:

@@ -80,6 +80,7 @@ class UncertainLoop:
         bounds = np.array(compiled.sets.disturbance or (0.0,) * design.system.n)
         self._adversaries = Adversaries(seeds, rngs, x, bounds)
         self._states = DelayedStates(LINKS[cell.link], compiled.growth, ticks, rngs, design.dt_s)
+        self._fresh = DelayedStates(LINKS["none"], compiled.growth, ticks, rngs, design.dt_s)
         self._filter = BatchFilter(compiled.core, count)
         self._guard = None if compiled.guard is None else BatchFilter(compiled.guard, count)
         self._x, self._u, self._applied = x, np.zeros((design.system.m, count)), np.zeros((design.system.m, count))
@@ -98,15 +99,19 @@ class UncertainLoop:
         x_error = error if self._compiled.cell.has_robust_filter else None
         self._filter.decide(predicted, self._u, u_h, 0.0, 0.0, t_s, x_error, start=is_first)
         self._u = self._filter.evaluation.u_plus[:, : self._count].copy()
-        self._states.send(self._u)
         last = self._filter
         if self._guard is None:
             self._applied = self._u
         else:
             last = self._guard
-            self._guard.decide(measured, self._applied, self._u, 0.0, 0.0, t_s, start=is_first)
+            self._fresh.measure(measured)
+            fresh, fresh_error = self._fresh.predicted()
+            # As if it had been in force already: then margins are those about it, as in the plant's guard.
+            self._guard.decide(fresh, self._u, self._u, 0.0, 0.0, t_s, fresh_error, start=is_first)
             self._applied = self._guard.evaluation.u_plus[:, : self._count].copy()
+            self._fresh.send(self._applied, self._applied)
             self._guarded += last.status[: self._count] != Status.PASSED
+        self._states.send(self._u, self._applied)
         self._fallbacks += np.isin(last.status[: self._count], [*FALLBACKS])
         push = self._adversaries.push(t_s, self._x, self._lowest)
         self._x, h = self._plants.advance(self._x, self._applied, push)
