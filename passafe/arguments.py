@@ -4,10 +4,10 @@ Taken are lists, tuples, ranges, arrays of NumPy and of whatever converts to one
 real type; at most one axis may be longer than one, so that a column or a row counts as the vector that it holds.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from decimal import Decimal
 from numbers import Real
-from reprlib import repr as shortened
+from reprlib import Repr
 from typing import Final
 
 import casadi as ca
@@ -17,6 +17,9 @@ from numpy.typing import NDArray
 from passafe.errors import ShapeError
 
 NUMBERS: Final = "numbers: a sequence, NumPy array or casadi.DM with one axis"
+
+_SHORT: Final = Repr()
+_SHORT.maxlevel = 2  # sequences within sequences
 
 _REFUSED: Final = (str, bytes, bytearray, Mapping, set, frozenset, ca.SX, ca.MX)
 _REAL_KINDS: Final = "biuf"
@@ -33,7 +36,12 @@ def numbers(field: str, value: object, allowed: str = NUMBERS) -> tuple[float, .
     Raises:
         ShapeError: It holds something that is no real number, or has two axes longer than one.
     """
-    found = _floats(value)
+    try:
+        found = _floats(value)
+    except (
+        Exception
+    ) as error:  # of foreign code: RuntimeError of a tensor with a gradient, RecursionError of a list in itself
+        raise ShapeError(field, described(value), allowed) from error
     if found is None:
         raise ShapeError(field, described(value), allowed)
     return found
@@ -68,6 +76,16 @@ def vectors(given: Mapping[str, object], sizes: Sequence[int]) -> list[tuple[flo
     return found
 
 
+def members(value: object) -> tuple[object, ...] | None:
+    """Return what is in an iterable, in order; ``None`` for text and whatever cannot be gone through."""
+    if isinstance(value, str | bytes | ca.SX | ca.MX | ca.DM) or not isinstance(value, Iterable):
+        return None
+    try:
+        return tuple(value)
+    except Exception:  # noqa: BLE001 - a sequence of the caller's own may raise anything
+        return None
+
+
 def is_one_number(value: object) -> bool:
     """Return whether something is a real number on its own, not a sequence of one."""
     return isinstance(value, Real | Decimal | np.bool_) or (isinstance(value, np.ndarray) and value.ndim == 0)
@@ -79,12 +97,12 @@ def described(value: object) -> str:
         return f"an array of {value.dtype} of shape {value.shape}"
     if isinstance(value, ca.DM | ca.SX | ca.MX):
         return f"a casadi.{type(value).__name__} of shape {value.shape}"
-    return "None" if value is None else f"{shortened(value)} ({type(value).__name__})"
+    return "None" if value is None else f"{' '.join(_SHORT.repr(value).split())} ({type(value).__name__})"
 
 
 def _floats(value: object) -> tuple[float, ...] | None:
     """Return the numbers of a vector, or ``None`` if it is none."""
-    if isinstance(value, _REFUSED):
+    if isinstance(value, _REFUSED) or np.ma.is_masked(value):  # behind a mask are numbers, but not those that are meant
         return None
     if isinstance(value, Real | Decimal):
         return _all_of([_float(value)])
@@ -105,7 +123,11 @@ def _all_of(found: Sequence[float | None]) -> tuple[float, ...] | None:
 
 
 def _of_array(array: NDArray[np.generic]) -> tuple[float, ...] | None:
-    if array.dtype.kind not in _REAL_KINDS or sum(size != 1 for size in array.shape) > 1:
+    if sum(size != 1 for size in array.shape) > 1:
+        return None
+    if array.dtype == object:  # for example of integers that may be missing
+        return _all_of([_float(element) for element in array.ravel()])
+    if array.dtype.kind not in _REAL_KINDS:
         return None
     with np.errstate(over="ignore"):  # a long double beyond the doubles is infinite
         return tuple(array.astype(np.float64).ravel().tolist())

@@ -79,6 +79,7 @@ class BackupRollout:
         until: int = LONGEST,
         *,
         to_prove: bool = False,
+        law_held: int = 1,
     ) -> Course:
         """Return the course under an input that is held for some periods, and the backup law from then on.
 
@@ -93,12 +94,15 @@ class BackupRollout:
             until: Number of periods after which the course ends, but not before ``CHUNK`` of the backup law. Courses
                 that do not come to rest are compared over the same time.
             to_prove: Whether the course is of use only if it is proven to be safe.
+            law_held: Number of periods for which each input of the law is held: more than one where those between
+                are lost. Once the state is known to settle, none is.
         """
         state, record, rests = self._state, _CourseRecord(), False
         state[:] = (*x, t_s, *u)
         look = held_periods
         for begins in range(0, max(until, held_periods + CHUNK), CHUNK):
-            self._held[:] = np.arange(begins, begins + CHUNK) < held_periods
+            since = np.arange(begins, begins + CHUNK) - held_periods
+            self._held[:] = (since < 0) | (since % law_held != 0)
             self._roll()
             record.add(self._seen)
             after = self._states[:, -1]

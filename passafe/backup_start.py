@@ -1,6 +1,7 @@
 """The barriers that the fail-safe law keeps from the start, followed until the robot rests."""
 
 from collections.abc import Iterator, Sequence
+from typing import Final
 
 import numpy as np
 
@@ -9,6 +10,11 @@ from passafe.course import Course
 from passafe.design import Law
 from passafe.filter import SafetyPassivityFilter
 from passafe.finding import Finding, Severity
+
+HELPLESS: Final = "the gatekeeper does nothing from here: start slower, or where the law keeps every barrier"
+UNSTEADY: Final = (
+    "a shorter hold_s, or a law with gains below 1/hold_s: the gatekeeper relies on it where inputs are lost"
+)
 
 
 def backup_findings(core: SafetyPassivityFilter, x0: Sequence[float]) -> Iterator[Finding]:
@@ -25,35 +31,47 @@ def backup_findings(core: SafetyPassivityFilter, x0: Sequence[float]) -> Iterato
     if not _is_known(core):
         return
     course = _course(core, x0)
-    is_helpless = design.gatekeeper and not course.is_safe
+    is_lasting = not course.is_safe or _is_kept_late(core, x0)
+    found = _found(course, design.dt_s)
+    if not is_lasting:
+        found = (
+            f"keeps every barrier if sent every period, but is not known to if held for {design.held_s:g} s at a time"
+        )
+    advice = ""
+    if design.gatekeeper:
+        advice = HELPLESS if not course.is_safe else "" if is_lasting else UNSTEADY
     yield Finding(
-        severity=Severity.WARNING if is_helpless else Severity.NOTE,
+        severity=Severity.WARNING if advice else Severity.NOTE,
         topic="fail-safe",
         subject="from the start",
-        found=_found(course, design.dt_s),
-        advice="the gatekeeper does nothing from here: start slower, or where the law keeps every barrier"
-        if is_helpless
-        else "",
+        found=found,
+        advice=advice,
     )
 
 
 def is_kept_from(core: SafetyPassivityFilter, x0: Sequence[float]) -> bool:
-    """Return whether the fail-safe law is proven to keep every barrier from a start until the robot rests.
+    """Return whether the fail-safe law is proven to keep every barrier from a start, lost inputs or not.
 
     Args:
         core: The filter.
         x0: Start, n numbers.
     """
-    return _is_known(core) and _course(core, x0).is_safe
+    return _is_known(core) and _course(core, x0).is_safe and _is_kept_late(core, x0)
+
+
+def _is_kept_late(core: SafetyPassivityFilter, x0: Sequence[float]) -> bool:
+    """Return whether that is so if each of the law's inputs is held as long as it may be."""
+    held = core.design.held_periods
+    return held == 1 or _course(core, x0, held).is_safe
 
 
 def _is_known(core: SafetyPassivityFilter) -> bool:
     return bool(core.derivation.barriers.chains) and core.design.law is Law.SAMPLED
 
 
-def _course(core: SafetyPassivityFilter, x0: Sequence[float]) -> Course:
+def _course(core: SafetyPassivityFilter, x0: Sequence[float], law_held: int = 1) -> Course:
     rollout = BackupRollout(core.design, core.derivation.barriers.chains)
-    return rollout.course(np.array(x0, dtype=float), 0.0, np.array(core.design.limits.centre), 0)
+    return rollout.course(np.array(x0, dtype=float), 0.0, np.array(core.design.limits.centre), 0, law_held=law_held)
 
 
 def _found(course: Course, dt_s: float) -> str:

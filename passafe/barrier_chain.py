@@ -10,6 +10,8 @@ from typing import TypeAlias
 
 import casadi as ca
 
+from passafe.arguments import described
+from passafe.chain_refusals import other_number, require_effect, require_one_degree, require_slope
 from passafe.class_k import ClassK, class_k_functions
 from passafe.derivative_bounds import DerivativeBounds
 from passafe.errors import DesignError, RelativeDegreeError
@@ -17,7 +19,6 @@ from passafe.expressions import as_column
 from passafe.input_reach import InputReach, reach_of
 from passafe.jumps import require_no_jumps
 from passafe.norms import without_singular_points
-from passafe.slopes import broken_at
 from passafe.smooth_parts import smooth_parts
 from passafe.system import System
 
@@ -46,7 +47,13 @@ class Barrier:
 
     def __post_init__(self) -> None:
         """Take numbers for what they stand for, and refuse what stands for nothing."""
+        if not isinstance(self.name, str):
+            raise DesignError("barrier name", described(self.name), "a name")
         part = f"barrier {self.name!r}"
+        if not isinstance(self.derivative_bounds, DerivativeBounds | None):
+            raise DesignError(
+                f"{part} derivative_bounds", described(self.derivative_bounds), "DerivativeBounds, or None"
+            )
         object.__setattr__(self, "h", as_column(f"{part} h", self.h))
         object.__setattr__(self, "class_k", class_k_functions(f"{part} class_k", self.class_k))
 
@@ -152,10 +159,14 @@ def derive_chains(system: System, barrier: Barrier, reserve: Reserve | None = No
         raise DesignError(part, f"{barrier.h}, which is never negative", "a function that is negative somewhere")
     if len(rows) == 1:
         return (_chain_of_row(system, barrier, rows[0], reserve),)
-    return tuple(
-        _chain_of_row(system, replace(barrier, name=f"{barrier.name}[{i}]"), row, reserve)
+    chains = tuple(
+        _chain_of_row(system, replace(barrier, name=f"{barrier.name}[{i}]"), row, reserve, is_part=True)
         for i, row in enumerate(rows, 1)
     )
+    most = 1 + max(chain.relative_degree for chain in chains)
+    if len(barrier.class_k) != most:
+        raise other_number(f"barrier {barrier.name!r}", len(barrier.class_k), most)
+    return chains
 
 
 def derive_chain(system: System, barrier: Barrier) -> BarrierChain:
@@ -180,22 +191,28 @@ def _undecided(part: str, row: Sequence[ca.SX]) -> tuple[ca.SX, ...]:
     return tuple(branch for branch in row if not branch.is_constant())
 
 
-def _chain_of_row(system: System, barrier: Barrier, row: Sequence[ca.SX], reserve: Reserve | None) -> BarrierChain:
-    """Return the chain of a maximum of smooth branches."""
+def _chain_of_row(
+    system: System, barrier: Barrier, row: Sequence[ca.SX], reserve: Reserve | None, *, is_part: bool = False
+) -> BarrierChain:
+    """Return the chain of a maximum of smooth branches, which may be a part of a minimum."""
     smooth = [without_singular_points(branch) for branch in row]
     whole = barrier if smooth[0] is barrier.h else replace(barrier, h=reduce(ca.fmax, smooth))
-    branches = tuple(_derive(system, replace(whole, h=h) if len(smooth) > 1 else whole, reserve) for h in smooth)
-    if len(branches) == 1:
-        return branches[0]
-    # All have the same relative degree: they share their class-K functions, whose number follows from it.
-    levels = range(branches[0].relative_degree + 1)
+    if len(smooth) == 1:
+        return _derive(system, whole, reserve, is_part=is_part)
+    branches = tuple(_derive(system, replace(whole, h=h), reserve, is_part=True) for h in smooth)
+    require_one_degree(f"barrier {barrier.name!r}", [branch.relative_degree for branch in branches])
+    most = branches[0].relative_degree + 1
+    if len(barrier.class_k) != most and not is_part:
+        raise other_number(f"barrier {barrier.name!r}", len(barrier.class_k), most)
+    # They share their class-K functions, whose number follows from the relative degree.
+    levels = range(most)
     psi = tuple(chosen_of(branches, [branch.psi[k] for branch in branches]) for k in levels)
     weakest = min((branch.reach for branch in branches), key=lambda reach: reach.ratio)
     return BarrierChain(barrier=whole, system=system, psi=psi, reach=weakest, alternatives=branches)
 
 
-def _derive(system: System, barrier: Barrier, reserve: Reserve | None) -> BarrierChain:
-    """Return the chain of a smooth h."""
+def _derive(system: System, barrier: Barrier, reserve: Reserve | None, *, is_part: bool) -> BarrierChain:
+    """Return the chain of a smooth h; a part of a minimum takes the first of its class-K functions."""
     part = f"barrier {barrier.name!r}"
     psi = [barrier.h]
     unshaped = barrier.h
@@ -208,40 +225,16 @@ def _derive(system: System, barrier: Barrier, reserve: Reserve | None) -> Barrie
             psi[-1], unshaped = ca.substitute([psi[-1], unshaped], [system.u], [ca.SX.zeros(system.m)])
         if reserve is not None and len(psi) > 1:
             psi[-1] -= reserve(psi[-2])
-        _require_slope(part, unshaped, len(psi) - 1)
+        require_slope(part, unshaped, len(psi) - 1)
         gamma = next(gammas, None)
         rate = system.rate(psi[-1])
         unshaped = system.rate(unshaped)
         psi.append(rate if gamma is None else rate + gamma(psi[-1]))
         reach = reach_of(system, unshaped, len(psi) - 1, 1.0 if gamma is None else gamma.gain)
-    _require_effect(part, reach)
+    require_effect(part, reach)
     wanted = len(psi)
+    if is_part and len(barrier.class_k) > wanted:
+        barrier = replace(barrier, class_k=barrier.class_k[:wanted])
     if len(barrier.class_k) != wanted:
-        raise DesignError(
-            f"{part} class_k",
-            f"{len(barrier.class_k)} functions",
-            f"{wanted}: relative degree {wanted - 1} and one more",
-        )
+        raise other_number(part, len(barrier.class_k), wanted)
     return BarrierChain(barrier=barrier, system=system, psi=tuple(psi), reach=reach)
-
-
-def _require_effect(part: str, reach: InputReach) -> None:
-    """Refuse a relative degree that rests on an effect which the next derivative outweighs by orders of magnitude."""
-    if reach.is_too_weak:
-        raise DesignError(
-            part,
-            f"an input that reaches derivative {reach.degree} of h {reach.ratio:.2g} times as strongly as the next "
-            f"one within 1/γ: a relative degree of {reach.degree} by formula, of {reach.degree + 1} or more in effect",
-            "dynamics without so weak a path (leave the term out, and bound it as a disturbance), or one that counts",
-        )
-
-
-def _require_slope(part: str, derivative: ca.SX, order: int) -> None:
-    """Refuse a time derivative of h at whose kink a held input would bend the chain without bound."""
-    broken = broken_at(derivative) if order else None
-    if broken is not None:
-        raise DesignError(
-            part,
-            f"{broken.text} of the dynamics in derivative {order} of h, which has no slope there",
-            "a slope before u appears; write tanh for a saturation, sqrt(v**2 + 0.01) for fabs(v)",
-        )

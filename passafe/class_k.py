@@ -1,12 +1,11 @@
 """Extended class-K functions γ: continuous, strictly increasing, γ(0) = 0 (Ames et al. 2019, Definition 2)."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import casadi as ca
 
-from passafe.arguments import described, is_one_number, one_number
+from passafe.arguments import described, is_one_number, members, one_number
 from passafe.errors import DesignError
 from passafe.ranges import require_positive
 
@@ -24,6 +23,7 @@ class ClassK(ABC):
     def __post_init__(self) -> None:
         """Refuse gains for which γ would not be strictly increasing."""
         require_positive("class-K function gain", self.gain)
+        object.__setattr__(self, "gain", one_number("class-K function gain", self.gain))
 
     @abstractmethod
     def __call__(self, s: ca.SX) -> ca.SX:
@@ -62,6 +62,8 @@ class Piecewise(ClassK):
         """Refuse gains for which γ would not be strictly increasing."""
         require_positive("class-K function gain", self.gain)
         require_positive("class-K function gain_below", self.gain_below)
+        for name in ("gain", "gain_below"):
+            object.__setattr__(self, name, one_number(f"class-K function {name}", getattr(self, name)))
 
     def __call__(self, s: ca.SX) -> ca.SX:
         """Return gain·s where s > 0, gain_below·s elsewhere."""
@@ -87,6 +89,7 @@ def class_k_functions(part: str, given: object) -> tuple[ClassK, ...]:
     Raises:
         DesignError: It is no sequence, or holds something else.
     """
-    if isinstance(given, str | bytes) or not isinstance(given, Iterable):
+    found = members(given)
+    if found is None:
         raise DesignError(part, described(given), "a sequence of class-K functions, or of gains of linear ones")
-    return tuple(class_k_function(part, each) for each in given)
+    return tuple(class_k_function(part, each) for each in found)

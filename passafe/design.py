@@ -1,15 +1,15 @@
 """The design of a filter: plant, feedback, barriers, passivity, law and mode."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import Enum
-from math import inf
-from typing import TypeVar
+from math import ceil, inf
+from typing import Final, TypeVar
 
 import casadi as ca
 
 from passafe.admissible_shapes import HalfSpace, NormBound
-from passafe.arguments import described, one_number
+from passafe.arguments import described, members, one_number
 from passafe.barrier_chain import Barrier
 from passafe.certificate import Tolerance
 from passafe.errors import DesignError
@@ -18,12 +18,18 @@ from passafe.jumps import require_no_jumps
 from passafe.limit_arguments import PerAxis
 from passafe.limits import Limits
 from passafe.passivity import Passivity
-from passafe.ranges import require_positive
+from passafe.ranges import require_positive, yes_or_no
 from passafe.storage_sign import require_lower_bound
 from passafe.system import System
 from passafe.uncertainty import Uncertainty
 
 Member = TypeVar("Member", bound=Enum)
+
+SLACK_PERIODS: Final = 1e-9
+"""Rounding of the number of periods that a hold takes."""
+
+LONGEST_HOLD: Final = 2048
+"""Periods for which an input may stay in force, at most."""
 
 
 class Law(Enum):
@@ -135,14 +141,11 @@ class FilterDesign:
         for name, kind in (("system", System), ("passivity", Passivity), ("tolerance", Tolerance)):
             if not isinstance(getattr(self, name), kind):
                 raise DesignError(name, described(getattr(self, name)), f"a {kind.__name__}")
-        if not isinstance(self.barriers, Iterable) or isinstance(self.barriers, str | bytes):
-            raise DesignError("barriers", described(self.barriers), "a sequence of Barrier")
-        object.__setattr__(self, "barriers", tuple(self.barriers))
-        for barrier in self.barriers:
-            if not isinstance(barrier, Barrier):
-                raise DesignError("barriers", described(barrier), "a sequence of Barrier")
+        object.__setattr__(self, "barriers", _barriers(self.barriers))
         object.__setattr__(self, "law", _member(Law, "law", self.law))
         object.__setattr__(self, "mode", _member(Mode, "mode", self.mode))
+        for name in ("between_samples", "gatekeeper"):
+            object.__setattr__(self, name, yes_or_no(name, getattr(self, name)))
         for name in ("u_fb", "fail_safe"):
             given = as_column(name, getattr(self, name))
             law = ca.SX.zeros(self.system.m) if given.shape == (0, 0) else given
@@ -185,8 +188,11 @@ class FilterDesign:
             object.__setattr__(self, name, one_number(name, getattr(self, name)))
         if self.k_i * self.dt_s >= 1.0:
             raise DesignError("k_i", self.k_i, f"less than 1/dt_s = {1 / self.dt_s:g}, or the tracking oscillates")
-        if self.hold_s is not None and not 0.0 <= one_number("hold_s", self.hold_s) < inf:
-            raise DesignError("hold_s", self.hold_s, "a finite number, zero or more")
+        if self.hold_s is not None:
+            object.__setattr__(self, "hold_s", one_number("hold_s", self.hold_s))
+            if not 0.0 <= self.hold_s <= LONGEST_HOLD * self.dt_s:
+                allowed = f"a number from zero to {LONGEST_HOLD} periods, {LONGEST_HOLD * self.dt_s:g} s"
+                raise DesignError("hold_s", self.hold_s, allowed)
 
     def _limits(self) -> Limits:
         return Limits.of(
@@ -207,10 +213,27 @@ class FilterDesign:
         """Longest time for which an input is in force, s: the longer of ``dt_s`` and ``hold_s``."""
         return max(self.dt_s, self.hold_s or 0.0)
 
+    @property
+    def held_periods(self) -> int:
+        """Number of periods that ``held_s`` takes, rounded up."""
+        return max(1, ceil(self.held_s / self.dt_s - SLACK_PERIODS))
+
+
+def _barriers(given: object) -> tuple[Barrier, ...]:
+    """Return the barriers of any iterable of them."""
+    found = members(given)
+    if found is None:
+        raise DesignError("barriers", described(given), "a sequence of Barrier")
+    barriers = tuple(each for each in found if isinstance(each, Barrier))
+    if len(barriers) < len(found):
+        other = next(each for each in found if not isinstance(each, Barrier))
+        raise DesignError("barriers", described(other), "a sequence of Barrier")
+    return barriers
+
 
 def _member(kind: type[Member], name: str, given: object) -> Member:
     """Return a member of an enumeration, given as such or by its value."""
     for member in kind:
-        if given is member or given == member.value:
+        if given is member or (isinstance(given, str) and given == member.value):
             return member
     raise DesignError(name, described(given), f"{kind.__name__} or one of {[member.value for member in kind]}")

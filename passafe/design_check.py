@@ -8,6 +8,7 @@ import numpy as np
 
 from passafe.barrier_chain import BarrierChain
 from passafe.design import FilterDesign
+from passafe.errors import ShapeError
 from passafe.filter import SafetyPassivityFilter
 from passafe.finding import Finding, Severity
 from passafe.row_share import StateBox, row_findings
@@ -53,7 +54,12 @@ def check_design(
         box: Its start, and the box that random states are drawn from.
         samples: Number of random states.
         seed: Seed of both.
+
+    Raises:
+        ShapeError: The box has another number of coordinates than the plant.
     """
+    if len(box.x0) != core.design.system.n:
+        raise ShapeError("state box", f"{len(box.x0)} numbers", f"{core.design.system.n}: one for each state")
     return (*formula_findings(core.design, core.chains, box.x0), *row_findings(core, box, samples, seed))
 
 

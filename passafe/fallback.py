@@ -12,7 +12,6 @@ the rows at the sample may be far too long for the period, and a part of it brak
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import ceil
 from typing import Final
 
 from passafe.backup_rollout import LONGEST, BackupRollout
@@ -20,9 +19,6 @@ from passafe.barrier_chain import BarrierChain
 from passafe.course import CHUNK, KEPT, Course
 from passafe.design import FilterDesign
 from passafe.workspace import Array
-
-SLACK_PERIODS = 1e-9
-"""Rounding of the number of periods that a hold takes."""
 
 PARTS: Final = (0.5, 0.25, 0.125, 0.0625, 0.03125)
 """Parts of the way from the backup's input to a candidate that are tried."""
@@ -53,7 +49,7 @@ class Fallback:
         """
         self._rollout = BackupRollout(design, chains)
         self._has_gatekeeper = design.gatekeeper
-        self._held_periods = max(1, ceil(design.held_s / design.dt_s - SLACK_PERIODS))
+        self._held_periods = design.held_periods
 
     def best(self, x: Array, t_s: float, u: Array, candidates: Sequence[Array]) -> BestCourse:
         """Return the best of the candidates and the backup law's input.
@@ -70,12 +66,15 @@ class Fallback:
                 program's answer.
         """
         best, place = self._rollout.course(x, t_s, u, 0), None
+        is_late = self._has_gatekeeper and best.is_safe and self.keeps_late(x, t_s, u)
         until = min(2 * best.lowest_at + CHUNK, LONGEST)
         for k, candidate in enumerate(candidates):
             course = self._held(x, t_s, candidate, best, until)
             if course.is_no_worse_than(best) and (k == 0 or not best.is_no_worse_than(course)):
                 course = self._held(x, t_s, candidate, best)
-                if course.is_no_worse_than(best) and (course.is_safe or not (self._has_gatekeeper and best.is_safe)):
+                is_proven = course.is_safe or not (self._has_gatekeeper and best.is_safe)
+                is_proven = is_proven and (not is_late or self.is_backed_late(x, t_s, candidate))
+                if course.is_no_worse_than(best) and is_proven:
                     best, place = course, k
             if place is not None and best.is_no_worse_than(KEPT):
                 break
@@ -91,6 +90,26 @@ class Fallback:
         """
         return all(self._is_safe(x, t_s, u, held) for held in sorted({1, self._held_periods}))
 
+    def is_backed_late(self, x: Array, t_s: float, u: Array) -> bool:
+        """Return whether that is so even if this input and each of the law's are held as long as they may be.
+
+        Args:
+            x: State, shape (n,).
+            t_s: Plant time, s.
+            u: Input to be held, shape (m,).
+        """
+        return self._is_safe(x, t_s, u, self._held_periods, late=True)
+
+    def keeps_late(self, x: Array, t_s: float, u: Array) -> bool:
+        """Return whether ``keeps`` holds even if each input of the law is held as long as it may be.
+
+        Args:
+            x: State, shape (n,).
+            t_s: Plant time, s.
+            u: Input before, shape (m,).
+        """
+        return self._held_periods > 1 and self._is_safe(x, t_s, u, 0, late=True)
+
     def keeps(self, x: Array, t_s: float, u: Array) -> bool:
         """Return whether every barrier is proven to be kept by the backup law from here on.
 
@@ -101,8 +120,9 @@ class Fallback:
         """
         return self._is_safe(x, t_s, u, 0)
 
-    def _is_safe(self, x: Array, t_s: float, u: Array, held_periods: int) -> bool:
-        return self._rollout.course(x, t_s, u, held_periods, to_prove=True).is_safe
+    def _is_safe(self, x: Array, t_s: float, u: Array, held_periods: int, *, late: bool = False) -> bool:
+        law_held = self._held_periods if late else 1
+        return self._rollout.course(x, t_s, u, held_periods, to_prove=True, law_held=law_held).is_safe
 
     def _held(self, x: Array, t_s: float, u: Array, than: Course, until: int = LONGEST) -> Course:
         """Return the course under an input for one period or the longest hold, whichever is worse."""

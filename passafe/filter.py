@@ -154,9 +154,9 @@ class SafetyPassivityFilter:
                 self._convert_request(x, u, u_h, u_h_rate, tank_j, t_s, start, error)
         else:
             self._convert_request(x, u, u_h, u_h_rate, tank_j, t_s, start, error)
-        if start:
+        if is_start := bool(block.request.start[0]):
             functions.linearize()
-        attempt = self._attempt(functions.prepare if start else functions.prepare_usual)
+        attempt = self._attempt(functions.prepare if is_start else functions.prepare_usual)
         if attempt.assessment.concern > 0.0 or not attempt.is_settled:
             attempt = self._reconsider(attempt)
         return self._decision(attempt)
@@ -223,17 +223,31 @@ class SafetyPassivityFilter:
             return self._choose(at_samples)
         if not self.derivation.has_margins:
             return at_samples
-        u_sample = block.evaluation.u_plus.copy()
-        for u_lin in (u_sample, self._deepest_input(at_samples), self._backup_input()):
+        return self._with_margins(at_samples)
+
+    def _with_margins(self, at_samples: Attempt) -> Attempt:
+        """Return an answer that keeps the rows with their margins, sought from several inputs; else choose by course.
+
+        Args:
+            at_samples: The answer without margins, whose numbers are in the block.
+        """
+        block, attempts = self._block, self._attempts
+        request, program = block.request, block.program
+        u_sample, low, high = block.evaluation.u_plus.copy(), program.low.copy(), program.high.copy()
+        deepest, of_all = self._deepest_input(at_samples), self._deepest_of_all()
+        for u_lin in (u_sample, deepest, self._backup_input(), *of_all):
             again = attempts.about(u_lin, with_margins=True)
             if again.is_settled:
                 return again
-        request, program = block.request, block.program
-        low, high = program.low.copy(), program.high.copy()
-        for u_lin, trust in self._calmer_inputs.towards(u_sample, request.x, request.u, low, high):
-            again = attempts.confined(u_lin, trust)
+        for u_lin in of_all:  # where the rows are best their tangents are level, and keep no answer near
+            again = attempts.confined(u_lin, self._least_trust)
             if again.is_settled:
                 return again
+        for wanted in (u_sample, deepest, *of_all):  # the second does not depend on the input before
+            for u_lin, trust in self._calmer_inputs.towards(wanted, request.x, request.u, low, high):
+                again = attempts.confined(u_lin, trust)
+                if again.is_settled:
+                    return again
         at_samples = self._at_samples(u_sample)
         return self._choose(Attempt(Status.AT_SAMPLES, at_samples.solver, False, at_samples.assessment))
 
@@ -300,6 +314,7 @@ class SafetyPassivityFilter:
             is_good = not self.compares_courses or fallback.best(*state, before, [u_plus]).place is not None
         else:
             is_good = fallback.is_backed(*state, u_plus) or not fallback.keeps(*state, before)
+            is_good = is_good and (not fallback.keeps_late(*state, before) or fallback.is_backed_late(*state, u_plus))
         if is_good:
             return attempt
         return _by_course(self._send_backup(attempt))
@@ -307,6 +322,10 @@ class SafetyPassivityFilter:
     def _deepest_input(self, attempt: Attempt) -> Array:
         """Return the admissible input that keeps the hard rows best, as they are posed now, shape (m,)."""
         return self._distance.deepest(self._decision(attempt))
+
+    def _deepest_of_all(self) -> list[Array]:
+        """Return the admissible input that keeps rows best which are not affine in u: tangents may not lead to it."""
+        return [] if self._input_search is None else [self._input_search.deepest(self._block)]
 
     def _input_before(self) -> Array:
         """Return the input from which the rate is limited; at the start, when none is, that is the backup law's own."""

@@ -42,6 +42,11 @@ STEADY: Final = 0.1
 FEWEST: Final = 0.2
 """Share of the states with a finite gradient at which it has to be one."""
 
+INPUT_SIZES: Final = tuple(
+    sign * size for size in (1.0, 3, 10, 30, 0.3, 0.1, 100, 300, 0.03, 0.01, 1e3) for sign in (1, -1)
+)
+"""Sizes of the probes' inputs, in this order until one has an effect: in a dead zone or a saturation none has."""
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class InputReach:
@@ -81,10 +86,10 @@ def reach_of(system: System, derivative: ca.SX, degree: int, rate_per_s: float) 
     if gradient.nnz() == 0:
         return None
     gradient = ca.simplify(gradient)
-    here = _effects(system, gradient)
+    size, here = _first_effects(system, gradient)
     if not here.any():
         return None
-    after = _effects(system, ca.jacobian(system.rate(derivative), system.u))
+    after = _effects(system, ca.jacobian(system.rate(derivative), system.u), size)
     with np.errstate(divide="ignore", invalid="ignore"):
         ratios = np.where(here > 0, (degree + 1) * rate_per_s * here / after, 0.0)
     ratio = float(np.nan_to_num(ratios, nan=inf, posinf=inf).max())
@@ -94,9 +99,21 @@ def reach_of(system: System, derivative: ca.SX, degree: int, rate_per_s: float) 
     return InputReach(degree=degree, how=how, ratio=ratio)
 
 
-def _effects(system: System, gradient: ca.SX) -> Array:
+def _first_effects(system: System, gradient: ca.SX) -> tuple[float, Array]:
+    """Return the first size of inputs at which there are effects, and these; the first size where there are none."""
+    none = _effects(system, gradient, INPUT_SIZES[0])
+    if none.any() or not ca.depends_on(gradient, system.u):
+        return INPUT_SIZES[0], none
+    for size in INPUT_SIZES[1:]:
+        effects = _effects(system, gradient, size)
+        if effects.any():
+            return size, effects
+    return INPUT_SIZES[0], none
+
+
+def _effects(system: System, gradient: ca.SX, size: float) -> Array:
     """Return |∂/∂u| at the probes, shape (P, m): zero where it is rounding, or at no fair share of the probes more."""
-    found = _steady(np.abs(_gradients(system, gradient)))
+    found = _steady(np.abs(_gradients(system, gradient, size)))
     finite = np.flatnonzero(np.isfinite(found).all(axis=1))
     effects = np.zeros(found.shape)
     if finite.size and (found[finite] > 0).any(axis=1).mean() >= FEWEST:
@@ -104,9 +121,9 @@ def _effects(system: System, gradient: ca.SX) -> Array:
     return effects
 
 
-def _gradients(system: System, gradient: ca.SX) -> Array:
+def _gradients(system: System, gradient: ca.SX, size: float) -> Array:
     """Return ∂/∂u at the probes, at each with several changes of its last digits, shape (P, SHIFTS, m)."""
-    x, u, t_s = _probes(system)
+    x, u, t_s = _probes(system, size)
     changes = np.random.default_rng(1).uniform(0.5, 1.0, (len(x), SHIFTS, system.n))
     shifted = x[:, None] * (1 + (SHIFT * np.arange(SHIFTS))[:, None] * changes)
     states = shifted.reshape(-1, system.n).T
@@ -123,12 +140,12 @@ def _steady(values: Array) -> Array:
     return np.where(spread <= STEADY * values.max(axis=1), without, np.where(np.isfinite(spread), 0.0, np.nan))
 
 
-def _probes(system: System) -> tuple[Array, Array, Array]:
-    """Return P states, shape (P, n), one input and P times in general position, of several sizes."""
+def _probes(system: System, size: float) -> tuple[Array, Array, Array]:
+    """Return P states of several sizes, shape (P, n), one input of a size and P times, all in general position."""
     states = [
         scale * np.array([(0.37 + 0.11 * k + 0.29 * i) * (-1) ** (i + k) for i in range(system.n)])
         for scale in (1, 10, 100)
         for k in range(8)
     ]
-    u = np.array([0.53 + 0.17 * j for j in range(system.m)])
+    u = size * np.array([0.53 + 0.17 * j for j in range(system.m)])
     return np.array(states * 2), u, np.repeat((0.0, 0.71), len(states))

@@ -7,7 +7,7 @@ box is tried. The number of boxes is bounded; where it runs out, nothing is foun
 
 from dataclasses import dataclass
 from heapq import heappop, heappush
-from typing import Final
+from typing import Final, NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -19,7 +19,10 @@ from passafe.symbolic.enforced_barriers import EnforcedBarriers
 from passafe.workspace import Array, dense_function
 
 BOXES: Final = 2000
-"""Boxes that are looked at, at most."""
+"""Boxes that are looked at, at most, for an input that keeps the rows."""
+
+DEEPEST_BOXES: Final = 200
+"""Boxes that are looked at for the input that keeps them best."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -57,34 +60,66 @@ class InputSearch:
         Args:
             block: Holds request and program.
         """
+        best = self._best(block, enough=0.0, boxes=BOXES)
+        if best.kept >= 0.0:
+            return Found(u=best.u)
+        return Found(is_impossible=best.is_last)
+
+    def deepest(self, block: DecisionBlock) -> Array:
+        """Return the admissible input that was found to keep the row best that it keeps least, shape (m,).
+
+        Rows without margins that an input just keeps leave no room for margins; others may.
+
+        Args:
+            block: Holds request and program.
+        """
+        return self._best(block, enough=np.inf, boxes=DEEPEST_BOXES).u
+
+    def _best(self, block: DecisionBlock, *, enough: float, boxes: int) -> "_Best":
+        """Return the best of the centres of at most so many boxes, the first that is good enough."""
         request, program = block.request, block.program
         limits = (request.u.copy(), program.low.copy(), program.high.copy())
         queue: list[tuple[float, int, Array, Array]] = []
         heappush(queue, (-np.inf, 0, limits[1], limits[2]))
-        for looked_at in range(1, BOXES + 1):
+        best, kept_best = limits[0], -np.inf
+        for looked_at in range(1, boxes + 1):
             if not queue:
-                return Found(is_impossible=True)
+                return _Best(best, kept_best, is_last=True)
             _, _, low, high = heappop(queue)
             centre = (low + high) / 2
             tried = self._limits.nearest(centre, *limits)
-            kept, _ = self._look(request.x, request.t, tried, np.zeros(len(low)))
-            if float(kept) >= 0.0:
-                return Found(u=tried)
+            kept = float(self._look(request.x, request.t, tried, np.zeros(len(low)))[0])
+            if kept > kept_best:
+                best, kept_best = tried, kept
+            if kept_best >= enough:
+                break
             axis = int((high - low).argmax())
             for half in range(2):
                 part_low, part_high = low.copy(), high.copy()
                 (part_high if half == 0 else part_low)[axis] = centre[axis]
                 bound = self._bound(request.x, request.t, part_low, part_high)
-                if bound >= 0.0:
+                if bound >= max(kept_best, 0.0):
                     heappush(queue, (-bound, 2 * looked_at + half, part_low, part_high))
-        return Found()
+        return _Best(best, kept_best, is_last=False)
 
     def _bound(self, x: Array, t: Array, low: Array, high: Array) -> float:
         """Return the most that the row kept least can be kept by in a box; below zero where none is admissible."""
-        if _least_length(low, high) > (self._limits.norm or np.inf):
+        if self._is_beyond(low, high):
             return -np.inf
         return float(self._look(x, t, (low + high) / 2, (high - low) / 2)[1])
 
+    def _is_beyond(self, low: Array, high: Array) -> bool:
+        """Return whether no input of a box is within the limits of norms and half-spaces."""
+        least = np.maximum(np.maximum(low, -high), 0.0)
+        too_long = any(length(least[list(norm.axes)]) > norm.bound for norm in self._limits.norms)
+        return too_long or any(
+            np.minimum(low * half.weights, high * half.weights).sum() > half.bound for half in self._limits.half_spaces
+        )
 
-def _least_length(low: Array, high: Array) -> float:
-    return length(np.maximum(np.maximum(low, -high), 0.0))
+
+class _Best(NamedTuple):
+    """The best input of a search, by how much it keeps the row that it keeps least, and whether no box is left."""
+
+    u: Array
+    kept: float
+    is_last: bool

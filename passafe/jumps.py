@@ -49,6 +49,9 @@ def require_no_jumps(part: str, expression: ca.SX) -> None:
         DesignError: It has one; the message names it, why it is refused, and what to write instead.
     """
     graph = graph_of(expression)
+    for operation in graph.operations:
+        if operation.number == ca.OP_CONST and not operation.expression.is_regular():
+            raise DesignError(part, f"the number {operation.text}", "finite numbers")
     # The last one contains the others: of a choice made of comparisons it is the choice itself.
     refused = [
         operation

@@ -2,14 +2,17 @@
 
 from collections.abc import Sequence
 from math import inf
-from typing import TypeVar
+from typing import Final, TypeVar
 
-from passafe.arguments import described, is_one_number, numbers
+from passafe.arguments import described, is_one_number, members, numbers
 from passafe.errors import DesignError, ShapeError
 from passafe.ranges import require_positive
 
 PerAxis = float | Sequence[float]
 Kind = TypeVar("Kind")
+
+LARGEST: Final = 1e100
+"""Largest limit of an input: squares of it are still numbers."""
 
 
 def interval_of(
@@ -26,8 +29,9 @@ def interval_of(
         require_positive("input_bound", one)
     least = tuple(-one for one in bound) if low is None else _each_axis("input_low", low, m)
     most = bound if high is None else _each_axis("input_high", high, m)
-    if not all(-inf < lower < upper < inf for lower, upper in zip(least, most, strict=True)):
-        raise DesignError("input_low, input_high", f"{list(least)}, {list(most)}", "finite, every high above its low")
+    if not all(-LARGEST <= lower < upper <= LARGEST for lower, upper in zip(least, most, strict=True)):
+        allowed = f"within ±{LARGEST:g}, every high above its low"
+        raise DesignError("input_low, input_high", f"{list(least)}, {list(most)}", allowed)
     return least, most
 
 
@@ -69,6 +73,7 @@ def each_of(name: str, given: Sequence[Kind], kind: type[Kind]) -> tuple[Kind, .
     Raises:
         DesignError: They are not.
     """
-    if not isinstance(given, Sequence) or not all(isinstance(one, kind) for one in given):
+    found = members(given)
+    if found is None or not all(isinstance(one, kind) for one in found):
         raise DesignError(name, described(given), f"a sequence of {kind.__name__}")
-    return tuple(given)
+    return tuple(one for one in found if isinstance(one, kind))

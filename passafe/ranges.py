@@ -2,6 +2,8 @@
 
 from math import inf, isfinite
 
+import numpy as np
+
 from passafe.arguments import described, is_one_number
 from passafe.errors import DesignError
 
@@ -45,3 +47,14 @@ def require_finite(part: str, value: float, unit: str) -> None:
 def _require_number(part: str, value: object, allowed: str) -> None:
     if not is_one_number(value):
         raise DesignError(part, described(value), allowed)
+
+
+def yes_or_no(part: str, value: object) -> bool:
+    """Return a truth value as ``bool``; a word such as "no", which would count as true, is refused.
+
+    Raises:
+        DesignError: It is none.
+    """
+    if not isinstance(value, bool | np.bool_):
+        raise DesignError(part, described(value), "True or False")
+    return bool(value)

@@ -3,14 +3,17 @@
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from math import isfinite
 from typing import Final
 
 import casadi as ca
 import numpy as np
 
+from passafe.arguments import numbers
 from passafe.backup_start import backup_findings, is_kept_from
 from passafe.decision import Status
 from passafe.driven_states import EASIER, driven_finding
+from passafe.errors import DesignError, ShapeError
 from passafe.filter import SafetyPassivityFilter
 from passafe.finding import Finding, Severity
 from passafe.vanishing_effect import vanishing_effect
@@ -39,6 +42,16 @@ class StateBox:
     x0: tuple[float, ...]
     low: tuple[float, ...]
     high: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        """Take numbers in every form that is allowed, and refuse corners between which there is nothing."""
+        for name in ("x0", "low", "high"):
+            object.__setattr__(self, name, numbers(f"state box {name}", getattr(self, name)))
+        if len({len(self.x0), len(self.low), len(self.high)}) != 1:
+            raise ShapeError("state box", f"{len(self.x0)}, {len(self.low)}, {len(self.high)} numbers", "as many each")
+        finite = all(isfinite(each) for each in (*self.x0, *self.low, *self.high))
+        if not finite or any(low > high for low, high in zip(self.low, self.high, strict=True)):
+            raise DesignError("state box", f"{self.low}, {self.high}", "finite, no low above its high")
 
 
 def row_findings(core: SafetyPassivityFilter, box: StateBox, samples: int, seed: int) -> tuple[Finding, ...]:

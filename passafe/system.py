@@ -1,11 +1,11 @@
 """The controlled system ẋ = f(x, u), y = g(x), given as symbolic expressions."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import casadi as ca
 
-from passafe.arguments import described
+from passafe.arguments import described, members
 from passafe.errors import DesignError, ShapeError
 from passafe.expressions import as_column
 from passafe.parameter import Parameter
@@ -62,9 +62,10 @@ class System:
 
     def _take_parameters(self) -> None:
         """Put the parameters' values in the place of their symbols."""
-        if not isinstance(self.parameters, Iterable):
+        found = members(self.parameters)
+        if found is None:
             raise DesignError("system parameters", described(self.parameters), "a sequence of Parameter")
-        object.__setattr__(self, "parameters", tuple(self.parameters))
+        object.__setattr__(self, "parameters", found)
         for parameter in self.parameters:
             if not isinstance(parameter, Parameter):
                 raise DesignError("system parameters", described(parameter), "a sequence of Parameter")

@@ -32,7 +32,7 @@ class Tank:
     def __post_init__(self) -> None:
         """Refuse ledgers that cannot work."""
         for name in ("initial_j", "reserve_j", "max_j"):
-            one_number(f"tank {name}", getattr(self, name))
+            object.__setattr__(self, name, one_number(f"tank {name}", getattr(self, name)))
         if not 0.0 <= self.reserve_j <= self.initial_j <= self.max_j < inf:
             got = f"reserve {self.reserve_j}, initial {self.initial_j}, max {self.max_j}"
             raise DesignError("tank energies", got, "0 ≤ reserve ≤ initial ≤ max, finite, J")

@@ -1,6 +1,7 @@
 """Arguments of decisions and plants: every kind of vector of numbers counts as one, and nothing else does."""
 
 from array import array
+from collections.abc import Sequence
 from decimal import Decimal
 from fractions import Fraction
 from math import inf, isnan, nan
@@ -28,6 +29,26 @@ class Stubborn:
         raise ValueError("no")
 
 
+class Guarded:
+    """Refuses to become an array as a tensor with a gradient does."""
+
+    def __array__(self, *_: object, **__: object) -> None:
+        raise RuntimeError("detach it first")
+
+
+class Keyed(Sequence[float]):
+    """Claim to have four elements, and have none."""
+
+    def __len__(self) -> int:
+        return 4
+
+    def __getitem__(self, place: object) -> float:  # type: ignore[override]  # broken, which is the point
+        raise KeyError(place)
+
+
+ENDLESS: list[object] = []
+ENDLESS.append(ENDLESS)
+
 FORMS = {
     "list": list,
     "column": lambda v: np.array(v)[:, None],
@@ -48,6 +69,8 @@ FORMS = {
     "DM of one": lambda v: [ca.DM(each) for each in v],
     "a row of a list": lambda v: [list(v)],
     "memory": lambda v: memoryview(array("d", v)),
+    "objects": lambda v: np.array(v, dtype=object),
+    "without a mask": lambda v: np.ma.array(v, mask=False),
 }
 
 NO_NUMBERS = {
@@ -71,6 +94,10 @@ NO_NUMBERS = {
     "objects of NumPy": np.array([ca.SX.sym("x"), 1.0, 1.0, 1.0], dtype=object),
     "MX in a tuple": (ca.MX.sym("x"), 1.0, 1.0, 1.0),
     "what refuses": Stubborn(),
+    "a tensor with a gradient": Guarded(),
+    "a sequence without elements": Keyed(),
+    "a list in itself": ENDLESS,
+    "behind a mask": np.ma.array([1.0, 2.0, 3.0, 4.0], mask=[True, False, False, False]),
     "a function": lambda: 1.0,
     "too large an integer": (10**400, 0, 0, 0),
     "a signalling NaN": (Decimal("sNaN"), 0, 0, 0),
@@ -167,3 +194,20 @@ def test_the_message_says_what_was_given() -> None:
     assert messages[1:] == ["a casadi.DM of shape (2, 2)", "None", "'far' (str)"]
     with pytest.raises(ShapeError, match="bound: got 'x'"):
         one_number("bound", "x")
+
+
+def test_a_start_may_be_an_array_of_one() -> None:
+    given = PAPER.decide(X, U, U_H, RATE, start=np.array([True]))  # type: ignore[arg-type]  # the point
+
+    assert given.block.tobytes() == PAPER.decide(X, U, U_H, RATE, start=True).block.tobytes()
+
+
+def test_the_message_has_one_line() -> None:
+    class Lines(list[float]):
+        def __repr__(self) -> str:
+            return "two\nlines"
+
+    with pytest.raises(ShapeError) as refused:
+        numbers("x", Lines([1j]))  # type: ignore[list-item]  # the point
+
+    assert "\n" not in str(refused.value)

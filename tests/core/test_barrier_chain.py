@@ -4,7 +4,7 @@ import pytest
 from core_designs import DESIGNS, Builder, drag_design, gains, jerk_design, pump_design, random_state
 from finite_differences import Array, numeric, rate_along
 
-from passafe.barrier_chain import Barrier, derive_chain
+from passafe.barrier_chain import Barrier, derive_chain, derive_chains
 from passafe.class_k import Cubic, Linear
 from passafe.errors import DesignError, RelativeDegreeError, ShapeError
 from passafe.system import System
@@ -205,3 +205,36 @@ def test_a_path_that_depends_on_the_state_is_found_by_values() -> None:
     system = System(x=x, u=u, f=ca.vertcat(x[1] * u, x[2], u), y=x[1])
 
     assert derive_chain(system, barrier(x[0], 2)).reach.how == "values"
+
+
+@pytest.mark.parametrize("zone", [0.5, 3.0, 40.0])
+@pytest.mark.parametrize("ceiling", [1.5, 100.0])
+def test_a_dead_zone_hides_no_input(zone: float, ceiling: float) -> None:
+    """Find the degree, though small inputs have no effect and those beyond the saturation none again."""
+    x, u = ca.SX.sym("x", 2), ca.SX.sym("u")
+    force = ca.fmin(ca.fmax(u - zone, 0), ceiling * zone) + ca.fmax(ca.fmin(u + zone, 0), -ceiling * zone)
+    system = System(x=x, u=u, f=ca.vertcat(x[1], force), y=x[1])
+
+    assert derive_chain(system, Barrier(name="wall", h=1 - x[0], class_k=gains(2.0, 2.0, 2.0))).relative_degree == 2
+
+
+def test_parts_of_a_minimum_take_as_many_functions_as_they_need() -> None:
+    x, u = ca.SX.sym("x", 2), ca.SX.sym("u")
+    system = System(x=x, u=u, f=ca.vertcat(x[1], u), y=x[1])
+    place, speed = derive_chains(
+        system, Barrier(name="calm", h=ca.fmin(1 - x[0], 1 - x[1]), class_k=gains(2.0, 3.0, 4.0))
+    )
+
+    assert (place.relative_degree, speed.relative_degree) == (2, 1)
+    assert speed.barrier.class_k == gains(2.0, 3.0)
+    with pytest.raises(DesignError, match="got 4 functions, allowed 3"):
+        derive_chains(system, Barrier(name="calm", h=ca.fmin(1 - x[0], 1 - x[1]), class_k=gains(2.0, 3.0, 4.0, 5.0)))
+
+
+@pytest.mark.parametrize("count", [2, 3])
+def test_branches_of_a_maximum_have_one_relative_degree(count: int) -> None:
+    x, u = ca.SX.sym("x", 2), ca.SX.sym("u")
+    system = System(x=x, u=u, f=ca.vertcat(x[1], u), y=x[1])
+
+    with pytest.raises(DesignError, match=r"class_k: got 2|a maximum of branches of relative degrees"):
+        derive_chains(system, Barrier(name="either", h=ca.fmax(1 - x[0], 1 - x[1]), class_k=gains(*(2.0,) * count)))

@@ -9,10 +9,12 @@ from passafe.barrier_chain import Barrier
 from passafe.barriers import box, disk_keep_out, separation, speed_limit
 from passafe.class_k import Cubic, Linear
 from passafe.design import FilterDesign, Law, Mode
+from passafe.design_check import check_design
 from passafe.errors import DesignError, ShapeError
 from passafe.filter import SafetyPassivityFilter
 from passafe.models.damped_point import damped_point
 from passafe.passivity import Passivity
+from passafe.row_share import StateBox
 from passafe.sampled_plant import SampledPlant
 from passafe.system import System
 from passafe.tank import Tank
@@ -211,3 +213,77 @@ def test_shapes_take_any_vector() -> None:
         box(None, low=(0.0,), high=(1.0,))  # type: ignore[arg-type]  # the point
     with pytest.raises(ShapeError, match="separation positions"):
         separation(position, position[0], distance=1.0)
+
+
+@pytest.mark.parametrize("value", ["no", 1, None, np.array([True, False]), ca.SX.sym("s"), [True]])
+@pytest.mark.parametrize("name", ["gatekeeper", "between_samples"])
+def test_a_flag_is_yes_or_no(name: str, value: object) -> None:
+    with pytest.raises(DesignError, match=rf"^{name}: got .*, allowed True or False$"):
+        cart(**{name: value})
+
+
+def test_a_flag_may_be_that_of_an_array() -> None:
+    assert cart(gatekeeper=np.True_).gatekeeper is True
+
+
+@pytest.mark.parametrize("value", [-1.0, 2.1, 1e300, np.inf, np.nan])
+def test_a_hold_is_a_number_of_periods(value: float) -> None:
+    with pytest.raises(DesignError, match=r"^hold_s: got .*, allowed a number from zero to 2048 periods, 2\.048 s$"):
+        cart(hold_s=value)
+    assert cart(hold_s=[0.02]).hold_s == 0.02
+
+
+@pytest.mark.parametrize("given", [np.array(1.0), ca.DM([1, 2]), ca.SX.sym("h", 2), "wall", 1.0, [1.0]])
+def test_barriers_are_a_sequence_of_barriers(given: object) -> None:
+    with pytest.raises(DesignError, match=r"^barriers: got .*, allowed a sequence of Barrier$"):
+        cart(barriers=given)
+
+
+@pytest.mark.parametrize("name", [["wall"], None, ca.SX.sym("wall"), 1])
+def test_a_barrier_has_a_name(name: object) -> None:
+    with pytest.raises(DesignError, match=r"^barrier name: got .*, allowed a name$"):
+        Barrier(name=name, h=1 - X[0], class_k=(Linear(gain=2.0),) * 3)  # type: ignore[arg-type]  # the point
+
+
+@pytest.mark.parametrize("bounds", [1.0, [1.0], "close"])
+def test_derivative_bounds_are_of_their_kind(bounds: object) -> None:
+    with pytest.raises(DesignError, match=r"derivative_bounds: got .*, allowed DerivativeBounds, or None"):
+        Barrier(name="wall", h=1 - X[0], class_k=(Linear(gain=2.0),) * 3, derivative_bounds=bounds)  # type: ignore[arg-type]  # the point
+
+
+@pytest.mark.parametrize("bound", [1e101, 1e300])
+def test_limits_have_squares(bound: float) -> None:
+    with pytest.raises(DesignError, match=r"allowed within ±1e\+100, every high above its low"):
+        cart(input_bound=bound)
+
+
+@pytest.mark.parametrize("value", [ca.DM([2, 2, 2]), np.array(2.0), "222"])
+def test_class_k_functions_are_a_sequence(value: object) -> None:
+    with pytest.raises(DesignError, match=r"^barrier 'wall' class_k: got .*, allowed "):
+        Barrier(name="wall", h=1 - X[0], class_k=value)  # type: ignore[arg-type]  # the point
+
+
+@pytest.mark.parametrize("number", [np.nan, np.inf, -np.inf])
+def test_an_expression_has_finite_numbers(number: float) -> None:
+    with pytest.raises(DesignError, match=r"^barrier 'wall' h: got the number -?(nan|inf), allowed finite numbers$"):
+        cart(barriers=[Barrier(name="wall", h=X[0] + number, class_k=(Linear(gain=2.0),) * 3)])
+
+
+def test_energies_and_gains_are_kept_as_numbers() -> None:
+    tank = Tank(initial_j=[1], reserve_j=np.array([0.5]))  # type: ignore[arg-type]  # the point
+
+    assert (tank.initial_j, tank.reserve_j) == (1.0, 0.5)
+    assert type(Linear(gain=np.array(2.0)).gain) is float  # type: ignore[arg-type]  # the point
+
+
+@pytest.mark.parametrize("low", [(2.0, 0.0), (np.nan, 0.0), (0.0,), "ab"])
+def test_a_box_has_a_corner_below_another(low: object) -> None:
+    with pytest.raises((DesignError, ShapeError), match=r"^state box"):
+        StateBox(x0=(0.0, 0.0), low=low, high=(1.0, 1.0))  # type: ignore[arg-type]  # the point
+
+
+def test_a_box_is_that_of_the_plant() -> None:
+    box = StateBox(x0=(0.0,), low=(0.0,), high=(1.0,))
+
+    with pytest.raises(ShapeError, match="state box: got 1 numbers, allowed 2"):
+        check_design(SafetyPassivityFilter(cart()), box)

@@ -118,6 +118,15 @@ def test_dynamics_without_a_finite_slope_count_as_slow() -> None:
         (x[0] * x[1], (1, -1)),
         (x[1] ** 2 + 9.81 * x[0], (-1, 0)),
         (x[1] ** 2 - x[0] ** 4, (1, 0)),
+        (-ca.fabs(x[0]), (1, 0)),
+        (x[0] ** 2 * x[1] ** 2 - x[1] ** 2 / 100, (0, 1)),
+        (x[0] ** 2 - 1e-3 * x[1] ** 4 + x[1] ** 2, (0, 1)),
+        (-ca.log(1 + x[0] ** 2), (1, 0)),
+        (ca.sin(x[0]) + x[1] ** 2, None),
+        (-(x[0] ** 2) / (1 + x[0] ** 2), None),
+        (x[0] ** 4 - x[0] ** 2, None),
+        (ca.sqrt(1 + x[0] ** 2) - x[0], None),
+        (ca.fabs(x[0]) + x[1] ** 2, None),
     ],
 )
 def test_a_storage_without_a_lower_bound_falls_somewhere(V: ca.SX, falls: tuple[int, int] | None) -> None:

@@ -7,12 +7,14 @@ import numpy as np
 import pytest
 
 from passafe.backup_rollout import BackupRollout
+from passafe.backup_start import backup_findings, is_kept_from
 from passafe.barrier_chain import Barrier, derive_chains
 from passafe.class_k import Linear
 from passafe.decision import Status
 from passafe.design import FilterDesign, Mode
 from passafe.fallback import Fallback
 from passafe.filter import SafetyPassivityFilter
+from passafe.finding import Severity
 from passafe.passivity import Passivity
 from passafe.system import System
 
@@ -79,3 +81,32 @@ def test_course_of_braking_has_the_stopping_distance(v: float, is_kept: bool) ->
     assert course.is_safe is is_kept
     assert course.lowest == pytest.approx(1 - v**2 / 2, abs=1e-3)
     assert course.kept_periods == pytest.approx(np.inf if is_kept else (v - np.sqrt(v**2 - 2)) / DT_S, abs=1.0)
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_gatekeeper_counts_inputs_of_the_law_that_are_lost(seed: int) -> None:
+    """A brake that ramps up takes longer where inputs are lost and the ones before are held."""
+    design = racer(gatekeeper=True, input_rate_bound_per_s=4.0, hold_s=4 * DT_S)
+    design = replace(design, fail_safe=-15 * design.system.x[1])
+    made, draws = SafetyPassivityFilter(design), np.random.default_rng(seed)
+    x, u, held = np.zeros(2), np.zeros(1), 0
+    for k in range(250):
+        decision = made.decide(x, u, (1.0,), (0.0,), start=k == 0)
+        is_lost = k > 0 and held < 3 and draws.random() < 0.7
+        held = held + 1 if is_lost else 0
+        u = u if is_lost else np.array(decision.u)
+        x = np.array([x[0] + DT_S * x[1] + DT_S**2 / 2 * u[0], x[1] + DT_S * u[0]])
+
+        assert x[0] <= 1.0
+
+
+@pytest.mark.parametrize(("gain", "is_reported"), [(15.0, False), (60.0, True)])
+def test_a_law_that_diverges_if_held_is_reported(gain: float, is_reported: bool) -> None:
+    """Sent every 10 ms −60·v settles; each input of it held for 40 ms, it swings ever further."""
+    design = racer(gatekeeper=True, hold_s=4 * DT_S, input_bound=100.0)
+    made = SafetyPassivityFilter(replace(design, fail_safe=-gain * design.system.x[1]))
+    (finding,) = backup_findings(made, (0.95, 0.5))
+
+    assert (finding.severity is Severity.WARNING) is is_reported
+    assert ("inputs are lost" in finding.advice) is is_reported
+    assert is_kept_from(made, (0.95, 0.5)) is not is_reported

@@ -1,10 +1,13 @@
 """The search of all admissible inputs where tangents of a row that is not affine in u conflict."""
 
+from dataclasses import replace
+
 import casadi as ca
 import numpy as np
 import pytest
 
 import passafe.input_search
+from passafe.admissible_shapes import HalfSpace, NormBound
 from passafe.barrier_chain import Barrier
 from passafe.class_k import Linear
 from passafe.decision import Decision, Status
@@ -79,3 +82,66 @@ def test_corners_beyond_the_norm_are_not_admissible(norm: float, status: Status)
 
     assert decision.status is status
     assert np.linalg.norm(decision.u) <= norm + 1e-9
+
+
+def bump(before: float) -> Decision:
+    """Return the answer for ẍ = 10·exp(−40(u − 4.3)²) − 9 half a metre above the floor: 4.3 ± 0.1 keeps it."""
+    x, u = ca.SX.sym("x", 2), ca.SX.sym("u")
+    return SafetyPassivityFilter(over_floor(ca.vertcat(x[1], 10 * ca.exp(-40 * (u - 4.3) ** 2) - 9), x, u)).decide(
+        (0.5, -0.5), (before,), (before,), (0.0,)
+    )
+
+
+def over_floor(f: ca.SX, x: ca.SX, u: ca.SX) -> FilterDesign:
+    return FilterDesign(
+        system=System(x=x, u=u, f=f, y=ca.repmat(x[1], u.numel())),
+        barriers=(Barrier(name="floor", h=x[0], class_k=(Linear(gain=2.0),) * 3),),
+        passivity=Passivity(V=x[1] ** 2 / 2),
+        k_i=10.0,
+        dt_s=0.01,
+        input_bound=6.0,
+        mode=Mode.SAFE,
+    )
+
+
+@pytest.mark.parametrize("before", [0.0, 5.9, -6.0, 3.0, 4.3])
+def test_level_tangents_at_the_best_input_hide_no_answer(before: float) -> None:
+    decision = bump(before)
+
+    assert decision.status in {Status.PASSED, Status.MODIFIED}
+    assert decision.u[0] == pytest.approx(4.3, abs=0.1)
+
+
+def test_an_input_that_just_keeps_a_row_is_not_the_only_one() -> None:
+    """ẍ = |u| − 2 asks for |u| ≥ 0 here: at u = 0, where that has its kink, there is no room for a margin."""
+    x, u = ca.SX.sym("x", 2), ca.SX.sym("u")
+    made = SafetyPassivityFilter(over_floor(ca.vertcat(x[1], ca.fmax(u - 2, -u - 2)), x, u))
+
+    assert made.decide((0.5, 0.0), (0.0,), (0.0,), (0.0,)).status is Status.MODIFIED
+
+
+@pytest.mark.parametrize(("norm_bound", "status"), [(5.0, Status.MODIFIED), (3.0, Status.INFEASIBLE)])
+def test_boxes_beyond_a_part_s_norm_are_left_out(norm_bound: float, status: Status) -> None:
+    """As above, with a third axis that is no part of the norm."""
+    x, u = ca.SX.sym("x", 2), ca.SX.sym("u", 3)
+    design = replace(
+        over_floor(ca.vertcat(x[1], u[0] * u[1] - 9.81), x, u),
+        input_norms=[NormBound(axes=(0, 1), bound=norm_bound)],
+        between_samples=False,
+    )
+    answer = SafetyPassivityFilter(design).decide((0.0, 0.0), (0.0,) * 3, (0.0,) * 3, (0.0,) * 3, start=True)
+
+    assert answer.status is status
+
+
+@pytest.mark.parametrize(("most", "status"), [(7.0, Status.MODIFIED), (6.0, Status.INFEASIBLE)])
+def test_boxes_beyond_a_half_space_are_left_out(most: float, status: Status) -> None:
+    """u₁u₂ ≥ 9.81 asks for u₁ + u₂ ≥ 6.26, or both as far below zero, which another half-space forbids."""
+    x, u = ca.SX.sym("x", 2), ca.SX.sym("u", 2)
+    sums = [HalfSpace(weights=(1.0, 1.0), bound=most), HalfSpace(weights=(-1.0, -1.0), bound=1.0)]
+    design = replace(
+        over_floor(ca.vertcat(x[1], u[0] * u[1] - 9.81), x, u), input_half_spaces=sums, between_samples=False
+    )
+    answer = SafetyPassivityFilter(design).decide((0.0, 0.0), (0.0,) * 2, (0.0,) * 2, (0.0,) * 2, start=True)
+
+    assert answer.status is status
