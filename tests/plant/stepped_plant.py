@@ -1,5 +1,6 @@
 """A plant node in steps, and inputs to it."""
 
+from modelled_robot import modelled_robot
 from passafe_protocol.messages import UNSEQUENCED, Header, PlantInput, PlantPhase, PlantState, Received
 from passafe_services.plant.node import PlantNode
 from passafe_services.plant_contract.fail_safe import FailSafe
@@ -17,14 +18,9 @@ WAITING, RUNNING, HOLDING, FAIL_SAFE = PlantPhase
 def make_node(*, playout_ns: int = 0, hold_ns: int = 3 * MS, norm: float | None = None) -> PlantNode:
     robot = damped_point(sigma=1.0, gamma_1=10.0)
     limits = Limits.of(2, BOUND, norm)
-    return PlantNode(
-        SampledPlant(robot.system, robot.system.x.T @ robot.system.x, 1e-3),
-        FailSafe(robot, limits, period_ns=MS, hold_ns=hold_ns),
-        x0=X0,
-        period_ns=MS,
-        playout_ns=playout_ns,
-        limits=limits,
-    )
+    plant = SampledPlant(robot.system, robot.system.x.T @ robot.system.x, 1e-3)
+    rule = FailSafe(robot, limits, period_ns=MS, hold_ns=hold_ns)
+    return PlantNode(modelled_robot(plant, rule, x0=X0, period_ns=MS, playout_ns=playout_ns), limits)
 
 
 def head(epoch: int = 1, scheduled_ns: int = 0) -> Header:

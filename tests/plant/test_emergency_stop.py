@@ -5,6 +5,7 @@ from typing import TypeAlias
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from modelled_robot import modelled_robot
 from passafe_protocol.messages import (
     UNSEQUENCED,
     EmergencyStop,
@@ -38,7 +39,8 @@ Node: TypeAlias = PlantNode | UnpredictedPlantNode
 
 
 def make(kind: type[Node], *, playout_ms: int = 0, latch: StopLatch | None = None) -> Node:
-    return kind(PLANT, FAIL_SAFE_RULE, x0=X0, period_ns=MS, playout_ns=playout_ms * MS, limits=LIMITS, latch=latch)
+    playout_ns = playout_ms * MS
+    return kind(modelled_robot(PLANT, FAIL_SAFE_RULE, x0=X0, period_ns=MS, playout_ns=playout_ns, latch=latch), LIMITS)
 
 
 def received(body: Message, at_ms: int, *, source: str = "filter", epoch: int = 1) -> Received:

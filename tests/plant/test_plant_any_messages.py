@@ -3,6 +3,7 @@
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from modelled_robot import modelled_robot
 from passafe_protocol.codec import encode
 from passafe_protocol.messages import UNSEQUENCED, PlantInput, PlantState, Received
 from passafe_services.plant.node import PlantNode
@@ -87,7 +88,7 @@ def test_running_sequence_applies_its_inputs_in_order(data: st.DataObject) -> No
 
 def fuzzed() -> PlantNode:
     """Return a fresh node of a robot that is compiled once."""
-    return PlantNode(PLANT, RULE, x0=X0, period_ns=MS, playout_ns=0, limits=Limits.of(2, BOUND))
+    return PlantNode(modelled_robot(PLANT, RULE, x0=X0, period_ns=MS), Limits.of(2, BOUND))
 
 
 ROBOT = damped_point(sigma=1.0, gamma_1=10.0)

@@ -16,6 +16,7 @@ from passafe_protocol.messages import (
     Vector,
 )
 from passafe_services.drivers.plant_driver import Reading
+from passafe_services.plant.driven_robot import DrivenRobot
 from passafe_services.plant.node import PlantNode
 from passafe_services.plant.state_reader import OLDEST_NS, StateReader
 from passafe_services.plant.unpredicted_node import UnpredictedPlantNode
@@ -106,8 +107,8 @@ def test_too_old_a_reading_or_none_is_blindness() -> None:
 def node_of(driver: ScriptedDriver, kind: type[PlantNode | UnpredictedPlantNode] = PlantNode) -> PlantNode:
     limits = Limits.of(2, 100.0, None)
     fail_safe = FailSafe(ROBOT, limits, period_ns=MS, hold_ns=3 * MS)
-    made = kind(PLANT, fail_safe, x0=REST, period_ns=MS, playout_ns=0, limits=limits, driver=driver)
-    return cast(PlantNode, made)  # both have the same methods
+    robot = DrivenRobot(driver, PLANT, fail_safe, x0=REST, period_ns=MS, playout_ns=0)
+    return cast(PlantNode, kind(robot, limits))  # both have the same methods
 
 
 def sent(tick: int, at_ms: int, *, first: int | None = 0) -> Received:

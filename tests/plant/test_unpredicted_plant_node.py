@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from modelled_robot import modelled_robot
 from passafe_protocol.codec import encode
 from passafe_protocol.messages import UNSEQUENCED, Event, Header, PlantInput, PlantPhase, PlantState, Received
 from passafe_services.plant.playout_buffer import MOST_PENDING
@@ -22,7 +23,8 @@ WAITING, RUNNING, HOLDING, FAIL_SAFE = PlantPhase
 
 def make_node(*, playout_ns: int = 0, hold_ns: int = 3 * MS) -> UnpredictedPlantNode:
     rule = FailSafe(ROBOT, LIMITS, period_ns=MS, hold_ns=hold_ns)
-    return UnpredictedPlantNode(PLANT, rule, x0=X0, period_ns=MS, playout_ns=playout_ns, limits=LIMITS)
+    robot = modelled_robot(PLANT, rule, x0=X0, period_ns=MS, playout_ns=playout_ns)
+    return UnpredictedPlantNode(robot, LIMITS)
 
 
 def head(epoch: int = 1, scheduled_ns: int = 0) -> Header:
@@ -149,7 +151,7 @@ RULE = FailSafe(ROBOT, LIMITS, period_ns=MS, hold_ns=2 * MS)
 def test_no_messages_make_its_inputs_or_states_unbounded(
     steps: list[tuple[int, list[tuple[int, int, PlantInput]]]],
 ) -> None:
-    node, at_ms = UnpredictedPlantNode(PLANT, RULE, x0=X0, period_ns=MS, playout_ns=0, limits=LIMITS), 1
+    node, at_ms = UnpredictedPlantNode(modelled_robot(PLANT, RULE, x0=X0, period_ns=MS), LIMITS), 1
     for skipped, bodies in steps:
         at_ms += 1 + skipped
         inbox = [Received(head(epoch, made_ns), body, at_ms * MS) for epoch, made_ns, body in bodies]

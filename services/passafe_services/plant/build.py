@@ -2,6 +2,7 @@
 
 from passafe_services.drivers.build import driver_of
 from passafe_services.drivers.plant_driver import PlantDriver
+from passafe_services.plant.driven_robot import DrivenRobot
 from passafe_services.plant.guard import Guard
 from passafe_services.plant.node import PlantNode
 from passafe_services.plant.stop_latch import NO_STOP, StopLatch
@@ -35,15 +36,14 @@ def plant_node(
         if driver.has_own_clock:
             allowed = "a simulation: a run in virtual time has no hardware"
             raise ScenarioError(scenario.name, "plant.driver.kind", scenario.plant.driver.kind, allowed)
-    node = PlantNode if scenario.filter.prediction else UnpredictedPlantNode
-    return node(
+    robot = DrivenRobot(
+        driver,
         model.dynamics,
         model.fail_safe,
         x0=scenario.plant.x0,
         period_ns=model.period_ns,
         playout_ns=model.playout_ns,
-        limits=model.limits,
         latch=StopLatch(started_with),
-        driver=driver,
         guard=Guard(model.guard_core, model.guard_growth, period_ns=model.period_ns) if scenario.has_guard else None,
     )
+    return (PlantNode if scenario.filter.prediction else UnpredictedPlantNode)(robot, model.limits)

@@ -36,6 +36,9 @@ class DrivenRobot:
         phase: Origin of the input in force.
         applied_tick: Tick of the input in force.
         has_origin: Whether the beginning of plant time is set.
+        account: Counts and times of the inputs received, for the state messages.
+        latch: Emergency stop.
+        period_ns: Period of a step, ns.
     """
 
     def __init__(
@@ -43,12 +46,11 @@ class DrivenRobot:
         driver: PlantDriver,
         plant: SampledPlant,
         fail_safe: FailSafe,
-        account: InputAccount,
-        latch: StopLatch,
         *,
         x0: Sequence[float],
         period_ns: int,
         playout_ns: int,
+        latch: StopLatch | None = None,
         guard: Guard | None = None,
     ) -> None:
         """Begin before the first input.
@@ -57,19 +59,18 @@ class DrivenRobot:
             driver: Reads and moves the robot; open.
             plant: Model of the robot, stepped with the period.
             fail_safe: Rule for missing inputs.
-            account: Counts and times of the inputs received, for the state messages.
-            latch: Emergency stop.
             x0: State that counts before the first reading, n numbers.
             period_ns: Period of a step, ns.
             playout_ns: Time between arrival and effect of the first input, ns.
+            latch: Emergency stop; one that is not latched if not given.
             guard: Judges every input before it is applied; none if not given.
         """
         self._fail_safe = fail_safe
         self._guard = guard
         self._guarded = _unguarded((0.0,) * plant.system.m)
-        self._account = account
-        self._latch = latch
-        self._period_ns = period_ns
+        self.account = InputAccount()
+        self.latch = StopLatch() if latch is None else latch
+        self.period_ns = period_ns
         self._playout_ns = playout_ns
         self._origin_ns = 0
         self.has_origin = False
@@ -113,7 +114,7 @@ class DrivenRobot:
         """
         if self.phase is WAITING:
             self._reader.read(now_ns)
-            if self._latch.is_latched or self.is_blind:
+            if self.latch.is_latched or self.is_blind:
                 self.has_origin = False
         if not self.has_origin or now_ns < self._origin_ns + self.plant_ns:
             return () if self.is_blind else ((STATE, self._state()),)
@@ -123,14 +124,14 @@ class DrivenRobot:
             if self.phase is WAITING:  # the first input did not take effect
                 self.has_origin = False
                 return outgoing
-        due_ns = self._origin_ns + self.plant_ns + self._period_ns
+        due_ns = self._origin_ns + self.plant_ns + self.period_ns
         while due_ns <= now_ns:
-            self.plant_ns += self._period_ns
-            is_reported = not self._has_own_clock or due_ns + self._period_ns > now_ns
+            self.plant_ns += self.period_ns
+            is_reported = not self._has_own_clock or due_ns + self.period_ns > now_ns
             if is_reported:
                 self._energy_in_j += self._reader.read(due_ns).energy_in_j
             self._begin_period(choose_input, outgoing, is_reported=is_reported)
-            due_ns += self._period_ns
+            due_ns += self.period_ns
         return outgoing or (() if self.is_blind else ((STATE, self._state()),))
 
     def apply(self, u: Vector, tick: int, hold_ns: int, since_ns: int) -> None:
@@ -163,7 +164,7 @@ class DrivenRobot:
     ) -> None:
         """Choose and apply the input of the period; add an event if the law starts or ends, and the state if known."""
         before = self.phase
-        if self._latch.is_latched:
+        if self.latch.is_latched:
             self.apply_law()
         else:
             choose_input()
@@ -178,7 +179,7 @@ class DrivenRobot:
     def _pass_guard(self, outgoing: list[Outgoing]) -> None:
         """Have the guard judge the input of the period; add an event if it acts for another cause."""
         guard = self._guard
-        if guard is None or self._latch.is_latched or self.is_blind:
+        if guard is None or self.latch.is_latched or self.is_blind:
             self._guarded = _unguarded(self._u)
             return
         self._guarded = guarded = guard.judge(self._reader.sample.x, self._guarded.u, self._u, self.plant_ns)
@@ -190,12 +191,12 @@ class DrivenRobot:
         at = f"plant time {self.plant_ns / 1e9:.3f} s"
         if self.phase is FAIL_SAFE:
             cause = "no state from the robot" if self.is_blind else "inputs stopped"
-            cause = "emergency stop" if self._latch.is_latched else cause
+            cause = "emergency stop" if self.latch.is_latched else cause
             return Event("warning", f"{cause}: fail-safe law in force at {at}")
         return Event("info", f"inputs are back: fail-safe law released at {at}")
 
     def _state(self) -> PlantState:
-        sample, account, latch = self._reader.sample, self._account, self._latch
+        sample, account, latch = self._reader.sample, self.account, self.latch
         transit, guarded, guard = account.transit, self._guarded, self._guard
         return PlantState(
             self.plant_ns,

@@ -6,18 +6,11 @@ from passafe_protocol.messages import UNSEQUENCED, PlantInput, Received
 from passafe_protocol.topics import CLEAR, EVENT, INPUT, STOP, Topic
 
 from passafe.limits import Limits
-from passafe.sampled_plant import SampledPlant
-from passafe_services.drivers.model_driver import ModelDriver
-from passafe_services.drivers.plant_driver import PlantDriver
 from passafe_services.node import Outgoing
 from passafe_services.plant.driven_robot import WAITING, DrivenRobot
-from passafe_services.plant.guard import Guard
-from passafe_services.plant.input_account import InputAccount
 from passafe_services.plant.input_check import InputCheck
 from passafe_services.plant.sequenced_inputs import REFUSED, SequencedInputs
-from passafe_services.plant.stop_latch import StopLatch
 from passafe_services.plant.transit_time import STALL_NS
-from passafe_services.plant_contract.fail_safe import FailSafe
 
 
 class PlantNode:
@@ -34,50 +27,18 @@ class PlantNode:
     name = "plant"
     subscribes: tuple[Topic, ...] = (STOP, CLEAR, INPUT)
 
-    def __init__(
-        self,
-        plant: SampledPlant,
-        fail_safe: FailSafe,
-        *,
-        x0: Sequence[float],
-        period_ns: int,
-        playout_ns: int,
-        limits: Limits,
-        latch: StopLatch | None = None,
-        driver: PlantDriver | None = None,
-        guard: Guard | None = None,
-    ) -> None:
-        """Begin at rest, before the first input.
+    def __init__(self, robot: DrivenRobot, limits: Limits) -> None:
+        """Begin before the first input.
 
         Args:
-            plant: Model of the robot, stepped with the period.
-            fail_safe: Rule for missing inputs.
-            x0: Initial state, n numbers.
-            period_ns: Period of a step, ns.
-            playout_ns: Time between arrival and effect of the first input, ns.
+            robot: The robot, at rest.
             limits: Limits of magnitude and norm; inputs beyond them are refused. Rates are not checked.
-            latch: Emergency stop; one that is not latched if not given.
-            driver: Reads and moves the robot, open; the exact model if not given.
-            guard: Judges every input before it is applied; none if not given.
         """
-        self._period_ns = period_ns
+        self._robot, self._account, self._latch = robot, robot.account, robot.latch
+        self._period_ns = robot.period_ns
         self._check = InputCheck(limits)
-        self._inputs = SequencedInputs(period_ns, self._check.is_applicable)
-        self._account = InputAccount()
+        self._inputs = SequencedInputs(self._period_ns, self._check.is_applicable)
         self._stepped_ns = 0
-        self._latch = StopLatch() if latch is None else latch
-        driver = ModelDriver(plant, x0=x0, period_ns=period_ns) if driver is None else driver
-        self._robot = DrivenRobot(
-            driver,
-            plant,
-            fail_safe,
-            self._account,
-            self._latch,
-            x0=x0,
-            period_ns=period_ns,
-            playout_ns=playout_ns,
-            guard=guard,
-        )
 
     @property
     def plant_ns(self) -> int:

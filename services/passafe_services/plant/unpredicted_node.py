@@ -6,17 +6,10 @@ from passafe_protocol.messages import UNSEQUENCED, PlantInput, Received
 from passafe_protocol.topics import CLEAR, EVENT, INPUT, STOP, Topic
 
 from passafe.limits import Limits
-from passafe.sampled_plant import SampledPlant
-from passafe_services.drivers.model_driver import ModelDriver
-from passafe_services.drivers.plant_driver import PlantDriver
 from passafe_services.node import Outgoing
 from passafe_services.plant.driven_robot import RUNNING, WAITING, DrivenRobot
-from passafe_services.plant.guard import Guard
-from passafe_services.plant.input_account import InputAccount
 from passafe_services.plant.input_check import InputCheck
 from passafe_services.plant.playout_buffer import MOST_PENDING, PlayoutBuffer
-from passafe_services.plant.stop_latch import StopLatch
-from passafe_services.plant_contract.fail_safe import FailSafe
 
 
 class UnpredictedPlantNode:
@@ -29,37 +22,17 @@ class UnpredictedPlantNode:
     name = "plant"
     subscribes: tuple[Topic, ...] = (STOP, CLEAR, INPUT)
 
-    def __init__(
-        self,
-        plant: SampledPlant,
-        fail_safe: FailSafe,
-        *,
-        x0: Sequence[float],
-        period_ns: int,
-        playout_ns: int,
-        limits: Limits,
-        latch: StopLatch | None = None,
-        driver: PlantDriver | None = None,
-        guard: Guard | None = None,
-    ) -> None:
-        """Begin at rest; see ``PlantNode``."""
+    def __init__(self, robot: DrivenRobot, limits: Limits) -> None:
+        """Begin before the first input.
+
+        Args:
+            robot: The robot, at rest.
+            limits: Limits of magnitude and norm; inputs beyond them are refused. Rates are not checked.
+        """
+        self._robot, self._account, self._latch = robot, robot.account, robot.latch
+        self._period_ns = robot.period_ns
         self._check = InputCheck(limits)
-        self._period_ns = period_ns
-        self._inputs = PlayoutBuffer(period_ns)
-        self._account = InputAccount()
-        self._latch = StopLatch() if latch is None else latch
-        driver = ModelDriver(plant, x0=x0, period_ns=period_ns) if driver is None else driver
-        self._robot = DrivenRobot(
-            driver,
-            plant,
-            fail_safe,
-            self._account,
-            self._latch,
-            x0=x0,
-            period_ns=period_ns,
-            playout_ns=playout_ns,
-            guard=guard,
-        )
+        self._inputs = PlayoutBuffer(self._period_ns)
 
     @property
     def plant_ns(self) -> int:
