@@ -177,16 +177,16 @@ class DistanceToInfeasibility:
         return u_plus if not self._hard else self._deepest(decision)[0] + decision.part("u_ref")
 
     def _deepest(self, decision: Decision) -> tuple[Array, Distance]:
-        posed = decision.program
+        u_ref = decision.part("u_ref")
         program = _Program(
-            G=posed.G[: self._hard, : self._m],
-            d=posed.d[: self._hard],
-            u_ref=posed.u_ref,
-            low=posed.low - posed.u_ref,
-            high=posed.high - posed.u_ref,
+            G=decision.view("G")[: self._hard, : self._m],
+            d=decision.part("d")[: self._hard],
+            u_ref=u_ref,
+            low=decision.part("low") - u_ref,
+            high=decision.part("high") - u_ref,
             limits=self._limits,
         )
-        known = decision.part("u_plus") - posed.u_ref
+        known = decision.part("u_plus") - u_ref
         kept = program.kept(known)
         if not isfinite(kept):
             return known, Distance(lower=self.floor, upper=self.reach)
