@@ -70,9 +70,9 @@ def hold_up(seconds: float) -> None:
     """Let every look at what came take so long before it begins, as where a process has to wait for a processor."""
     drain = TopicReader.drain
 
-    def held_up(reader: TopicReader) -> list[bytes]:
+    def held_up(reader: TopicReader, at_most: int | None = None) -> list[bytes]:
         time.sleep(seconds)
-        return drain(reader)
+        return drain(reader, at_most)
 
     TopicReader.drain = held_up
 
