@@ -1,7 +1,7 @@
 """Shapes that limit several axes of the input at once: the norm of some of them, and a weighted sum."""
 
 from dataclasses import dataclass
-from math import inf
+from math import inf, isfinite
 
 import numpy as np
 
@@ -26,8 +26,9 @@ class NormBound:
     def __post_init__(self) -> None:
         """Refuse what limits nothing."""
         require_positive("input norm bound", self.bound)
-        axes = tuple(int(axis) for axis in numbers("input norm axes", self.axes))
-        if not axes or min(axes) < 0 or len(set(axes)) != len(axes) or axes != numbers("input norm axes", self.axes):
+        given = numbers("input norm axes", self.axes)
+        axes = tuple(int(axis) for axis in given if isfinite(axis))
+        if not axes or min(axes) < 0 or len(set(axes)) != len(axes) or axes != given:
             raise DesignError("input norm axes", described(self.axes), "numbers of axes from 0, each once")
         object.__setattr__(self, "axes", axes)
         object.__setattr__(self, "bound", one_number("input norm bound", self.bound))

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from core_designs import gains, paper_design
 
+from passafe.admissible_shapes import NormBound
 from passafe.barrier_chain import Barrier
 from passafe.barriers import box, disk_keep_out, separation, speed_limit
 from passafe.class_k import Cubic, Linear
@@ -287,3 +288,9 @@ def test_a_box_is_that_of_the_plant() -> None:
 
     with pytest.raises(ShapeError, match="state box: got 1 numbers, allowed 2"):
         check_design(SafetyPassivityFilter(cart()), box)
+
+
+@pytest.mark.parametrize("axis", [np.nan, np.inf, -np.inf, 0.5, -1])
+def test_an_axis_of_a_norm_is_a_whole_number(axis: float) -> None:
+    with pytest.raises(DesignError, match=r"^input norm axes: got .*, allowed numbers of axes from 0, each once$"):
+        NormBound(axes=(0, axis), bound=1.0)  # type: ignore[arg-type]  # the point
