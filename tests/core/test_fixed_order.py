@@ -100,3 +100,14 @@ def test_balancing_is_that_of_lapack(seed: int) -> None:
 
 def test_balancing_leaves_alone_what_is_not_coupled() -> None:
     assert balancing(np.diag([1.0, 1e9])).tolist() == [1.0, 1.0]
+
+
+def test_balancing_ends_after_its_sweeps(monkeypatch: pytest.MonkeyPatch) -> None:
+    A = np.array([[1.0, 2.0**40], [2.0**-40, 1.0]])
+    whole = balancing(A)
+    monkeypatch.setattr("passafe.fixed_order.BALANCE_SWEEPS", 1)
+    scale = balancing(A)
+
+    assert scale.tolist() != [1.0, 1.0]
+    assert np.array_equal(np.log2(scale), np.round(np.log2(scale)))
+    assert np.isfinite(whole).all()

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 from scipy.optimize import nnls
 
+from passafe.solvers import nonnegative
 from passafe.solvers.nonnegative import nonnegative_least_squares
+from passafe.workspace import Array
 
 
 @pytest.mark.parametrize("seed", range(60))
@@ -35,3 +37,27 @@ def test_zero_is_the_answer_where_nothing_helps() -> None:
     x = nonnegative_least_squares(-np.eye(2), np.ones(2))
     assert x is not None
     assert x.tolist() == [0.0, 0.0]
+
+
+def test_a_column_whose_slope_was_rounding_waits_for_another(monkeypatch: pytest.MonkeyPatch) -> None:
+    within, calls = nonnegative._within, []
+
+    def first_refused(A: Array, b: Array, x: Array, is_free: np.ndarray) -> Array:
+        calls.append(is_free.tolist())
+        if len(calls) == 1:
+            is_free[:] = False
+            return np.zeros(len(x))
+        return within(A, b, x, is_free)
+
+    monkeypatch.setattr(nonnegative, "_within", first_refused)
+    x = nonnegative_least_squares(np.eye(2), np.array([1.0, 2.0]))
+
+    assert x is not None
+    assert x.tolist() == [1.0, 2.0]
+    assert calls == [[False, True], [True, False], [True, True]]
+
+
+def test_no_answer_in_the_rounds_that_there_are_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(nonnegative, "STEPS", 0)
+
+    assert nonnegative_least_squares(np.eye(2), np.array([1.0, 2.0])) is None

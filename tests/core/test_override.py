@@ -246,3 +246,16 @@ def test_one_without_rows_has_limits_still() -> None:
 
     assert override.allowed_fraction == pytest.approx(0.25, abs=TOLERANCE)
     assert override.causes == (OverrideCause(row="input 0 high", push=300.0, share=1.0),)
+
+
+def test_many_decisions_are_explained_as_each_of_them() -> None:
+    core = row_filter(hard=1, soft=False)
+    explainer = Explainer(core)
+    state = row_state([(2.0, 0.0, 4.0)])
+    decisions = [core.decide(state, (0.0, 0.0), (push, 3.0), NO_RATE, start=True) for push in (-8.0, -3.0)]
+    overrides = [explainer.override(decision) for decision in decisions]
+
+    found = explainer.explain(np.array([decision.block for decision in decisions]))
+
+    assert found.change.tolist() == [override.change.tolist() for override in overrides]
+    assert found.held_back.tolist() == [override.held_back.tolist() for override in overrides]

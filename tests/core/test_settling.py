@@ -178,3 +178,11 @@ def test_bound_holds_along_a_long_rollout(seed: int) -> None:
             heights.append(float(evaluate(state)))
         assert min(heights) >= lowest
     assert given
+
+
+def test_a_map_that_is_not_finite_has_no_bounded_gain() -> None:
+    found = settling(point())
+    size = found._map.shape
+
+    assert found._largest_gain(np.full(size, np.nan)) == np.inf
+    assert found._largest_gain(np.zeros(size)) == 0.0
