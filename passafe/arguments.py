@@ -18,6 +18,9 @@ from passafe.errors import ShapeError
 
 NUMBERS: Final = "numbers: a sequence, NumPy array or casadi.DM with one axis"
 
+FOREIGN_ERRORS: Final = (ArithmeticError, AttributeError, LookupError, RuntimeError, TypeError, ValueError)
+"""Errors of the conversion of a caller's own object: a tensor with a gradient, a list in itself, a broken sequence."""
+
 _SHORT: Final = Repr()
 _SHORT.maxlevel = 2  # sequences within sequences
 
@@ -38,9 +41,7 @@ def numbers(field: str, value: object, allowed: str = NUMBERS) -> tuple[float, .
     """
     try:
         found = _floats(value)
-    except (
-        Exception
-    ) as error:  # of foreign code: RuntimeError of a tensor with a gradient, RecursionError of a list in itself
+    except FOREIGN_ERRORS as error:
         raise ShapeError(field, described(value), allowed) from error
     if found is None:
         raise ShapeError(field, described(value), allowed)
@@ -82,7 +83,7 @@ def members(value: object) -> tuple[object, ...] | None:
         return None
     try:
         return tuple(value)
-    except Exception:  # noqa: BLE001 - a sequence of the caller's own may raise anything
+    except FOREIGN_ERRORS:
         return None
 
 

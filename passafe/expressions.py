@@ -7,7 +7,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from passafe.arguments import described, is_one_number, numbers
+from passafe.arguments import FOREIGN_ERRORS, described, is_one_number, numbers
 from passafe.errors import DesignError, ShapeError
 
 EXPRESSION: Final = "a casadi.SX expression, numbers, or a sequence of them"
@@ -55,5 +55,5 @@ def as_column(part: str, value: object, nested: int = 0) -> ca.SX:
 def _elements(part: str, value: Sequence[object] | NDArray[np.object_]) -> list[object]:
     try:
         return list(value.ravel()) if isinstance(value, np.ndarray) else [value[i] for i in range(len(value))]
-    except Exception as error:  # a sequence of the caller's own may raise anything
+    except FOREIGN_ERRORS as error:
         raise DesignError(part, described(value), EXPRESSION) from error

@@ -146,6 +146,20 @@ def test_a_fast_start_is_integrated_in_substeps() -> None:
     assert sample.stored_j == pytest.approx(end @ end)
 
 
+def test_energy_of_a_heavy_vehicle_is_judged_by_its_share() -> None:
+    """A truck at 30 m/s brakes with 10⁵ N for 0.1 s: 3·10⁵ J, of which the last bit is 6·10⁻¹¹ J."""
+    speed, force, mass = ca.SX.sym("v"), ca.SX.sym("u"), 2e4
+    truck = System(x=speed, u=force, f=(force - 50 - 2.5 * speed**2) / mass, y=speed)
+    plant = SampledPlant(truck, mass * speed**2 / 2, 0.1)
+    for start in np.linspace(10.0, 40.0, 301):
+        sample = plant._step((start,), (-1e5,), 0.1)
+        end, energy = truth(truck, np.array([start]), np.array([-1e5]), 0.1)
+
+        assert sample.integration_error <= LOCAL_TOLERANCE
+        assert sample.x == pytest.approx(end, abs=10 * LOCAL_TOLERANCE)
+        assert sample.energy_in_j == pytest.approx(energy, rel=100 * LOCAL_TOLERANCE)
+
+
 def test_period_that_cannot_be_integrated_is_refused() -> None:
     plant = plant_of(drag_point(drag=50.0), 0.5)
 
