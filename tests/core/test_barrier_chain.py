@@ -218,6 +218,14 @@ def test_a_dead_zone_hides_no_input(zone: float, ceiling: float) -> None:
     assert derive_chain(system, Barrier(name="wall", h=1 - x[0], class_k=gains(2.0, 2.0, 2.0))).relative_degree == 2
 
 
+def test_an_input_that_never_leaves_its_dead_zone_is_none() -> None:
+    x, u = ca.SX.sym("x", 2), ca.SX.sym("u")
+    system = System(x=x, u=u, f=ca.vertcat(x[1], ca.fmax(u - 1e200, 0)), y=x[1])
+
+    with pytest.raises(DesignError, match="barrier 'wall'"):
+        derive_chain(system, Barrier(name="wall", h=1 - x[0], class_k=gains(2.0, 2.0, 2.0)))
+
+
 def test_parts_of_a_minimum_take_as_many_functions_as_they_need() -> None:
     x, u = ca.SX.sym("x", 2), ca.SX.sym("u")
     system = System(x=x, u=u, f=ca.vertcat(x[1], u), y=x[1])

@@ -34,9 +34,11 @@ def test_a_minimum_has_a_chain_for_each_part() -> None:
     assert psi([0.2, -0.3, 0, 0]) == pytest.approx([0.8, 1.2, 1.3, 0.7])
 
 
-def test_parts_share_their_gains_and_so_their_degree() -> None:
-    with pytest.raises(DesignError, match=r"'room\[2\]' class_k: got 3 functions, allowed 2: relative degree 1"):
-        derive_chains(PLANE, barrier(ca.fmin(1 - x[0], 1 - x[2])))
+def test_parts_share_their_gains_as_far_as_they_need_them() -> None:
+    place, speed = derive_chains(PLANE, barrier(ca.fmin(1 - x[0], 1 - x[2])))
+
+    assert (place.relative_degree, speed.relative_degree) == (2, 1)
+    assert speed.barrier.class_k == place.barrier.class_k[:2]
 
 
 def test_a_smooth_barrier_has_its_own_chain_alone() -> None:
@@ -72,8 +74,14 @@ def test_a_maximum_is_the_branch_that_holds_best() -> None:
 
 
 def test_branches_need_one_relative_degree() -> None:
-    with pytest.raises(DesignError, match=r"'room' class_k: got 3 functions, allowed 2"):
+    with pytest.raises(DesignError, match=r"'room' h: got a maximum of branches of relative degrees \[2, 1\]"):
         derive_chains(PLANE, barrier(ca.fmax(1 - x[0], 1 - x[2])))
+
+
+@pytest.mark.parametrize("given", [2, 4])
+def test_branches_need_a_function_for_each_derivative(given: int) -> None:
+    with pytest.raises(DesignError, match=rf"'room' class_k: got {given} functions, allowed 3: relative degree 2"):
+        derive_chains(PLANE, barrier(ca.fmax(LEFT, RIGHT), degree=given - 1))
 
 
 def test_parts_that_are_numbers_are_left_out() -> None:

@@ -1,5 +1,8 @@
 """Parts of a design in every form in which people write them, and the typed errors for all others."""
 
+from collections.abc import Sequence
+from typing import Never
+
 import casadi as ca
 import numpy as np
 import pytest
@@ -221,6 +224,31 @@ def test_shapes_take_any_vector() -> None:
 def test_a_flag_is_yes_or_no(name: str, value: object) -> None:
     with pytest.raises(DesignError, match=rf"^{name}: got .*, allowed True or False$"):
         cart(**{name: value})
+
+
+class BrokenSequence(Sequence[float]):
+    """Sequence of somebody else's whose elements cannot be read."""
+
+    def __len__(self) -> int:
+        """Return the number of elements."""
+        return 2
+
+    def __getitem__(self, index: object) -> Never:
+        """Raise an error."""
+        raise RuntimeError(f"element {index} is on another device")
+
+
+def test_an_expression_is_no_list_in_itself() -> None:
+    endless: list[object] = []
+    endless.append(endless)
+
+    with pytest.raises(DesignError, match=r"^u_fb: got sequences within sequences without end, allowed a casadi\.SX"):
+        cart(u_fb=endless)
+
+
+def test_an_expression_of_unreadable_parts_is_refused() -> None:
+    with pytest.raises(DesignError, match=r"^u_fb: got .*BrokenSequence.*, allowed a casadi\.SX"):
+        cart(u_fb=BrokenSequence())
 
 
 def test_a_flag_may_be_that_of_an_array() -> None:

@@ -127,6 +127,7 @@ def test_dynamics_without_a_finite_slope_count_as_slow() -> None:
         (x[0] ** 4 - x[0] ** 2, None),
         (ca.sqrt(1 + x[0] ** 2) - x[0], None),
         (ca.fabs(x[0]) + x[1] ** 2, None),
+        (ca.exp(x[0] ** 2) + ca.exp(x[1] ** 2), None),
     ],
 )
 def test_a_storage_without_a_lower_bound_falls_somewhere(V: ca.SX, falls: tuple[int, int] | None) -> None:
