@@ -48,7 +48,7 @@ def test_no_trajectory_falls_below_what_the_deviation_leaves(build: Builder) -> 
             assert is_known == 1
             assert row.usable_s == dt_s  # λ = 0
             for k in range(1, PARTS + 1):
-                s = runge_kutta(lambda _, s, held=held: flow(s, held), 0.0, s, dt_s / PARTS)  # type: ignore[misc]  # bound  # bound
+                s = runge_kutta(lambda _, s, held=held: flow(s, held), 0.0, s, dt_s / PARTS)  # type: ignore[misc]  # bound
                 tau = k * dt_s / PARTS
                 straight = value(x)[0] + tau * rate(x, held)[0]
 
@@ -210,7 +210,7 @@ def test_input_held_for_the_longest_time_keeps_the_barrier(covered: bool) -> Non
         u, held = decision.u, x
         assert not decision.status.is_fallback
         for part in range(20):
-            held = runge_kutta(lambda _, s, u=u: flow(s, np.array(u)), 0.0, held, 1e-3)  # type: ignore[misc]  # bound  # bound
+            held = runge_kutta(lambda _, s, u=u: flow(s, np.array(u)), 0.0, held, 1e-3)  # type: ignore[misc]  # bound
             lowest = min(lowest, 4 - float(held[2:] @ held[2:]))
             x = held if part == 0 else x
 
