@@ -135,7 +135,7 @@ def test_one_input_may_be_a_number() -> None:
     as_number = JERK.decide(x, np.float32(0.5), 2, ca.DM(0.25))  # type: ignore[arg-type]  # a number for a vector of one
     assert as_number.block.tobytes() == JERK.decide(x, (0.5,), (2.0,), (0.25,)).block.tobytes()
     with pytest.raises(ShapeError, match="lengths 4, 1, 2, 2, allowed lengths 4, 2, 2, 2"):
-        PAPER.decide(X, 1.0, U_H, RATE)  # type: ignore[arg-type]  # the point
+        PAPER.decide(X, 1.0, U_H, RATE)  # type: ignore[arg-type]  # wrong on purpose
 
 
 @pytest.mark.parametrize("tank", [0.5, np.array([0.5]), ca.DM(0.5), np.float32(0.5), [0.5], Fraction(1, 2)])
@@ -149,13 +149,13 @@ def test_a_number_may_be_a_vector_of_one(tank: object) -> None:
 @pytest.mark.parametrize("value", [None, "1", (1.0, 2.0), (), 1j, ca.SX.sym("s")])
 def test_what_is_not_one_number_is_refused(field: str, value: object) -> None:
     with pytest.raises(ShapeError, match=f"^{field}: got .*, allowed one number$"):
-        PAPER.decide(X, U, U_H, RATE, **{field: value})  # type: ignore[arg-type]  # the point
+        PAPER.decide(X, U, U_H, RATE, **{field: value})  # type: ignore[arg-type]  # wrong on purpose
 
 
 def test_a_refused_request_leaves_no_trace() -> None:
     before = PAPER.decide(X, U, U_H, RATE)
     with pytest.raises(ShapeError):
-        PAPER.decide(X, U, ("a", "b"), RATE)  # type: ignore[arg-type]  # the point
+        PAPER.decide(X, U, ("a", "b"), RATE)  # type: ignore[arg-type]  # wrong on purpose
 
     assert PAPER.decide(X, U, U_H, RATE).block.tobytes() == before.block.tobytes()
 
@@ -169,9 +169,9 @@ def test_plants_take_the_same_vectors() -> None:
         assert plant.at(form(X)).x == X  # type: ignore[operator]  # of many types
     for x, u in ((X, ("hard", 0.0)), (None, U), ("1234", U), ((1j,) * 4, U)):
         with pytest.raises(ShapeError, match=r"^(x|u): got "):
-            plant.advance(x, u)  # type: ignore[arg-type]  # the point
+            plant.advance(x, u)  # type: ignore[arg-type]  # wrong on purpose
     with pytest.raises(ShapeError, match=r"^x: got "):
-        plant.at(None)  # type: ignore[arg-type]  # the point
+        plant.at(None)  # type: ignore[arg-type]  # wrong on purpose
 
 
 def test_numbers_that_are_not_finite_stay_what_they_are() -> None:
@@ -197,7 +197,7 @@ def test_the_message_says_what_was_given() -> None:
 
 
 def test_a_start_may_be_an_array_of_one() -> None:
-    given = PAPER.decide(X, U, U_H, RATE, start=np.array([True]))  # type: ignore[arg-type]  # the point
+    given = PAPER.decide(X, U, U_H, RATE, start=np.array([True]))  # type: ignore[arg-type]  # wrong on purpose
 
     assert given.block.tobytes() == PAPER.decide(X, U, U_H, RATE, start=True).block.tobytes()
 
@@ -208,6 +208,6 @@ def test_the_message_has_one_line() -> None:
             return "two\nlines"
 
     with pytest.raises(ShapeError) as refused:
-        numbers("x", Lines([1j]))  # type: ignore[list-item]  # the point
+        numbers("x", Lines([1j]))  # type: ignore[list-item]  # wrong on purpose
 
     assert "\n" not in str(refused.value)

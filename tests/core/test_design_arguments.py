@@ -130,7 +130,7 @@ def test_gains_stand_for_linear_functions() -> None:
 @pytest.mark.parametrize("class_k", [2.0, "222", None, (2.0, None), ("2", "2"), [lambda s: s], (2.0, -1.0), (0.0,)])
 def test_other_class_k_functions_are_refused(class_k: object) -> None:
     with pytest.raises(DesignError, match="class"):
-        Barrier(name="wall", h=1 - X[0], class_k=class_k)  # type: ignore[arg-type]  # the point
+        Barrier(name="wall", h=1 - X[0], class_k=class_k)  # type: ignore[arg-type]  # wrong on purpose
 
 
 def test_a_constant_barrier_has_no_relative_degree() -> None:
@@ -198,9 +198,9 @@ def test_parts_of_another_kind_are_refused(part: str, value: object, allowed: st
 
 def test_tanks_are_tanks_with_numbers() -> None:
     with pytest.raises(DesignError, match=r"passivity tank: got 1\.0"):
-        Passivity(V=X[0] ** 2, tank=1.0)  # type: ignore[arg-type]  # the point
+        Passivity(V=X[0] ** 2, tank=1.0)  # type: ignore[arg-type]  # wrong on purpose
     with pytest.raises(DesignError, match="tank initial_j: got 'full'"):
-        Tank(initial_j="full")  # type: ignore[arg-type]  # the point
+        Tank(initial_j="full")  # type: ignore[arg-type]  # wrong on purpose
 
 
 def test_shapes_take_any_vector() -> None:
@@ -210,11 +210,11 @@ def test_shapes_take_any_vector() -> None:
             disk_keep_out(position, centre=(0.0, 1.0), radius=1.0)
         )
     with pytest.raises(ShapeError, match="disk centre: got '01'"):
-        disk_keep_out(position, centre="01", radius=1.0)  # type: ignore[arg-type]  # the point
+        disk_keep_out(position, centre="01", radius=1.0)  # type: ignore[arg-type]  # wrong on purpose
     with pytest.raises(DesignError, match="disk radius: got 'wide'"):
-        disk_keep_out(position, centre=(0.0, 0.0), radius="wide")  # type: ignore[arg-type]  # the point
+        disk_keep_out(position, centre=(0.0, 0.0), radius="wide")  # type: ignore[arg-type]  # wrong on purpose
     with pytest.raises(DesignError, match="coordinates of box low: got None"):
-        box(None, low=(0.0,), high=(1.0,))  # type: ignore[arg-type]  # the point
+        box(None, low=(0.0,), high=(1.0,))  # type: ignore[arg-type]  # wrong on purpose
     with pytest.raises(ShapeError, match="separation positions"):
         separation(position, position[0], distance=1.0)
 
@@ -271,13 +271,13 @@ def test_barriers_are_a_sequence_of_barriers(given: object) -> None:
 @pytest.mark.parametrize("name", [["wall"], None, ca.SX.sym("wall"), 1])
 def test_a_barrier_has_a_name(name: object) -> None:
     with pytest.raises(DesignError, match=r"^barrier name: got .*, allowed a name$"):
-        Barrier(name=name, h=1 - X[0], class_k=(Linear(gain=2.0),) * 3)  # type: ignore[arg-type]  # the point
+        Barrier(name=name, h=1 - X[0], class_k=(Linear(gain=2.0),) * 3)  # type: ignore[arg-type]  # wrong on purpose
 
 
 @pytest.mark.parametrize("bounds", [1.0, [1.0], "close"])
 def test_derivative_bounds_are_of_their_kind(bounds: object) -> None:
     with pytest.raises(DesignError, match=r"derivative_bounds: got .*, allowed DerivativeBounds, or None"):
-        Barrier(name="wall", h=1 - X[0], class_k=(Linear(gain=2.0),) * 3, derivative_bounds=bounds)  # type: ignore[arg-type]  # the point
+        Barrier(name="wall", h=1 - X[0], class_k=(Linear(gain=2.0),) * 3, derivative_bounds=bounds)  # type: ignore[arg-type]  # wrong on purpose
 
 
 @pytest.mark.parametrize("bound", [1e101, 1e300])
@@ -289,7 +289,7 @@ def test_limits_have_squares(bound: float) -> None:
 @pytest.mark.parametrize("value", [ca.DM([2, 2, 2]), np.array(2.0), "222"])
 def test_class_k_functions_are_a_sequence(value: object) -> None:
     with pytest.raises(DesignError, match=r"^barrier 'wall' class_k: got .*, allowed "):
-        Barrier(name="wall", h=1 - X[0], class_k=value)  # type: ignore[arg-type]  # the point
+        Barrier(name="wall", h=1 - X[0], class_k=value)  # type: ignore[arg-type]  # wrong on purpose
 
 
 @pytest.mark.parametrize("number", [np.nan, np.inf, -np.inf])
@@ -299,16 +299,16 @@ def test_an_expression_has_finite_numbers(number: float) -> None:
 
 
 def test_energies_and_gains_are_kept_as_numbers() -> None:
-    tank = Tank(initial_j=[1], reserve_j=np.array([0.5]))  # type: ignore[arg-type]  # the point
+    tank = Tank(initial_j=[1], reserve_j=np.array([0.5]))  # type: ignore[arg-type]  # wrong on purpose
 
     assert (tank.initial_j, tank.reserve_j) == (1.0, 0.5)
-    assert type(Linear(gain=np.array(2.0)).gain) is float  # type: ignore[arg-type]  # the point
+    assert type(Linear(gain=np.array(2.0)).gain) is float  # type: ignore[arg-type]  # wrong on purpose
 
 
 @pytest.mark.parametrize("low", [(2.0, 0.0), (np.nan, 0.0), (0.0,), "ab"])
 def test_a_box_has_a_corner_below_another(low: object) -> None:
     with pytest.raises((DesignError, ShapeError), match=r"^state box"):
-        StateBox(x0=(0.0, 0.0), low=low, high=(1.0, 1.0))  # type: ignore[arg-type]  # the point
+        StateBox(x0=(0.0, 0.0), low=low, high=(1.0, 1.0))  # type: ignore[arg-type]  # wrong on purpose
 
 
 def test_a_box_is_that_of_the_plant() -> None:
@@ -321,4 +321,4 @@ def test_a_box_is_that_of_the_plant() -> None:
 @pytest.mark.parametrize("axis", [np.nan, np.inf, -np.inf, 0.5, -1])
 def test_an_axis_of_a_norm_is_a_whole_number(axis: float) -> None:
     with pytest.raises(DesignError, match=r"^input norm axes: got .*, allowed numbers of axes from 0, each once$"):
-        NormBound(axes=(0, axis), bound=1.0)  # type: ignore[arg-type]  # the point
+        NormBound(axes=(0, axis), bound=1.0)  # type: ignore[arg-type]  # wrong on purpose

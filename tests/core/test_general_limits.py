@@ -212,7 +212,7 @@ def test_limits_that_leave_nothing_are_refused(changes: dict[str, object], messa
 @pytest.mark.parametrize("axes", [(), (0, 0), (-1,), (0.5,), "01", None])
 def test_norms_need_axes(axes: object) -> None:
     with pytest.raises(DesignError, match="input norm axes"):
-        NormBound(axes=axes, bound=1.0)  # type: ignore[arg-type]  # the point
+        NormBound(axes=axes, bound=1.0)  # type: ignore[arg-type]  # wrong on purpose
     with pytest.raises(DesignError, match="input norm bound"):
         NormBound(axes=(0,), bound=0.0)
 
@@ -222,7 +222,7 @@ def test_half_spaces_need_weights(weights: tuple[float, ...], bound: float) -> N
     with pytest.raises(DesignError, match="input half-space"):
         HalfSpace(weights=weights, bound=bound)
     with pytest.raises(ShapeError):
-        HalfSpace(weights=("a", "b"), bound=1.0)  # type: ignore[arg-type]  # the point
+        HalfSpace(weights=("a", "b"), bound=1.0)  # type: ignore[arg-type]  # wrong on purpose
 
 
 def test_half_spaces_are_scaled_to_unit_length() -> None:
