@@ -1,11 +1,12 @@
 """Any messages to the plant node, and sequences of two filters in any order."""
 
 import numpy as np
+from any_inputs import Steps, any_steps
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from modelled_robot import modelled_robot
 from passafe_protocol.codec import encode
-from passafe_protocol.messages import UNSEQUENCED, PlantInput, PlantState, Received
+from passafe_protocol.messages import UNSEQUENCED, PlantState, Received
 from passafe_services.plant.node import PlantNode
 from passafe_services.plant_contract.fail_safe import FailSafe
 from stepped_plant import BOUND, MS, RUNNING, WAITING, X0, head, sequenced, states
@@ -13,34 +14,10 @@ from stepped_plant import BOUND, MS, RUNNING, WAITING, X0, head, sequenced, stat
 from passafe import SampledPlant, damped_point
 from passafe.limits import Limits
 
-number = st.one_of(st.floats(-120, 120), st.sampled_from([float("nan"), float("inf"), BOUND, -BOUND]))
-vector = st.lists(number, max_size=5).map(tuple)
-pair = st.tuples(st.floats(-BOUND, BOUND), st.floats(-BOUND, BOUND))
-time_ns = st.one_of(
-    st.integers(-3, 25).map(lambda k: k * MS), st.sampled_from([UNSEQUENCED, MS + 1, -(2**63), 2**63 - 1])
-)
-plant_input = st.builds(
-    PlantInput,
-    tick=st.one_of(st.integers(0, 40), st.just(2**64 - 1)),
-    u=st.one_of(pair, vector),
-    effective_plant_ns=time_ns,
-    hold_ns=st.sampled_from([0, MS, 2**64 - 1]),
-    input_sequence_start_ns=time_ns.filter(lambda ns: ns >= UNSEQUENCED),
-    known_break_ns=time_ns.filter(lambda ns: ns >= UNSEQUENCED),
-    previous_u=st.one_of(vector, st.lists(pair, max_size=6).map(lambda pairs: sum(pairs, ()))),
-)
-
 
 @settings(max_examples=60)
-@given(
-    st.lists(
-        st.tuples(st.integers(0, 3), st.lists(st.tuples(st.integers(1, 3), time_ns, plant_input), max_size=4)),
-        max_size=25,
-    )
-)
-def test_any_messages_keep_inputs_bounded_and_states_valid(
-    steps: list[tuple[int, list[tuple[int, int, PlantInput]]]],
-) -> None:
+@given(any_steps(sequenced=True))
+def test_any_messages_keep_inputs_bounded_and_states_valid(steps: Steps) -> None:
     node, at_ms = fuzzed(), 1
     for skipped, bodies in steps:
         at_ms += 1 + skipped

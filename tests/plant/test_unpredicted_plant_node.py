@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
+from any_inputs import Steps, any_steps
 from hypothesis import given, settings
-from hypothesis import strategies as st
 from modelled_robot import modelled_robot
 from passafe_protocol.codec import encode
 from passafe_protocol.messages import UNSEQUENCED, Event, Header, PlantInput, PlantPhase, PlantState, Received
@@ -125,32 +125,12 @@ def test_a_sequenced_input_is_refused() -> None:
     assert (state.u, state.inputs_refused) == (U, 1)
 
 
-number = st.one_of(st.floats(-120, 120), st.sampled_from([float("nan"), float("inf"), 100.0, -100.0]))
-vector = st.lists(number, max_size=5).map(tuple)
-pair = st.tuples(st.floats(-100.0, 100.0), st.floats(-100.0, 100.0))
-time_ns = st.one_of(
-    st.integers(-3, 25).map(lambda k: k * MS), st.sampled_from([UNSEQUENCED, MS + 1, -(2**63), 2**63 - 1])
-)
-plant_input = st.builds(
-    PlantInput,
-    tick=st.one_of(st.integers(0, 40), st.just(2**64 - 1)),
-    u=st.one_of(pair, vector),
-    effective_plant_ns=time_ns,
-    hold_ns=st.sampled_from([0, MS, 2**64 - 1]),
-)
 RULE = FailSafe(ROBOT, LIMITS, period_ns=MS, hold_ns=2 * MS)
 
 
 @settings(max_examples=60)
-@given(
-    st.lists(
-        st.tuples(st.integers(0, 3), st.lists(st.tuples(st.integers(1, 3), time_ns, plant_input), max_size=4)),
-        max_size=25,
-    )
-)
-def test_no_messages_make_its_inputs_or_states_unbounded(
-    steps: list[tuple[int, list[tuple[int, int, PlantInput]]]],
-) -> None:
+@given(any_steps(sequenced=False))
+def test_no_messages_make_its_inputs_or_states_unbounded(steps: Steps) -> None:
     node, at_ms = UnpredictedPlantNode(modelled_robot(PLANT, RULE, x0=X0, period_ns=MS), LIMITS), 1
     for skipped, bodies in steps:
         at_ms += 1 + skipped
