@@ -1,7 +1,7 @@
 """The pages of logs behind their real web server, in a thread of the test's process."""
 
 import asyncio
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from queue import Queue
@@ -43,8 +43,13 @@ class BrowsedArchive:
 
     def over(self, job: str) -> dict[str, Any]:
         """Wait until a job is over, and return it."""
-        found = {"state": "waiting", "changes": -1}
-        while found["state"] not in OVER:
+        return self.until(job, lambda found: found["state"] in OVER)
+
+    def until(self, job: str, is_there: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
+        """Follow a job, change by change, until it is where it is waited for; return it."""
+        found: dict[str, Any] = {"state": "waiting", "text": "", "changes": -1}
+        while not is_there(found):
+            assert found["state"] not in OVER, found
             found = self.get(f"/api/jobs/{job}?seen={found['changes']}").json()
         return found
 

@@ -16,21 +16,28 @@ from passafe_services.scenarios.load import load_scenario
 from passafe_services.simulation import lockstep_loop, steps_of
 
 REVIEW = {"kind": "review", "log": "run.mcap"}
+LONG_S = 20.0
+"""Length of a run about which a job is at work for seconds, so that it can be met there on a busy machine."""
 
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a runs folder with a simulated run, a circle, and files that are no logs."""
+    """Return a runs folder with two simulated runs, a circle, and files that are no logs."""
     folder = tmp_path_factory.mktemp("runs")
-    scenario = load_scenario("notomista-cai-2020", {"duration_s": 0.3})
-    metadata = run_metadata(scenario_json=scenario.model_dump_json(), versions=versions(), driver="lockstep")
-    with LogWriter(folder / "run.mcap", metadata) as writer:
-        loop = lockstep_loop(scenario, LockstepLog(writer))
-        loop.run(steps_of(scenario))
-        loop.finish()
+    _simulate(folder / "run.mcap", 0.3)
+    _simulate(folder / "long.mcap", LONG_S)
     write_log(folder / "circle.mcap", circle_messages(300))
     (folder / "words.mcap").write_text("no log")
     return folder
+
+
+def _simulate(path: Path, duration_s: float) -> None:
+    scenario = load_scenario("notomista-cai-2020", {"duration_s": duration_s})
+    metadata = run_metadata(scenario_json=scenario.model_dump_json(), versions=versions(), driver="lockstep")
+    with LogWriter(path, metadata) as writer:
+        loop = lockstep_loop(scenario, LockstepLog(writer))
+        loop.run(steps_of(scenario))
+        loop.finish()
 
 
 @pytest.fixture(scope="module")
@@ -109,26 +116,21 @@ def test_unknown_names_are_refused(page: BrowsedArchive) -> None:
 
 
 def test_jobs_are_bounded_and_leave_nothing_when_cancelled(page: BrowsedArchive, runs: Path) -> None:
-    request = {"kind": "what-if", "log": "run.mcap", "links": "drawn"}
+    request = {"kind": "what-if", "log": "long.mcap", "links": "drawn"}
     before = set(runs.iterdir())
     answers = [page.post(request) for _ in range(9)]
     assert [answer.status_code for answer in answers] == [202] * 8 + [429]
     first, *others = [answer.json()["job"] for answer in answers[:8]]
     for job in others:
         assert page.delete(job).json()["state"] == "cancelled"
-    found = answers[0].json()
-    while found["text"] != "running again":
-        found = page.get(f"/api/jobs/{first}?seen={found['changes']}").json()
-    assert set(runs.iterdir()) > before
+    page.until(first, lambda _: set(runs.iterdir()) > before)
     assert page.delete(first).json()["state"] == "cancelled"
     assert set(runs.iterdir()) == before
 
 
 def test_a_killed_process_is_named(page: BrowsedArchive) -> None:
-    job = page.post({"kind": "review", "log": "circle.mcap"}).json()["job"]
-    seen = 0
-    while (found := page.get(f"/api/jobs/{job}?seen={seen}").json())["text"] in ("waiting for its turn", "starting"):
-        seen = found["changes"]
+    job = page.post({"kind": "review", "log": "long.mcap"}).json()["job"]
+    page.until(job, lambda found: found["text"] not in ("waiting for its turn", "starting"))
     [child] = children_of(os.getpid())
     os.kill(child, signal.SIGKILL)
     over = page.over(job)
