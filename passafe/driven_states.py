@@ -1,26 +1,20 @@
-"""States that operators at the limits reach from the start, through the filter: can rows be kept there?
+"""States that operators at the limits reach from the start, through the filter: can rows be kept there, and the tank?
 
-Random states say how much of the protected set is good; these say whether a robot gets to where it is not. Some
-operators ask for the same corner of the limits all the time, as one who drives at a wall; others change it now and
-then.
+Random states say how much of the protected set is good; these say whether a robot gets to where it is not.
 """
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
 
 from passafe.decision import Status
+from passafe.drive import Drive, drive
 from passafe.filter import SafetyPassivityFilter
 from passafe.finding import Finding, Severity
-from passafe.sampled_plant import SampledPlant
 
 OPERATORS: Final = 8
 """Operators that drive from the start."""
-
-CHANGES: Final = 0.05
-"""Share of the periods at which every other one of them asks for something else."""
 
 DRIVEN_S: Final = 3.0
 """Plant time for which each drives, unless that is less than ``FEWEST`` periods or more than are allowed, s."""
@@ -36,31 +30,16 @@ MOSTLY: Final = 0.5
 PERIODS: Final = 10
 """Periods that one operator drives at most, for every random state that is looked at."""
 
+TANK_ROUNDING: Final = 1e-9
+"""Share of the tank's first energy by which rounding may take it below zero."""
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class FallbackReached:
-    """A fallback that an operator drove into.
-
-    Attributes:
-        after_s: Plant time since the start, s.
-        status: Why it is one.
-        x: State.
-    """
-
-    after_s: float
-    status: Status
-    x: tuple[float, ...]
-
-    def __str__(self) -> str:
-        """Return it as part of a sentence."""
-        place = ", ".join(f"{value:.3g}" for value in self.x)
-        return f"{self.status.name} after {self.after_s:.3g} s at ({place})"
+SUBJECT: Final = "states that operators reach from the start"
 
 
-def driven_finding(
+def driven_findings(
     core: SafetyPassivityFilter, x0: Sequence[float], samples: int, seed: int, operators: int = OPERATORS
-) -> Finding:
-    """Return whether any operator drives the robot from the start into a fallback, and where the first one is.
+) -> tuple[Finding, ...]:
+    """Return whether any operator drives the robot from the start into a fallback, and whether one empties the tank.
 
     Args:
         core: The filter.
@@ -71,59 +50,48 @@ def driven_finding(
     """
     dt_s = core.design.dt_s
     periods = int(np.clip(round(DRIVEN_S / dt_s), FEWEST, PERIODS * samples))
-    drives = [_drive(core, x0, periods, seed, k) for k in range(operators)]
-    reached = [drive.fallback for drive in drives if drive.fallback is not None]
+    drives = [drive(core, x0, periods, seed, k) for k in range(operators)]
     drove = f"{operators} operators drove from the start at the limits of the input for {periods * dt_s:.3g} s"
-    subject = "states that operators reach from the start"
-    braked = sum(drive.braked for drive in drives) / sum(drive.periods for drive in drives)
+    rows = _rows(core, drives, drove)
+    if not core.design.mode.enforces_passivity:
+        return (rows,)
+    return (rows, _energy(core, drives, drove))
+
+
+def _rows(core: SafetyPassivityFilter, drives: Sequence[Drive], drove: str) -> Finding:
+    reached = [each.fallback for each in drives if each.fallback is not None]
+    braked = _share(drives, Status.BACKUP)
     if not reached and braked < MOSTLY:
-        return Finding(severity=Severity.NOTE, topic="rows", subject=subject, found=f"{drove}: no fallback")
+        return Finding(severity=Severity.NOTE, topic="rows", subject=SUBJECT, found=f"{drove}: no fallback")
     if not reached:
         found, advice = f"{drove}: the backup law braked in {braked:.0%} of the periods", EASIER
     else:
         first = min(reached, key=lambda end: end.after_s)
         found = f"{drove}: {len(reached)} of them into a fallback, first {first}"
         advice = f"{'' if core.design.gatekeeper else 'a gatekeeper, '}{EASIER}"
-    return Finding(severity=Severity.WARNING, topic="rows", subject=subject, found=found, advice=advice)
+    return Finding(severity=Severity.WARNING, topic="rows", subject=SUBJECT, found=found, advice=advice)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class _Drive:
-    """Outcome of one operator's drive.
-
-    Attributes:
-        periods: Periods driven.
-        braked: Those in which the backup law's input was sent.
-        fallback: Fallback that ended it; ``None`` if none did.
-    """
-
-    periods: int
-    braked: int
-    fallback: FallbackReached | None
-
-
-def _drive(core: SafetyPassivityFilter, x0: Sequence[float], periods: int, seed: int, operator: int) -> _Drive:
-    design, tank_j = core.design, core.design.passivity.initial_j
-    plant = SampledPlant(design.system, design.passivity.V, design.dt_s)
-    requests = _requests(core, np.random.default_rng([seed, operator]), changes=operator % 2 == 1)
-    x, u, rest = x0, design.limits.centre, (0.0,) * design.system.m
-    braked = 0
-    for k in range(periods):
-        t_s = k * design.dt_s
-        decision = core.decide(x, u, next(requests), rest, tank_j, t_s, start=k == 0)
-        if decision.status.is_fallback:
-            reached = FallbackReached(after_s=t_s, status=decision.status, x=tuple(x))
-            return _Drive(periods=k + 1, braked=braked, fallback=reached)
-        braked += decision.status is Status.BACKUP
-        x, u = plant.advance(x, decision.u).x, decision.u
-    return _Drive(periods=periods, braked=braked, fallback=None)
+def _energy(core: SafetyPassivityFilter, drives: Sequence[Drive], drove: str) -> Finding:
+    """Return how often the passivity row was relaxed, and how low the tank got, which only slack takes below zero."""
+    tank, dt_s = core.design.passivity.tank, core.design.dt_s
+    relaxed = f"{drove}: the passivity row was relaxed in {_share(drives, Status.RELAXED):.0%} of the periods"
+    if tank is None:
+        return Finding(severity=Severity.NOTE, topic="energy", subject=SUBJECT, found=relaxed)
+    least_j = min((level_j for each in drives for level_j in each.tank_j), default=tank.initial_j)
+    found = f"{relaxed}, least energy in the tank {least_j:.3g} J"
+    below = [k for each in drives for k, level_j in enumerate(each.tank_j) if level_j < -TANK_ROUNDING * tank.initial_j]
+    if not below:
+        return Finding(severity=Severity.NOTE, topic="energy", subject=SUBJECT, found=found)
+    return Finding(
+        severity=Severity.WARNING,
+        topic="energy",
+        subject=SUBJECT,
+        found=f"{found}, below zero first after {(min(below) + 1) * dt_s:.3g} s",
+        advice="safety or the limits need energy that the robot was not given: a larger tank, wider limits, "
+        "or an output and a storage function with which the plant is passive",
+    )
 
 
-def _requests(core: SafetyPassivityFilter, rng: np.random.Generator, *, changes: bool) -> Iterator[list[float]]:
-    """Yield what an operator asks for in period after period: a corner of the limits."""
-    sides = np.array((core.design.limits.low, core.design.limits.high))
-    corner = rng.permuted(sides, axis=0)[0]
-    while True:
-        if changes and rng.random() < CHANGES:
-            corner = rng.permuted(sides, axis=0)[0]
-        yield corner.tolist()
+def _share(drives: Sequence[Drive], status: Status) -> float:
+    return sum(each.statuses.count(status) for each in drives) / sum(len(each.statuses) for each in drives)

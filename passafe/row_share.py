@@ -12,7 +12,7 @@ import numpy as np
 from passafe.arguments import numbers
 from passafe.backup_start import backup_findings, is_kept_from
 from passafe.decision import Status
-from passafe.driven_states import EASIER, driven_finding
+from passafe.driven_states import EASIER, driven_findings
 from passafe.errors import DesignError, ShapeError
 from passafe.filter import SafetyPassivityFilter
 from passafe.finding import Finding, Severity
@@ -73,7 +73,7 @@ def row_findings(core: SafetyPassivityFilter, box: StateBox, samples: int, seed:
     of_rows = (*(finding for finding in effects if finding is not None), _share(drawn))
     if core.design.gatekeeper and is_kept_from(core, box.x0):
         of_rows = tuple(map(_harmless, of_rows))
-    return (*of_rows, driven_finding(core, box.x0, samples, seed), *backup_findings(core, box.x0))
+    return (*of_rows, *driven_findings(core, box.x0, samples, seed), *backup_findings(core, box.x0))
 
 
 def _harmless(finding: Finding) -> Finding:

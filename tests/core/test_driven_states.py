@@ -9,11 +9,12 @@ from passafe.backup_start import backup_findings, is_kept_from
 from passafe.barrier_chain import Barrier
 from passafe.class_k import Linear
 from passafe.design import FilterDesign, Law, Mode
-from passafe.driven_states import driven_finding
+from passafe.driven_states import driven_findings
 from passafe.filter import SafetyPassivityFilter
 from passafe.finding import Severity
 from passafe.passivity import Passivity
 from passafe.system import System
+from passafe.tank import Tank
 
 DT_S = 0.01
 
@@ -37,7 +38,7 @@ def walled(gain: float, **changes: object) -> FilterDesign:
 
 def test_low_gains_leave_operators_without_a_fallback() -> None:
     """With γ = 0.5/s rows ask for −γ²h − 2γv, at most 1 from rest 1 m away."""
-    found = driven_finding(SafetyPassivityFilter(walled(0.5)), (0.0, 0.0), 40, 1)
+    (found,) = driven_findings(SafetyPassivityFilter(walled(0.5)), (0.0, 0.0), 40, 1)
 
     assert found.severity is Severity.NOTE
     assert found.found == "8 operators drove from the start at the limits of the input for 3 s: no fallback"
@@ -45,15 +46,51 @@ def test_low_gains_leave_operators_without_a_fallback() -> None:
 
 def test_high_gains_let_operators_reach_a_fallback() -> None:
     """With γ = 20/s rows let it race up to where full braking is too late: v²/2 > h."""
-    found = driven_finding(SafetyPassivityFilter(walled(20.0)), (0.0, 0.0), 40, 1)
+    (found,) = driven_findings(SafetyPassivityFilter(walled(20.0)), (0.0, 0.0), 40, 1)
 
     assert found.severity is Severity.WARNING
     assert "of them into a fallback, first INFEASIBLE after 1.32 s at (0.871, 1.32)" in found.found
     assert "gatekeeper" in found.advice
 
 
+def pushed(tank: Tank | None, growth: float = 1.0) -> SafetyPassivityFilter:
+    """Return ẍ = growth·ẋ + u before a wall that comes with 1 m/s: with V = ẋ²/2 it gives out growth·ẋ²."""
+    x, u, t = ca.SX.sym("x", 2), ca.SX.sym("u"), ca.SX.sym("t")
+    system = System(x=x, u=u, f=ca.vertcat(x[1], growth * x[1] + u), y=x[1], t=t)
+    wall = Barrier(name="wall", h=x[0] - t, class_k=(Linear(gain=2.0),) * 3)
+    passivity = Passivity(V=x[1] ** 2 / 2, tank=tank)
+    changes = {"system": system, "fail_safe": -50 * x[1], "barriers": (wall,), "passivity": passivity}
+    return SafetyPassivityFilter(walled(2.0, **changes, mode=Mode.BOTH, input_bound=10.0))
+
+
+def test_a_tank_that_safety_empties_warns() -> None:
+    """A joule lasts a second before the wall; the robot starts with the wall's speed, 0.1 m ahead."""
+    (rows, energy) = driven_findings(pushed(Tank(initial_j=1.0, reserve_j=0.5)), (0.1, 1.0), 40, 1)
+
+    assert rows.severity is Severity.NOTE
+    assert (energy.severity, energy.topic) == (Severity.WARNING, "energy")
+    least_j, below_s = (float(part.split()[0]) for part in energy.found.split("tank ")[1].split("after "))
+    assert least_j < 0 < below_s
+    assert "a larger tank" in energy.advice
+
+
+def test_a_tank_that_lasts_is_a_note() -> None:
+    """A plant that dissipates needs none of it: braking before the wall fills it."""
+    (_, energy) = driven_findings(pushed(Tank(initial_j=1.0, reserve_j=0.5), growth=-1.0), (0.1, 1.0), 40, 1)
+
+    assert energy.severity is Severity.NOTE
+    assert "relaxed in 0% of the periods, least energy in the tank" in energy.found
+
+
+def test_without_a_tank_the_share_of_slack_is_reported() -> None:
+    (_, energy) = driven_findings(pushed(None), (0.1, 1.0), 40, 1)
+
+    assert energy.severity is Severity.NOTE
+    assert energy.found.endswith("% of the periods")
+
+
 def test_slow_loops_are_driven_for_fifty_periods_at_least() -> None:
-    found = driven_finding(SafetyPassivityFilter(walled(0.1, dt_s=0.5)), (0.0, 0.0), 40, 1, 2)
+    (found,) = driven_findings(SafetyPassivityFilter(walled(0.1, dt_s=0.5)), (0.0, 0.0), 40, 1, 2)
 
     assert found.found.startswith("2 operators drove from the start at the limits of the input for 25 s")
 
@@ -63,7 +100,8 @@ def test_a_gatekeeper_has_no_fallback_where_the_law_keeps_all() -> None:
     core = SafetyPassivityFilter(walled(20.0, gatekeeper=True))
 
     assert is_kept_from(core, (0.0, 0.0))
-    assert driven_finding(core, (0.0, 0.0), 40, 1).severity is Severity.NOTE
+    (driven,) = driven_findings(core, (0.0, 0.0), 40, 1)
+    assert driven.severity is Severity.NOTE
     (found,) = backup_findings(core, (0.0, 0.0))
     assert found.severity is Severity.NOTE
     assert found.found == "keeps every barrier until the robot rests, h ≥ 1: a gatekeeper would do so for ever"
@@ -71,7 +109,7 @@ def test_a_gatekeeper_has_no_fallback_where_the_law_keeps_all() -> None:
 
 def test_a_robot_that_the_backup_law_mostly_brakes_warns() -> None:
     """Gains of 20/s over periods of 0.1 s leave no margin: the rows are hardly ever kept between samples."""
-    found = driven_finding(SafetyPassivityFilter(walled(20.0, dt_s=0.1, gatekeeper=True)), (0.0, 0.0), 40, 1, 2)
+    (found,) = driven_findings(SafetyPassivityFilter(walled(20.0, dt_s=0.1, gatekeeper=True)), (0.0, 0.0), 40, 1, 2)
 
     assert found.severity is Severity.WARNING
     assert found.found.endswith("for 5 s: the backup law braked in 96% of the periods")

@@ -7,7 +7,7 @@ import numpy as np
 
 from passafe.backup_start import backup_findings, is_kept_from
 from passafe.design_check import check_design
-from passafe.driven_states import driven_finding
+from passafe.driven_states import driven_findings
 from passafe.errors import IntegrationError
 from passafe.filter import SafetyPassivityFilter
 from passafe.finding import Finding, Severity
@@ -98,7 +98,7 @@ def start_warning(core: SafetyPassivityFilter, x0: Sequence[float], seed: int) -
     """
     try:
         findings: tuple[Finding, ...] = (
-            driven_finding(core, x0, SAMPLES, seed, LOOP_OPERATORS),
+            *driven_findings(core, x0, SAMPLES, seed, LOOP_OPERATORS),
             *backup_findings(core, x0),
         )
     except IntegrationError as error:
