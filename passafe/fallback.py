@@ -1,10 +1,11 @@
 """The choice among inputs where the hard rows cannot be kept with their margins: no answer is worse than braking.
 
-Every candidate is held for one period or for as long as the plant may hold it, whichever is worse, then the backup law
-follows; the backup law at once is the course that all are compared with. The answer of the program is sent if on its
-course no barrier is lost earlier than on the backup's, nor by more; another input only if its course is better than
-that of the best so far. After every period the rest of the chosen course is the backup's course from there: so where no
-input is lost, a run of such ticks keeps barriers for as long as the backup law would from its first tick on.
+Every candidate is held for one period or for as long as the plant may hold it, whichever is worse, then the backup
+law follows; the backup law at once is the course that all are compared with. The answer of the program is sent if on
+its course no barrier is lost earlier than on the backup's, nor by more; another input only if its course is better
+than that of the best so far; of these, a course that is proven to keep every barrier goes before one that is not.
+After every period the rest of the chosen course is the backup's course from there: so where no input is lost, a run
+of such ticks keeps barriers for as long as the backup law would from its first tick on.
 
 Where all of these lose a barrier, inputs between the backup's and each candidate are tried as well: an input that keeps
 the rows at the sample may be far too long for the period, and a part of it brakes.
@@ -22,6 +23,9 @@ from passafe.workspace import Array
 
 PARTS: Final = (0.5, 0.25, 0.125, 0.0625, 0.03125)
 """Parts of the way from the backup's input to a candidate that are tried."""
+
+SURE: Final = 2
+"""Candidates, the first ones, of which a proven course is looked for even where one that is not keeps every barrier."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -55,8 +59,8 @@ class Fallback:
         """Return the best of the candidates and the backup law's input.
 
         Courses are compared over twice the time in which the backup's gets lowest; one that is better is then followed
-        to its end, and counts if it is no worse there either. For a gatekeeper it must be proven to be safe if the best
-        so far is. Once a candidate keeps every barrier the rest are not looked at.
+        to its end, and counts if it is no worse there either. A course that is proven to be safe is preferred to one
+        that is not. Once one is, or a candidate keeps every barrier, the rest are not looked at.
 
         Args:
             x: State, shape (n,).
@@ -69,15 +73,11 @@ class Fallback:
         is_late = self._has_gatekeeper and best.is_safe and self.keeps_late(x, t_s, u)
         until = min(2 * best.lowest_at + CHUNK, LONGEST)
         for k, candidate in enumerate(candidates):
-            course = self._held(x, t_s, candidate, best, until)
-            if course.is_no_worse_than(best) and (k == 0 or not best.is_no_worse_than(course)):
-                course = self._held(x, t_s, candidate, best)
-                is_proven = course.is_safe or not (self._has_gatekeeper and best.is_safe)
-                is_proven = is_proven and (not is_late or self.is_backed_late(x, t_s, candidate))
-                if course.is_no_worse_than(best) and is_proven:
-                    best, place = course, k
-            if place is not None and best.is_no_worse_than(KEPT):
+            if k and (best.is_safe or (k >= SURE and place is not None and best.is_no_worse_than(KEPT))):
                 break
+            course = self._preferred(x, t_s, candidate, best, until, k)
+            if course is not None and (not is_late or self.is_backed_late(x, t_s, candidate)):
+                best, place = course, k
         return BestCourse(place=place, is_safe=best.is_safe)
 
     def is_backed(self, x: Array, t_s: float, u: Array) -> bool:
@@ -123,6 +123,16 @@ class Fallback:
     def _is_safe(self, x: Array, t_s: float, u: Array, held_periods: int, *, late: bool = False) -> bool:
         law_held = self._held_periods if late else 1
         return self._rollout.course(x, t_s, u, held_periods, to_prove=True, law_held=law_held).is_safe
+
+    def _preferred(self, x: Array, t_s: float, u: Array, best: Course, until: int, k: int) -> Course | None:
+        """Return the course of candidate k if it takes the place of the best so far; at equal ones the first does."""
+        course = self._held(x, t_s, u, best, until)
+        if not course.is_no_worse_than(best) or (k >= SURE and best.is_no_worse_than(course)):
+            return None
+        course = self._held(x, t_s, u, best)
+        if not course.is_no_worse_than(best) or (best.is_safe and not course.is_safe):
+            return None
+        return course if k == 0 or course.is_safe or not best.is_no_worse_than(course) else None
 
     def _held(self, x: Array, t_s: float, u: Array, than: Course, until: int = LONGEST) -> Course:
         """Return the course under an input for one period or the longest hold, whichever is worse."""
