@@ -21,8 +21,8 @@ from passafe.derivation import first_tightening
 from passafe.design import FilterDesign
 from passafe.fixed_order import length
 from passafe.fixed_point import FixedPoint
-from passafe.quadratic_program import BY_INSPECTION, QuadraticProgram
-from passafe.solvers.solver import SOLVED
+from passafe.quadratic_program import ALL, BY_INSPECTION, QUICK, SLOW, QuadraticProgram
+from passafe.solvers.solver import INFEASIBLE, SOLVED
 from passafe.symbolic.trust_region import LEAST_TRUST
 from passafe.symbolic.whole_program import shape_tolerance
 from passafe.workspace import Array
@@ -173,18 +173,39 @@ class Attempts:
         return Attempt(_RELAXED if slack > relaxed_above else kept, solver, is_settled, assessment)
 
     def _accepted_solver(self) -> str | None:
-        """Return the solver whose answer to the whole program is accepted, relaxing the hard rows if there is none."""
-        solver = self._first_accepted()
-        if solver is None and self._program.relax_hard_rows():
-            solver = self._first_accepted()
-        return solver
+        """Return the solver whose answer to the whole program is accepted, relaxing the hard rows if there is none.
 
-    def _first_accepted(self) -> str | None:
-        for solver, outcome in self._program.solve_whole():
+        Where one says that they conflict, that is proven or refuted before the last one is asked, which is slow.
+        """
+        solver, conflicts = self._first_accepted(QUICK)
+        if solver is not None:
+            return solver
+        if not conflicts or not self._is_conflict():
+            solver, _ = self._first_accepted(SLOW)
+            if solver is not None or not self._program.relax_hard_rows():
+                return solver
+        return self._first_accepted(ALL)[0]
+
+    def _first_accepted(self, solvers: slice) -> tuple[str | None, bool]:
+        """Return the first solver whose answer is accepted, if any is, and whether the last says that rows conflict."""
+        conflicts = False
+        for solver, outcome in self._program.solve_whole(solvers):
             self._functions.evaluate()
             if outcome is SOLVED and accepts(self._tolerance, self._block.read_assessment()):
-                return solver
-        return None
+                return solver, False
+            conflicts = outcome is INFEASIBLE
+        return None, conflicts
+
+    def _is_conflict(self) -> bool:
+        """Relax the hard rows as little as they need, and return whether that proves a conflict; else undo it."""
+        relax = self._block.answer.relax
+        before = relax.copy()
+        if self._program.relax_hard_rows():
+            self._functions.prove_conflict()
+            if self._block.answer.conflict[0] > 0.0:
+                return True
+        relax[:] = before
+        return False
 
     def _is_short_enough(self) -> bool:
         overreach = self._block.read_assessment().norm_overreach

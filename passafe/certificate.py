@@ -5,7 +5,6 @@ is true of the residuals of the optimality conditions.
 """
 
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import overload
 
 import casadi as ca
@@ -13,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from passafe.stage import Stage, T
-from passafe.workspace import Array, dense_function
+from passafe.workspace import Array, BlockLayout, Workspace, expressions_by_name, named_function
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -81,21 +80,36 @@ def certificate_residuals(z: ca.SX, lam: ca.SX, G: ca.SX, d: ca.SX) -> Residuals
     )
 
 
-def residuals_of(G: Array, d: Array, z: Array, lam: Array) -> Residuals[float]:
-    """Return the residuals of an answer in plain numbers, for programs that are solved outside the filter's fast path.
+class ResidualEvaluation:
+    """Evaluates the residuals of programs of one shape in plain numbers, outside of the filter's own block."""
 
-    Args:
-        G: Rows, shape (N, k).
-        d: Bounds, shape (N,).
-        z: Answer, shape (k,).
-        lam: Its multipliers, shape (N,).
-    """
-    return Residuals(*map(float, _residual_function(*G.shape)(G, d, z, lam)))
+    def __init__(self, rows: int, size: int) -> None:
+        """Compile the residuals.
 
+        Args:
+            rows: N.
+            size: k.
+        """
+        G, d = ca.SX.sym("G", rows, size), ca.SX.sym("d", rows)
+        z, lam = ca.SX.sym("z", size), ca.SX.sym("lam", rows)
+        found = certificate_residuals(z, lam, G, d)
+        shapes: dict[str, int | tuple[int, ...]] = {"G": (rows, size), "d": rows, "z": size, "lam": rows}
+        self._space = space = Workspace(BlockLayout.of(shapes | dict.fromkeys(Residuals.names(), 1)))
+        self._given = tuple(space.view(name) for name in ("G", "d", "z", "lam"))
+        arguments = {"G": G, "d": d, "z": z, "lam": lam}
+        self._evaluate = space.bind(named_function("residuals", arguments, expressions_by_name(found)))
+        self._read = space.scalar_reader(Residuals[float])
 
-@lru_cache(maxsize=16)
-def _residual_function(rows: int, size: int) -> ca.Function:
-    """Return the function (G, d, z, λ) → residuals for ``rows`` rows of length ``size``."""
-    G, d = ca.SX.sym("G", rows, size), ca.SX.sym("d", rows)
-    z, lam = ca.SX.sym("z", size), ca.SX.sym("lam", rows)
-    return dense_function("residuals", [G, d, z, lam], [*certificate_residuals(z, lam, G, d).fields().values()])
+    def of(self, G: Array, d: Array, z: Array, lam: Array) -> Residuals[float]:
+        """Return the residuals of an answer.
+
+        Args:
+            G: Rows, shape (N, k).
+            d: Bounds, shape (N,).
+            z: Answer, shape (k,).
+            lam: Its multipliers, shape (N,).
+        """
+        for memory, array in zip(self._given, (G, d, z, lam), strict=True):
+            memory[...] = array
+        self._evaluate()
+        return self._read()

@@ -22,7 +22,7 @@ from passafe.limits import Limits
 from passafe.norm_tangents import norm_tangents
 from passafe.solvers.daqp_solver import DaqpSolver
 from passafe.solvers.least_distance_solver import LeastDistanceSolver
-from passafe.solvers.least_violation import least_violation
+from passafe.solvers.least_violation import LeastViolationSolver
 from passafe.solvers.piqp_solver import PiqpSolver
 from passafe.solvers.solver import SOLVED, Solver, SolverOutcome
 from passafe.symbolic.whole_program import RowLayout, limit_bounds
@@ -30,6 +30,9 @@ from passafe.workspace import Array
 
 BY_INSPECTION: Final = "none"
 """Name of the solver where z = 0 is optimal because no constraint asks for anything."""
+
+ALL, QUICK, SLOW = slice(None), slice(2), slice(2, None)
+"""Solvers of the whole program: the last of them takes as long as a dozen of the others."""
 
 
 class QuadraticProgram:
@@ -59,6 +62,7 @@ class QuadraticProgram:
         self._G, self._d = np.zeros((len(rows.names), rows.columns), order="F"), np.zeros(len(rows.names))
         fixed = np.vstack((np.eye(m), -np.eye(m), -self._weights))
         self._G[rows.constraints : rows.constraints + len(fixed), :m] = fixed
+        self._least_violation = LeastViolationSolver(rows.hard, len(self._d) - rows.constraints, m)
         self._solvers: tuple[Solver, ...] = tuple(
             kind(self._G, self._d) for kind in (PiqpSolver, DaqpSolver, LeastDistanceSolver)
         )
@@ -73,11 +77,15 @@ class QuadraticProgram:
             return BY_INSPECTION, SOLVED
         return solver.name, solver.solve(self._z, self._constraint_lam)
 
-    def solve_whole(self) -> Iterator[tuple[str, SolverOutcome]]:
-        """Solve over constraints and limits, hard rows relaxed by ``relax``, with one solver after the other."""
+    def solve_whole(self, solvers: slice) -> Iterator[tuple[str, SolverOutcome]]:
+        """Solve over constraints and limits, hard rows relaxed by ``relax``, with one solver after the other.
+
+        Args:
+            solvers: ``ALL``, the ``QUICK`` ones or the ``SLOW`` one.
+        """
         hard = self._rows.hard
         self._d[:hard] = self._block.program.d[:hard] - self._block.answer.relax
-        for solver in self._solvers:
+        for solver in self._solvers[solvers]:
             yield solver.name, solver.solve(self._z, self._lam)
 
     def add_limits(self) -> None:
@@ -102,7 +110,7 @@ class QuadraticProgram:
         """Relax hard rows as little as the limits allow; return whether that has a certified answer."""
         rows, program = self._rows, self._block.program
         hard, limits, m = slice(rows.hard), slice(rows.constraints, None), len(program.u_ref)
-        least = least_violation(self._G[hard, :m], program.d[hard], self._G[limits, :m], self._d[limits])
+        least = self._least_violation.solve(self._G[hard, :m], program.d[hard], self._G[limits, :m], self._d[limits])
         if least is None:
             return False
         self._block.answer.relax[:] = least.rows

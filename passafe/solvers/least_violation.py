@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 from msgspec import Struct
 
-from passafe.certificate import Tolerance, accepts, residuals_of
+from passafe.certificate import ResidualEvaluation, Tolerance, accepts
 from passafe.fixed_order import product
 from passafe.solvers.daqp_solver import DaqpSolver
 from passafe.solvers.least_distance_solver import LeastDistanceSolver
@@ -21,6 +21,10 @@ from passafe.workspace import Array
 
 ETA: Final = 1e-8
 """η: price of an input against that of a violation."""
+
+ROOT: Final = sqrt(ETA)
+LENGTH: Final = sqrt(1 + ETA)
+"""√η, and the length of a hard row with its part of s."""
 
 TIGHT: Final = Tolerance(residual=1e-9, gap=1e-9)
 """Residuals up to which an answer is accepted: tighter than elsewhere, because z holds s/√η beside w."""
@@ -44,29 +48,41 @@ class LeastViolation(Struct, frozen=True, eq=False):
     limit_weights: Array
 
 
-def least_violation(G: Array, d: Array, limits_G: Array, limits_d: Array) -> LeastViolation | None:
-    """Return the least relaxation, or ``None`` if no solver's answer passes the certificate.
+class LeastViolationSolver:
+    """Finds the least relaxation of programs of one shape, in memory of its own."""
 
-    Args:
-        G: Hard rows of unit length, shape (H, m).
-        d: Their bounds, shape (H,).
-        limits_G: Rows of the limits, never relaxed, shape (L, m).
-        limits_d: Their bounds, shape (L,).
-    """
-    hard, m = G.shape
-    root = sqrt(ETA)
-    length = sqrt(1 + ETA)
-    rows = np.zeros((hard + len(limits_d), m + hard), order="F")
-    rows[:hard, :m] = G / length
-    rows[:hard, m:] = np.eye(hard) * (root / length)
-    rows[hard:, :m] = limits_G
-    bounds = np.concatenate((d / length, limits_d))
-    z, lam = np.zeros(m + hard), np.zeros(len(bounds))
-    for tolerance in (TIGHT, CROWDED):
-        for kind in (DaqpSolver, LeastDistanceSolver):
-            outcome = kind(rows, bounds).solve(z.data, lam.data)
-            if outcome is SOLVED and accepts(tolerance, residuals_of(rows, bounds, z, lam)):
-                needed = d - product(G, z[:m])
-                relaxed = np.where(needed > 0, needed + ROOM * (1 + np.abs(d)), 0.0)
-                return LeastViolation(relaxed, np.maximum(ETA * lam[hard:], 0.0))
-    return None
+    def __init__(self, hard: int, limits: int, m: int) -> None:
+        """Set the solvers up.
+
+        Args:
+            hard: H, rows that may be relaxed.
+            limits: L, rows that may not.
+            m: Inputs.
+        """
+        self._hard, self._m = hard, m
+        self._rows, self._bounds = np.zeros((hard + limits, m + hard), order="F"), np.zeros(hard + limits)
+        self._rows[:hard, m:] = np.eye(hard) * (ROOT / LENGTH)
+        self._z, self._lam = np.zeros(m + hard), np.zeros(hard + limits)
+        self._residuals = ResidualEvaluation(hard + limits, m + hard)
+        self._solvers = tuple(kind(self._rows, self._bounds) for kind in (DaqpSolver, LeastDistanceSolver))
+
+    def solve(self, G: Array, d: Array, limits_G: Array, limits_d: Array) -> LeastViolation | None:
+        """Return the least relaxation, or ``None`` if no solver's answer passes the certificate.
+
+        Args:
+            G: Hard rows of unit length, shape (H, m).
+            d: Their bounds, shape (H,).
+            limits_G: Rows of the limits, never relaxed, shape (L, m).
+            limits_d: Their bounds, shape (L,).
+        """
+        hard, m, rows, bounds, z, lam = self._hard, self._m, self._rows, self._bounds, self._z, self._lam
+        rows[:hard, :m], rows[hard:, :m] = G / LENGTH, limits_G
+        bounds[:hard], bounds[hard:] = d / LENGTH, limits_d
+        for tolerance in (TIGHT, CROWDED):
+            for solver in self._solvers:
+                outcome = solver.solve(z.data, lam.data)
+                if outcome is SOLVED and accepts(tolerance, self._residuals.of(rows, bounds, z, lam)):
+                    needed = d - product(G, z[:m])
+                    relaxed = np.where(needed > 0, needed + ROOM * (1 + np.abs(d)), 0.0)
+                    return LeastViolation(relaxed, np.maximum(ETA * lam[hard:], 0.0))
+        return None

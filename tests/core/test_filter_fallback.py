@@ -9,7 +9,6 @@ import pytest
 from core_designs import assert_consistent, gains, paper_design, pump_design, random_state
 from finite_differences import Array, numeric
 
-import passafe.quadratic_program
 from passafe.barrier_chain import Barrier
 from passafe.barriers import half_plane
 from passafe.certificate import Tolerance
@@ -17,6 +16,11 @@ from passafe.decision import Status
 from passafe.design import FilterDesign, Law, Mode
 from passafe.filter import SafetyPassivityFilter
 from passafe.passivity import Passivity
+from passafe.solvers.daqp_solver import DaqpSolver
+from passafe.solvers.least_distance_solver import LeastDistanceSolver
+from passafe.solvers.least_violation import LeastViolationSolver
+from passafe.solvers.piqp_solver import PiqpSolver
+from passafe.solvers.solver import SolverOutcome
 from passafe.system import System
 
 ZERO = (0.0, 0.0)
@@ -135,9 +139,34 @@ def test_rows_that_nobody_can_say_how_to_relax_are_not_answered(monkeypatch: pyt
     made = channel(left=1.0, right=-1.0)
     request = ((0.0, 0.0, 0.5, -20.0), (1.0, 1.0), ZERO, ZERO)
     assert made.decide(*request).status is Status.INFEASIBLE
-    monkeypatch.setattr(passafe.quadratic_program, "least_violation", lambda *_: None)
+    monkeypatch.setattr(LeastViolationSolver, "solve", lambda *_: None)
 
     assert made.decide(*request).status is Status.UNCERTIFIED
+
+
+def test_a_proven_conflict_needs_no_slow_solver(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = channel(left=1.0, right=-1.0)
+
+    def must_not(*_: object) -> SolverOutcome:
+        raise AssertionError
+
+    monkeypatch.setattr(LeastDistanceSolver, "solve", must_not)
+
+    assert made.decide((0.0, 0.0, 0.5, -20.0), (1.0, 1.0), ZERO, ZERO).status is Status.INFEASIBLE
+
+
+def test_a_conflict_that_is_not_proven_is_not_believed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """From 0.5 m before the left wall at −4 m/s both inputs need the limits, and an answer exists."""
+    made = channel(left=-1.0, right=1.0)
+    request = ((-0.5, 0.0, -4.0, 0.0), (0.0, 0.0), ZERO, ZERO)
+    expected = made.decide(*request)
+    assert expected.solver == "piqp"
+    for kind in (PiqpSolver, DaqpSolver):
+        monkeypatch.setattr(kind, "solve", lambda *_: SolverOutcome.INFEASIBLE)
+    decision = made.decide(*request)
+
+    assert (decision.status, decision.solver) == (expected.status, "ldp")
+    assert decision.u == pytest.approx(expected.u, abs=1e-6)
 
 
 def above_floor(rate: Callable[[ca.SX], ca.SX], gain: float, **changes: object) -> SafetyPassivityFilter:

@@ -1,8 +1,9 @@
 import numpy as np
 import pytest
+from program_residuals import residuals_of
 
-from passafe.certificate import Tolerance, accepts, residuals_of
-from passafe.solvers.least_violation import ETA, least_violation
+from passafe.certificate import Tolerance, accepts
+from passafe.solvers.least_violation import ETA, LeastViolationSolver
 from passafe.workspace import Array
 
 BOX_G = np.vstack((np.eye(2), -np.eye(2)))
@@ -11,7 +12,7 @@ BOX_D = np.full(4, -1.0)
 
 def relaxed(G: Array, d: Array, limits_G: Array, limits_d: Array) -> Array | None:
     """Return the relaxation alone; the multipliers must balance it."""
-    least = least_violation(G, d, limits_G, limits_d)
+    least = LeastViolationSolver(len(d), len(limits_d), G.shape[1]).solve(G, d, limits_G, limits_d)
     if least is None:
         return None
     assert (least.limit_weights >= 0).all()

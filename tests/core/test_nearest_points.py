@@ -4,11 +4,12 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+from program_residuals import residuals_of
 from random_programs import KINDS, random_programs, unit
 from two_row_oracle import solve_exactly
 
 from passafe.batch.nearest_points import NearestPoints
-from passafe.certificate import Tolerance, accepts, residuals_of
+from passafe.certificate import Tolerance, accepts
 from passafe.workspace import Array
 
 TIGHT = Tolerance(residual=1e-9, gap=1e-9)
@@ -42,7 +43,7 @@ def test_nasty_rows_are_right_or_fail_the_certificate() -> None:
     programs = [(G, d) for _, G, d in random_programs(4, 2100, 3, KINDS)]
     certified = 0
     for (G, d), z, lam in zip(programs, *found(programs), strict=True):
-        if accepts(TIGHT, residuals_of(np.asfortranarray(G), d, z, lam)):
+        if accepts(TIGHT, residuals_of(G, d, z, lam)):
             certified += 1
             exact = solve_exactly(G, d - 1e-9 * (1 + np.linalg.norm(z)))
             assert exact is not None
@@ -58,7 +59,7 @@ def test_among_many_rows_it_finds_what_one_or_two_of_them_decide(M: int) -> None
     for (G, d), z, lam in zip(programs, *found(programs), strict=True):
         nearest = nearest_by_trying(G, d)
         decided_by_two += nearest is not None
-        if accepts(TIGHT, residuals_of(np.asfortranarray(G), d, z, lam)):
+        if accepts(TIGHT, residuals_of(G, d, z, lam)):
             right += 1
             assert nearest is not None
             assert z == pytest.approx(nearest, abs=1e-7)
@@ -81,5 +82,5 @@ def test_unbounded_row_affects_its_own_element_alone() -> None:
     z, _ = found(programs)
 
     assert z[0] == pytest.approx([2.0, 1.0])
-    assert not accepts(TIGHT, residuals_of(np.asfortranarray(G), programs[1][1], z[1], np.zeros(2)))
+    assert not accepts(TIGHT, residuals_of(G, programs[1][1], z[1], np.zeros(2)))
     assert z[2] == pytest.approx([0.5, 0.0])

@@ -2,12 +2,13 @@ from math import nan
 
 import numpy as np
 import pytest
+from program_residuals import residuals_of
 from random_programs import KINDS, Array, random_programs
 from two_row_oracle import solve_exactly
 
 import passafe.solvers.least_distance_solver
 import passafe.solvers.nonnegative
-from passafe.certificate import Tolerance, accepts, residuals_of
+from passafe.certificate import Tolerance, accepts
 from passafe.solvers.daqp_solver import DaqpSolver
 from passafe.solvers.least_distance_solver import LeastDistanceSolver
 from passafe.solvers.piqp_solver import PiqpSolver
