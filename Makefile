@@ -120,7 +120,7 @@ recovery: $(STAMP)  ## kills 200 recorders, cuts off 200 logs and damages 200: w
 	$(BIN)/python tests/log/recovery_campaign.py
 
 fuzz: $(STAMP)  ## 5,000 mutations of every kind of file and message that passafe reads; some minutes
-	$(BIN)/python -m pytest tests/fuzz -m campaign
+	$(BIN)/python -m pytest tests/fuzz tests/dashboard/test_dashboard_http_schema.py -m campaign
 
 soak: $(STAMP)  ## a demo of half an hour: memory, file handles and threads of every process stay level
 	$(BIN)/python tests/system/soak.py

@@ -20,6 +20,7 @@ from passafe_dashboard.live.session_requests import SessionRequests
 from passafe_dashboard.live.stop_requests import StopRequests
 from passafe_dashboard.markup import STATIC
 from passafe_dashboard.page_access import PageAccess
+from passafe_dashboard.routes.answers import ANY_ROUTE
 from passafe_dashboard.routes.archive_pages import archive_pages
 from passafe_dashboard.routes.drive import drive_routes
 from passafe_dashboard.routes.experiments import experiment_routes
@@ -29,7 +30,13 @@ from passafe_dashboard.routes.logs import log_routes
 from passafe_dashboard.routes.own_hosts import OwnHosts, OwnHostsOnly
 from passafe_dashboard.routes.page import page_routes
 from passafe_dashboard.routes.page_token import TokenOnly
-from passafe_dashboard.routes.refusals import answer_invalid, answer_too_many, answer_unknown_name
+from passafe_dashboard.routes.refusals import (
+    METHOD_NOT_ALLOWED,
+    answer_invalid,
+    answer_not_allowed,
+    answer_too_many,
+    answer_unknown_name,
+)
 from passafe_dashboard.routes.run import run_routes
 from passafe_dashboard.routes.state import state_routes
 from passafe_dashboard.routes.stop import stop_routes
@@ -135,8 +142,10 @@ def _bare_app(lifespan: Lifespan[FastAPI], hosts: OwnHosts | None, access: PageA
         redoc_url=None,
         openapi_url="/openapi.json",
         max_body_size=MAX_BODY_BYTES,
+        responses=ANY_ROUTE,
     )
     app.add_exception_handler(RequestValidationError, answer_invalid)
+    app.add_exception_handler(METHOD_NOT_ALLOWED, answer_not_allowed)
     if access is not None and access.token:
         app.add_middleware(TokenOnly, token=access.token, is_encrypted=access.is_encrypted)
     app.add_middleware(OwnHostsOnly, hosts=hosts or OwnHosts())

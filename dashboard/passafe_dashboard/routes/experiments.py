@@ -4,6 +4,7 @@ from fastapi import APIRouter
 
 from passafe_dashboard.archive.archive import Archive
 from passafe_dashboard.archive.experiment_models import ExperimentList, ExperimentView
+from passafe_dashboard.routes.answers import UNKNOWN_NAME
 
 
 def experiment_routes(archive: Archive) -> APIRouter:
@@ -15,7 +16,7 @@ def experiment_routes(archive: Archive) -> APIRouter:
         """List the experiments, the newest first."""
         return await archive.experiments()
 
-    @router.get("/api/experiments/{name:path}")
+    @router.get("/api/experiments/{name:path}", responses=UNKNOWN_NAME)
     async def experiment(name: str) -> ExperimentView:
         """Return the map of an experiment, as far as it has come."""
         return await archive.experiment(name)

@@ -1,5 +1,6 @@
 """Serve jobs: start one with ``POST /api/jobs``, follow it with ``GET /api/jobs/{id}``, end it with ``DELETE``."""
 
+from http import HTTPStatus
 from typing import Annotated, Final
 
 from fastapi import APIRouter, HTTPException, Query, Response
@@ -9,8 +10,8 @@ from pydantic import BaseModel, ConfigDict
 from passafe_dashboard.archive.archive import Archive
 from passafe_dashboard.jobs.job_board import JobState, PageJob
 from passafe_dashboard.jobs.job_request import AnyJobRequest
+from passafe_dashboard.routes.answers import UNKNOWN_NAME, refused
 
-CONFLICT: Final = 409
 ACCEPTED: Final = 202
 LONGEST_WAIT_S: Final = 10.0
 
@@ -68,8 +69,10 @@ def job_routes(archive: Archive) -> APIRouter:
     """Return the routes of jobs."""
     router = APIRouter(tags=["jobs"])
     board = archive.board
+    too_many = refused(HTTPStatus.TOO_MANY_REQUESTS, "Too many jobs are open")
+    not_done = refused(HTTPStatus.CONFLICT, "It is not done")
 
-    @router.post("/api/jobs", status_code=ACCEPTED)
+    @router.post("/api/jobs", status_code=ACCEPTED, responses=UNKNOWN_NAME | too_many)
     async def start(request: AnyJobRequest) -> JobView:
         """Start a job; one that has the same work at hand or done already is returned instead."""
         return JobView.of(await archive.start(request))
@@ -79,22 +82,24 @@ def job_routes(archive: Archive) -> APIRouter:
         """List the jobs, the oldest first."""
         return JobViews(jobs=tuple(JobView.of(job) for job in board.jobs.values()))
 
-    @router.get("/api/jobs/{name}")
+    @router.get("/api/jobs/{name}", responses=UNKNOWN_NAME)
     async def job(name: str, seen: Annotated[int, Query(ge=-1)] = -1) -> JobView:
         """Return a job; with ``seen``, its ``changes`` in an earlier answer, wait some seconds for another change."""
         found = board.job(name)
         await found.change_after(seen, LONGEST_WAIT_S)
         return JobView.of(found)
 
-    @router.get("/api/jobs/{name}/result")
+    @router.get("/api/jobs/{name}/result", responses=UNKNOWN_NAME | not_done)
     async def result(name: str) -> Response:
         """Return the result of a job that is done: title, markup and data of a report."""
         found = board.job(name)
         if found.state != "done":
-            raise HTTPException(CONFLICT, f"job {found.id}: got the state {found.state}, allowed done: {found.text}")
+            raise HTTPException(
+                HTTPStatus.CONFLICT, f"job {found.id}: got the state {found.state}, allowed done: {found.text}"
+            )
         return FileResponse(found.result, media_type="application/json")
 
-    @router.delete("/api/jobs/{name}")
+    @router.delete("/api/jobs/{name}", responses=UNKNOWN_NAME)
     async def cancel(name: str) -> JobView:
         """End a job; one that is over stays as it is."""
         return JobView.of(await board.cancel(name))

@@ -1,6 +1,7 @@
 """Serve the links: read all with ``GET /api/links``, change one with ``PUT /api/links/{name}``."""
 
-from typing import Any, Final
+from http import HTTPStatus
+from typing import Any
 
 from fastapi import APIRouter, HTTPException, Response
 from fastapi.exceptions import RequestValidationError
@@ -10,10 +11,9 @@ from pydantic import BaseModel
 from passafe_dashboard.errors import LinkAnswerError, LinkUpdateError
 from passafe_dashboard.json_text import json_text
 from passafe_dashboard.live.link_requests import LinkRequests, LinkUpdate
+from passafe_dashboard.routes.answers import UNKNOWN_NAME, refused
 
-OK: Final = 200
-NOT_FOUND: Final = 404
-GATEWAY_TIMEOUT: Final = 504
+OK, NOT_FOUND, GATEWAY_TIMEOUT = HTTPStatus.OK, HTTPStatus.NOT_FOUND, HTTPStatus.GATEWAY_TIMEOUT
 
 
 class LinkAnswer(BaseModel):
@@ -55,11 +55,7 @@ def link_routes(links: LinkRequests) -> APIRouter:
         """Return every link."""
         return _json({"links": links.states()})
 
-    answers: dict[int | str, dict[str, Any]] = {
-        OK: {"model": LinkAnswer},
-        NOT_FOUND: {"description": "No such link"},
-        GATEWAY_TIMEOUT: {"description": "The process that reads it did not answer"},
-    }
+    answers = {OK: {"model": LinkAnswer}} | UNKNOWN_NAME | refused(GATEWAY_TIMEOUT, "Its reader did not answer")
 
     @router.put("/api/links/{name}", responses=answers)
     async def change(name: str, update: LinkUpdate) -> Response:

@@ -4,6 +4,7 @@ from fastapi import APIRouter
 
 from passafe_dashboard.archive.archive import Archive
 from passafe_dashboard.archive.log_list import LogEntry, LogList
+from passafe_dashboard.routes.answers import UNKNOWN_NAME
 
 
 def log_routes(archive: Archive) -> APIRouter:
@@ -15,7 +16,7 @@ def log_routes(archive: Archive) -> APIRouter:
         """List the logs, the newest first."""
         return await archive.logs()
 
-    @router.get("/api/logs/{name:path}")
+    @router.get("/api/logs/{name:path}", responses=UNKNOWN_NAME)
     async def log(name: str) -> LogEntry:
         """Return what the list says of one log."""
         return await archive.log(name)

@@ -13,7 +13,7 @@ def page_routes(page: LivePage) -> APIRouter:
     """Return the routes of the page's markup."""
     router = APIRouter()
 
-    @router.get("/")
+    @router.get("/", response_class=HTMLResponse)
     async def markup() -> HTMLResponse:
         return HTMLResponse(await asyncio.to_thread(page.html))
 

@@ -6,9 +6,11 @@ from typing import Final
 from fastapi import Request, Response
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
+from starlette.routing import Match
 
 UNPROCESSABLE: Final = 422
 NOT_FOUND: Final = 404
+METHOD_NOT_ALLOWED: Final = 405
 TOO_MANY: Final = 429
 
 
@@ -30,3 +32,10 @@ async def answer_unknown_name(_request: Request, error: Exception) -> Response:
 async def answer_too_many(_request: Request, error: Exception) -> Response:
     """Return an answer that says that there is too much to do already."""
     return JSONResponse({"detail": str(error)}, TOO_MANY)
+
+
+async def answer_not_allowed(request: Request, _error: Exception) -> Response:
+    """Return an answer that lists the methods of all routes of the path; Starlette's own lists those of the first."""
+    routes = [route for route in request.app.routes if route.matches(request.scope)[0] is not Match.NONE]
+    allowed = sorted({method for route in routes for method in getattr(route, "methods", None) or ()})
+    return JSONResponse({"detail": "Method Not Allowed"}, METHOD_NOT_ALLOWED, {"Allow": ", ".join(allowed)})

@@ -1,5 +1,6 @@
 """Serve the session of a demo: start and end runs with ``/api/run``, kill and restart processes."""
 
+from http import HTTPStatus
 from typing import Annotated, Any, Final
 
 from fastapi import APIRouter, HTTPException
@@ -19,10 +20,10 @@ from pydantic import BaseModel, Field
 from passafe_dashboard.errors import NoSessionError, SessionAnswerError, SessionRefusedError
 from passafe_dashboard.live.feed import Feed
 from passafe_dashboard.live.session_requests import SessionRequests
+from passafe_dashboard.routes.answers import refused
 
 ACCEPTED: Final = 202
-CONFLICT: Final = 409
-GATEWAY_TIMEOUT: Final = 504
+CONFLICT, GATEWAY_TIMEOUT = HTTPStatus.CONFLICT, HTTPStatus.GATEWAY_TIMEOUT
 
 LONGEST_NAME: Final = 4096
 
@@ -50,11 +51,9 @@ def run_routes(session: SessionRequests, feed: Feed) -> APIRouter:
         session: Asks the supervisor of the demo.
         feed: Where the state of the session is.
     """
-    answers: dict[int | str, dict[str, Any]] = {
-        CONFLICT: {"description": "Not possible now, or no demo"},
-        GATEWAY_TIMEOUT: {"description": "No answer from the demo's supervisor"},
-    }
-    router = APIRouter(tags=["runs"], responses=answers)
+    impossible = refused(CONFLICT, "Not possible now, or no demo")
+    silent = refused(GATEWAY_TIMEOUT, "No answer from the demo's supervisor")
+    router = APIRouter(tags=["runs"], responses=impossible | silent)
 
     @router.get("/api/run")
     async def state() -> SessionState | None:

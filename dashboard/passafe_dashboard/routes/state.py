@@ -31,7 +31,7 @@ def state_routes(broadcast: Broadcast, bus_trouble: Callable[[], str]) -> APIRou
         text = json_text(page_state(broadcast.feed, broadcast.clock()))
         return Response(text, media_type="application/json")
 
-    @router.get("/healthz")
+    @router.get("/healthz", responses={503: {"description": "It does not; answered alike"}})
     async def healthz(request: Request) -> Response:
         """Return whether the dashboard reads the bus, and how current what it shows is."""
         broadcasting: asyncio.Task[None] = request.app.state.broadcasting

@@ -1,15 +1,16 @@
 """Serve the emergency stop: press it with ``PUT /api/stop``, clear one by its id with ``PUT /api/clear/{stop}``."""
 
-from typing import Annotated, Final
+from http import HTTPStatus
+from typing import Annotated
 
 from fastapi import APIRouter, HTTPException, Path
 from pydantic import BaseModel
 
 from passafe_dashboard.errors import NothingToStopError, StopAnswerError, StopNameError
 from passafe_dashboard.live.stop_requests import StopRequests
+from passafe_dashboard.routes.answers import refused
 
-CONFLICT: Final = 409
-GATEWAY_TIMEOUT: Final = 504
+CONFLICT, GATEWAY_TIMEOUT = HTTPStatus.CONFLICT, HTTPStatus.GATEWAY_TIMEOUT
 
 StopId = Annotated[int, Path(ge=1, lt=2**64)]
 
@@ -28,10 +29,10 @@ class LatchedStop(BaseModel):
 
 def stop_routes(stops: StopRequests) -> APIRouter:
     """Return the routes that press and clear the emergency stop."""
-    silent = {"description": "The plant did not answer"}
-    router = APIRouter(tags=["emergency stop"], responses={GATEWAY_TIMEOUT: silent})
+    silent = refused(GATEWAY_TIMEOUT, "The plant did not answer")
+    router = APIRouter(tags=["emergency stop"], responses=silent)
 
-    @router.put("/api/stop", responses={CONFLICT: {"description": "No run is going on"}})
+    @router.put("/api/stop", responses=refused(CONFLICT, "No run is going on"))
     async def press() -> LatchedStop:
         """Press the emergency stop; answered when the plant has latched it."""
         try:
@@ -41,7 +42,7 @@ def stop_routes(stops: StopRequests) -> APIRouter:
         except StopAnswerError as error:
             raise HTTPException(GATEWAY_TIMEOUT, str(error)) from error
 
-    @router.put("/api/clear/{stop}", responses={CONFLICT: {"description": "Another stop is latched, or none"}})
+    @router.put("/api/clear/{stop}", responses=refused(CONFLICT, "Another stop is latched, or none"))
     async def clear(stop: StopId) -> LatchedStop:
         """Clear the stop of this id; answered when the plant has done so."""
         try:
