@@ -1,6 +1,7 @@
 """The memory of the decision that is being made: every stage's numbers in one block, with typed access to each."""
 
 from passafe.certificate import Residuals
+from passafe.decision import Attempt, Decision
 from passafe.decision_schema import (
     Answer,
     Assessment,
@@ -52,3 +53,9 @@ class DecisionBlock:
     def answer_numbers(self) -> Array:
         """View of all numbers of the answer."""
         return self.space.block[self.space.layout.span(Answer.names())]
+
+    def decision(self, attempt: Attempt) -> Decision:
+        """Return what the block holds as the decision of an attempt."""
+        return Decision(
+            self.numbers.copy(), self.layout, attempt.status, attempt.solver, attempt.assessment, self.read_input()
+        )

@@ -42,7 +42,11 @@ class BestCourse:
 
 
 class Fallback:
-    """Compares inputs by the courses that they lead to."""
+    """Compares inputs by the courses that they lead to.
+
+    Attributes:
+        has_gatekeeper: Whether the design has one.
+    """
 
     def __init__(self, design: FilterDesign, chains: Sequence[BarrierChain]) -> None:
         """Derive the rollout.
@@ -52,7 +56,7 @@ class Fallback:
             chains: Chains of the enforced barriers.
         """
         self._rollout = BackupRollout(design, chains)
-        self._has_gatekeeper = design.gatekeeper
+        self.has_gatekeeper = design.gatekeeper
         self._held_periods = design.held_periods
 
     def best(self, x: Array, t_s: float, u: Array, candidates: Sequence[Array]) -> BestCourse:
@@ -70,7 +74,7 @@ class Fallback:
                 program's answer.
         """
         best, place = self._rollout.course(x, t_s, u, 0), None
-        is_late = self._has_gatekeeper and best.is_safe and self.keeps_late(x, t_s, u)
+        is_late = self.has_gatekeeper and best.is_safe and self.keeps_late(x, t_s, u)
         until = min(2 * best.lowest_at + CHUNK, LONGEST)
         for k, candidate in enumerate(candidates):
             if k and (best.is_safe or (k >= SURE and place is not None and best.is_no_worse_than(KEPT))):

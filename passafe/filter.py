@@ -1,8 +1,8 @@
 """The safety and passivity filter: from a state and a request to a certified input.
 
-Paper, proposition 2, with the rows of the chosen law. A decision is made in the order of this file:
+Paper, proposition 2, with the rows of the chosen law. A decision is made in this order:
 
-    request → rows → solve → certify → settle → fall back.
+    request → rows → solve → certify → settle → resolve → guard.
 
 ``decide`` is a function of its arguments alone, and has an answer for all of them. What it keeps to, in this order:
 a finite input within the limits; safety; passivity; what the operator asks for. The stages' numbers are declared in
@@ -14,36 +14,26 @@ from collections.abc import Callable, Sequence
 from itertools import chain
 from typing import Final
 
-import numpy as np
-
 from passafe.arguments import numbers, one_number, vectors
 from passafe.attempts import Attempts
-from passafe.calmer_inputs import CalmerInputs
+from passafe.course_choice import CourseChoice
 from passafe.decision import ANSWERS, Attempt, Decision, Status
 from passafe.decision_block import DecisionBlock
 from passafe.decision_functions import DecisionFunctions
-from passafe.decision_schema import keeps_barriers
+from passafe.deepest_inputs import DeepestInputs
 from passafe.derivation import Derivation
 from passafe.design import FilterDesign, Law
 from passafe.errors import ShapeError
-from passafe.fallback import Fallback, between
+from passafe.fallback import Fallback
 from passafe.infeasibility import DistanceToInfeasibility
 from passafe.input_search import InputSearch
 from passafe.member_chains import design_chains
 from passafe.plant_family import PlantFamily
 from passafe.quadratic_program import QuadraticProgram
+from passafe.replaced_answer import ReplacedAnswer
+from passafe.resolution import Resolution
 from passafe.symbolic.evaluation import UNPROTECTED
-from passafe.symbolic.trust_region import LEAST_TRUST
-from passafe.workspace import Array, BlockLayout
-
-BACKUP: Final = "backup"
-"""Name of the solver where the input is the backup law's."""
-
-DEEPEST: Final = "deepest"
-"""Name of the solver where the input is the one that keeps the hard rows best."""
-
-BETWEEN: Final = "between"
-"""Name of the solver where the input lies between the backup law's and another one, and keeps the barriers longest."""
+from passafe.workspace import BlockLayout
 
 _PLAIN: Final = (tuple, list)
 
@@ -77,14 +67,16 @@ class SafetyPassivityFilter:
         program = QuadraticProgram(block, derivation.rows, design.limits)
         self._attempts = Attempts(design, block, self._functions, program)
         self._attempt = self._attempts.first
-        self._distance = DistanceToInfeasibility(design.limits, derivation.rows.hard)
         enforced = derivation.barriers
-        self._input_search = None if derivation.is_affine else InputSearch(enforced)
+        replaced = ReplacedAnswer(design.limits, block, self._functions)
+        search = None if derivation.is_affine else InputSearch(enforced)
+        deepest = DeepestInputs(block, DistanceToInfeasibility(design.limits, derivation.rows.hard), search)
         has_rollout = bool(enforced.chains) and design.law is Law.SAMPLED
-        self._fallback = Fallback(design, enforced.chains) if has_rollout else None
-        self.compares_courses = enforced.has_margins and has_rollout and family is None
-        self._calmer_inputs = CalmerInputs(design)
-        self._least_trust: Array = LEAST_TRUST * np.array(design.limits.magnitude)
+        fallback = Fallback(design, enforced.chains) if has_rollout else None
+        compares = enforced.has_margins and family is None
+        self._choice = CourseChoice(block, replaced, deepest, fallback, compares=compares)
+        self.compares_courses = self._choice.compares
+        self._resolution = Resolution(design, block, self._attempts, replaced, deepest, self._choice)
         self._sizes = (design.system.n, *(design.system.m,) * 3)
 
     @property
@@ -159,18 +151,7 @@ class SafetyPassivityFilter:
         attempt = self._attempt(functions.prepare if is_start else functions.prepare_usual)
         if attempt.assessment.concern > 0.0 or not attempt.is_settled:
             attempt = self._reconsider(attempt)
-        return self._decision(attempt)
-
-    def _decision(self, attempt: Attempt) -> Decision:
-        block = self._block
-        return Decision(
-            block.numbers.copy(),
-            block.layout,
-            attempt.status,
-            attempt.solver,
-            attempt.assessment,
-            block.read_input(),
-        )
+        return block.decision(attempt)
 
     def _given_error(self, x_error: object) -> tuple[float, ...]:
         found = numbers("x_error", x_error)
@@ -201,162 +182,10 @@ class SafetyPassivityFilter:
         if not attempt.is_settled:
             attempt = self._attempts.settle(attempt)
         if not attempt.is_settled:
-            attempt = self._resolve()
+            attempt = self._resolution.resolve(has_margins=self.derivation.has_margins)
         elif attempt.assessment.waste > 0.0 and attempt.status is not Status.PASSED:
             attempt = self._attempts.nearer(attempt)
         if self.design.uncertainty is not None:
             return attempt  # rows hold for all members, the backup law's courses for the model alone
         is_unguarded = attempt.assessment.lowest_psi < UNPROTECTED or self.design.gatekeeper
-        return self._guard(attempt) if is_unguarded and attempt.status in ANSWERS else attempt
-
-    def _resolve(self) -> Attempt:
-        """Find out what the hard rows allow where no answer is known to keep them with their margins, and act on it."""
-        block, attempts = self._block, self._attempts
-        if not block.program.nan_guard[0] <= 1.0:
-            return self._send_backup(Attempt(Status.UNCERTIFIED, BACKUP, False, block.read_assessment()))
-        at_samples = attempts.about(block.request.u, with_margins=False)
-        if at_samples.status is Status.INFEASIBLE and self._input_search is not None:
-            at_samples = self._search(at_samples, self._input_search)
-        if at_samples.status in ANSWERS and not keeps_barriers(at_samples.assessment):  # tangents that do not settle
-            at_samples = Attempt(Status.UNCERTIFIED, at_samples.solver, False, at_samples.assessment)
-        if at_samples.status not in ANSWERS:
-            return self._choose(at_samples)
-        if not self.derivation.has_margins:
-            return at_samples
-        return self._with_margins(at_samples)
-
-    def _with_margins(self, at_samples: Attempt) -> Attempt:
-        """Return an answer that keeps the rows with their margins, sought from several inputs; else choose by course.
-
-        Args:
-            at_samples: The answer without margins, whose numbers are in the block.
-        """
-        block, attempts = self._block, self._attempts
-        request, program = block.request, block.program
-        u_sample, low, high = block.evaluation.u_plus.copy(), program.low.copy(), program.high.copy()
-        deepest, of_all = self._deepest_input(at_samples), self._deepest_of_all()
-        for u_lin in (u_sample, deepest, self._backup_input(), *of_all):
-            again = attempts.about(u_lin, with_margins=True)
-            if again.is_settled:
-                return again
-        for u_lin in of_all:  # where the rows are best their tangents are level, and keep no answer near
-            again = attempts.confined(u_lin, self._least_trust)
-            if again.is_settled:
-                return again
-        for wanted in (u_sample, deepest, *of_all):  # the second does not depend on the input before
-            for u_lin, trust in self._calmer_inputs.towards(wanted, request.x, request.u, low, high):
-                again = attempts.confined(u_lin, trust)
-                if again.is_settled:
-                    return again
-        at_samples = self._at_samples(u_sample)
-        return self._choose(Attempt(Status.AT_SAMPLES, at_samples.solver, False, at_samples.assessment))
-
-    def _at_samples(self, u_lin: Array) -> Attempt:
-        """Return the answer without margins that is found from an input, or near it.
-
-        Where a drive saturates, rows lie level, and their tangents lead anywhere.
-        """
-        attempt = self._attempts.about(u_lin, with_margins=False)
-        if attempt.status in ANSWERS and attempt.is_settled:
-            return attempt
-        return self._attempts.confined(u_lin, self._least_trust, with_margins=False)
-
-    def _search(self, attempt: Attempt, search: InputSearch) -> Attempt:
-        """Search all admissible inputs for one that keeps the hard rows, which are not affine in u.
-
-        Tangents that conflict prove nothing of the rows themselves. Where the search neither finds an input nor proves
-        that there is none, nothing is claimed.
-        """
-        found = search.find(self._block)
-        if found.is_impossible:
-            return attempt
-        if found.u is not None and (again := self._at_samples(found.u)).status in ANSWERS:
-            return again
-        return Attempt(Status.UNCERTIFIED, attempt.solver, False, self._block.read_assessment())
-
-    def _choose(self, attempt: Attempt) -> Attempt:
-        """Send the answer of an attempt, unless another input or the backup law keeps the barriers longer.
-
-        Where only the margins cannot be kept, but every barrier is proven to be kept on the course of what is sent,
-        that is no fallback; nor is it where a gatekeeper has kept the robot to such courses.
-        """
-        block, fallback = self._block, self._fallback
-        if fallback is None:
-            return attempt if attempt.status is not Status.UNCERTIFIED else self._send_backup(attempt)
-        if attempt.status is Status.UNCERTIFIED:
-            return self._send_backup(attempt)
-        candidates = [block.evaluation.u_plus.copy(), self._deepest_input(attempt)]
-        request, others = block.request, len(candidates)
-        candidates += between(self._backup_input(), candidates)
-        best = fallback.best(request.x, float(request.t[0]), self._input_before(), candidates)
-        if best.place is None:
-            chosen = self._send_backup(attempt)
-        elif best.place == 0:
-            chosen = attempt
-        else:
-            chosen = self._send(candidates[best.place], DEEPEST if best.place < others else BETWEEN, attempt)
-        is_proven = best.is_safe and (attempt.status is Status.AT_SAMPLES or self.design.gatekeeper)
-        return _by_course(chosen) if is_proven else chosen
-
-    def _guard(self, attempt: Attempt) -> Attempt:
-        """Send an answer that keeps every row, unless the backup law's input is better.
-
-        Outside of the protected set rows only lead back to it: there the answer is sent if no barrier is lost earlier
-        on its course than on the backup law's, nor by more. Within it a gatekeeper sends an answer only if from where
-        it leads the backup law keeps every barrier; where that law does not keep them either, nothing is guarded.
-        """
-        block, fallback = self._block, self._fallback
-        if fallback is None:
-            return attempt
-        request, u_plus, before = block.request, block.evaluation.u_plus.copy(), self._input_before()
-        state = request.x, float(request.t[0])
-        if attempt.assessment.lowest_psi < UNPROTECTED:
-            is_good = not self.compares_courses or fallback.best(*state, before, [u_plus]).place is not None
-        else:
-            is_good = fallback.is_backed(*state, u_plus) or not fallback.keeps(*state, before)
-            is_good = is_good and (not fallback.keeps_late(*state, before) or fallback.is_backed_late(*state, u_plus))
-        if is_good:
-            return attempt
-        return _by_course(self._send_backup(attempt))
-
-    def _deepest_input(self, attempt: Attempt) -> Array:
-        """Return the admissible input that keeps the hard rows best, as they are posed now, shape (m,)."""
-        return self._distance.deepest(self._decision(attempt))
-
-    def _deepest_of_all(self) -> list[Array]:
-        """Return the admissible input that keeps rows best which are not affine in u: tangents may not lead to it."""
-        return [] if self._input_search is None else [self._input_search.deepest(self._block)]
-
-    def _input_before(self) -> Array:
-        """Return the input from which the rate is limited; at the start, when none is, that is the backup law's own."""
-        request = self._block.request
-        return self._backup_input() if request.start[0] else request.u
-
-    def _backup_input(self) -> Array:
-        """Return the backup law's input, within the limits, shape (m,)."""
-        block, limits = self._block, self.design.limits
-        kept = block.evaluation.u_plus.copy()
-        self._functions.fail_safe()
-        law, program = block.evaluation.u_plus.copy(), block.program
-        block.evaluation.u_plus[:] = kept
-        return limits.nearest(law, block.request.u, program.low, program.high)
-
-    def _send_backup(self, attempt: Attempt) -> Attempt:
-        self._functions.prepare()  # an answer may have been confined to less than the limits
-        return self._send(self._backup_input(), BACKUP, attempt)
-
-    def _send(self, u_plus: Array, solver: str, attempt: Attempt) -> Attempt:
-        """Put another input in the place of the answer and evaluate it; keep the answer's residuals as evidence."""
-        block, evidence = self._block, attempt.assessment
-        block.answer_numbers.fill(0.0)
-        block.answer.z[: len(u_plus)] = u_plus - block.program.u_ref
-        self._functions.evaluate()
-        block.evaluation.u_plus[:] = u_plus
-        residuals = block.residuals
-        residuals.primal[:], residuals.dual[:], residuals.gap[:] = evidence.primal, evidence.dual, evidence.gap
-        return Attempt(attempt.status, solver, False, block.read_assessment())
-
-
-def _by_course(attempt: Attempt) -> Attempt:
-    """Return an attempt whose input is sent because of its course."""
-    return Attempt(Status.BACKUP, attempt.solver, True, attempt.assessment)
+        return self._choice.guard(attempt) if is_unguarded and attempt.status in ANSWERS else attempt

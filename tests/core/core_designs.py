@@ -12,10 +12,11 @@ from passafe.barriers import disk_keep_out, half_plane
 from passafe.class_k import ClassK, Cubic, Linear, Piecewise
 from passafe.decision import Decision
 from passafe.design import FilterDesign, Law, Mode
-from passafe.filter import BACKUP, BETWEEN, DEEPEST, SafetyPassivityFilter
+from passafe.filter import SafetyPassivityFilter
 from passafe.models.damped_point import damped_point
 from passafe.models.drag_point import drag_point
 from passafe.passivity import Passivity
+from passafe.replaced_answer import BACKUP, BETWEEN, DEEPEST
 from passafe.system import System
 from passafe.tank import Tank
 

@@ -13,8 +13,9 @@ from passafe.class_k import Linear
 from passafe.course import KEPT, Course
 from passafe.design import FilterDesign, Mode
 from passafe.fallback import Fallback, between
-from passafe.filter import BETWEEN, SafetyPassivityFilter
+from passafe.filter import SafetyPassivityFilter
 from passafe.passivity import Passivity
+from passafe.replaced_answer import BETWEEN
 from passafe.sampled_plant import SampledPlant
 from passafe.system import System
 

@@ -10,7 +10,8 @@ from random_programs import KINDS, Array, random_programs
 from two_row_oracle import Minimiser, solve_exactly
 
 from passafe.decision import Decision, Status
-from passafe.filter import BACKUP, BETWEEN, DEEPEST, SafetyPassivityFilter
+from passafe.filter import SafetyPassivityFilter
+from passafe.replaced_answer import BACKUP, BETWEEN, DEEPEST
 
 ZERO = (0.0, 0.0)
 BOUND = 100.0

@@ -12,8 +12,9 @@ import passafe.filter
 from passafe.barrier_chain import Barrier
 from passafe.decision import Status
 from passafe.design import FilterDesign, Law, Mode
-from passafe.filter import BACKUP, SafetyPassivityFilter
+from passafe.filter import SafetyPassivityFilter
 from passafe.passivity import Passivity
+from passafe.replaced_answer import BACKUP
 from passafe.system import System
 
 ZERO = (0.0, 0.0)
@@ -73,9 +74,9 @@ def test_a_backup_after_a_confined_answer_has_all_the_limits() -> None:
     block = made._block
     made.decide(x, ZERO, ZERO, ZERO)
     attempt = made._attempts.confined(np.array([50.0, 50.0]), np.array([1.0, 1.0]))
-    sent = made._send_backup(attempt)
+    sent = made._choice._replaced.send_backup(attempt)
 
-    assert sent.solver == passafe.filter.BACKUP
+    assert sent.solver == BACKUP
     assert block.evaluation.u_plus == pytest.approx([18.0, 0.0])  # −K x₂, K = 9
 
 
@@ -107,9 +108,9 @@ def test_at_the_start_no_rate_slows_the_backup_law() -> None:
     block = made._block
     made.decide(x, ZERO, ZERO, ZERO, start=True)
 
-    assert made._input_before() == pytest.approx([-18.0, 0.0])
+    assert made._choice._replaced.input_before() == pytest.approx([-18.0, 0.0])
     made.decide(x, (1.0, 2.0), ZERO, ZERO)
-    assert made._input_before().tolist() == [1.0, 2.0]
+    assert made._choice._replaced.input_before().tolist() == [1.0, 2.0]
     assert block.request.start[0] == 0
 
 

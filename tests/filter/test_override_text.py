@@ -18,11 +18,12 @@ from passafe.barriers import disk_keep_out, half_plane, speed_limit
 from passafe.class_k import Linear
 from passafe.decision import Decision, Status
 from passafe.design import FilterDesign, Law, Mode
-from passafe.filter import BACKUP, BETWEEN, SafetyPassivityFilter
+from passafe.filter import SafetyPassivityFilter
 from passafe.models.damped_point import damped_point
 from passafe.models.robot import Robot
 from passafe.override import Explainer
 from passafe.passivity import Passivity
+from passafe.replaced_answer import BACKUP, BETWEEN
 
 MS = 1_000_000
 ROBOT = damped_point(sigma=1.0)

@@ -11,7 +11,7 @@ Answers = dict[int | str, dict[str, Any]]
 _TEXT: Final = {"text/plain": {"schema": {"type": "string"}}}
 
 
-class Refusal(BaseModel):
+class RefusedRequest(BaseModel):
     """Reason of an answer that is no success.
 
     Attributes:
@@ -28,7 +28,7 @@ def refused(status: HTTPStatus, why: str) -> Answers:
         status: Its status.
         why: When it is given.
     """
-    return {status.value: {"description": why, "model": Refusal}}
+    return {status.value: {"description": why, "model": RefusedRequest}}
 
 
 ANY_ROUTE: Final[Answers] = {
