@@ -1,4 +1,4 @@
-"""What is done where no answer is known to keep the hard rows with their margins: look for one, or choose by course."""
+"""The search for an answer where none is known yet to keep the hard rows with their margins, or a choice by course."""
 
 import numpy as np
 
