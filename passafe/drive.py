@@ -3,14 +3,15 @@
 Some ask for the same corner of the limits all the time, as one who drives at a wall; others change it now and then.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
 
-from passafe.decision import Status
-from passafe.filter import SafetyPassivityFilter
+from passafe.decision import Decision, Status
+from passafe.design import FilterDesign
+from passafe.limits import Limits
 from passafe.sampled_plant import SampledPlant
 
 CHANGES: Final = 0.05
@@ -52,11 +53,19 @@ class Drive:
     tank_j: list[float] = field(default_factory=list)
 
 
-def drive(core: SafetyPassivityFilter, x0: Sequence[float], periods: int, seed: int, operator: int) -> Drive:
+def drive(
+    design: FilterDesign,
+    decide: Callable[..., Decision],
+    x0: Sequence[float],
+    periods: int,
+    seed: int,
+    operator: int,
+) -> Drive:
     """Return what comes of one operator's drive, until a fallback or its end.
 
     Args:
-        core: The filter.
+        design: The design of the filter.
+        decide: Its ``SafetyPassivityFilter.decide``.
         x0: Start, n numbers.
         periods: How many it takes at most.
         seed: Seed of all operators.
@@ -65,14 +74,14 @@ def drive(core: SafetyPassivityFilter, x0: Sequence[float], periods: int, seed: 
     Raises:
         IntegrationError: The plant cannot be followed.
     """
-    design, tank = core.design, core.design.passivity.tank
+    tank = design.passivity.tank
     plant = SampledPlant(design.system, design.passivity.V, design.dt_s)
-    requests = _requests(core, np.random.default_rng([seed, operator]), changes=operator % 2 == 1)
+    requests = _requests(design.limits, np.random.default_rng([seed, operator]), changes=operator % 2 == 1)
     rest, statuses, levels = (0.0,) * design.system.m, list[Status](), list[float]()
     sample, u, level_j = plant.at(x0), design.limits.centre, design.passivity.initial_j
     for k in range(periods):
         t_s = k * design.dt_s
-        decision = core.decide(sample.x, u, next(requests), rest, level_j, t_s, start=k == 0)
+        decision = decide(sample.x, u, next(requests), rest, level_j, t_s, start=k == 0)
         statuses.append(decision.status)
         if decision.status.is_fallback:
             reached = FallbackReached(after_s=t_s, status=decision.status, x=sample.x)
@@ -85,9 +94,9 @@ def drive(core: SafetyPassivityFilter, x0: Sequence[float], periods: int, seed: 
     return Drive(statuses=statuses, tank_j=levels)
 
 
-def _requests(core: SafetyPassivityFilter, rng: np.random.Generator, *, changes: bool) -> Iterator[list[float]]:
+def _requests(limits: Limits, rng: np.random.Generator, *, changes: bool) -> Iterator[list[float]]:
     """Yield what an operator asks for in period after period: a corner of the limits."""
-    sides = np.array((core.design.limits.low, core.design.limits.high))
+    sides = np.array((limits.low, limits.high))
     corner = rng.permuted(sides, axis=0)[0]
     while True:
         if changes and rng.random() < CHANGES:

@@ -50,7 +50,7 @@ def driven_findings(
     """
     dt_s = core.design.dt_s
     periods = int(np.clip(round(DRIVEN_S / dt_s), FEWEST, PERIODS * samples))
-    drives = [drive(core, x0, periods, seed, k) for k in range(operators)]
+    drives = [drive(core.design, core.decide, x0, periods, seed, k) for k in range(operators)]
     drove = f"{operators} operators drove from the start at the limits of the input for {periods * dt_s:.3g} s"
     rows = _rows(core, drives, drove)
     if not core.design.mode.enforces_passivity:

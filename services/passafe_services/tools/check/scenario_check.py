@@ -12,6 +12,7 @@ from passafe.row_share import StateBox, row_findings
 from passafe_services.scenarios.design import design_of, robot_of
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.check.assumption import assumption_findings
+from passafe_services.tools.check.decision_time import decision_time_finding
 from passafe_services.tools.check.fail_safe import fail_safe_findings
 
 WIDTH: Final = 3.0
@@ -53,7 +54,8 @@ def scenario_findings(scenario: Scenario, samples: int, seed: int) -> tuple[Find
     core = SafetyPassivityFilter(design_of(scenario, robot_of(scenario)))
     plant, n = scenario.plant, core.design.system.n
     low, high = plant.start_low or (-WIDTH,) * n, plant.start_high or (WIDTH,) * n
-    return (*findings, *row_findings(core, StateBox(x0=plant.x0, low=low, high=high), samples, seed))
+    of_rows = row_findings(core, StateBox(x0=plant.x0, low=low, high=high), samples, seed)
+    return (*findings, *of_rows, decision_time_finding(core, plant.x0, seed))
 
 
 def _play_out(scenario: Scenario) -> Iterator[Finding]:
