@@ -29,18 +29,18 @@ def served(kind: str, folder: Path) -> Iterator[str]:
             yield archive.url
 
 
-def ask(kind: str, folder: Path, examples: int, seed: int) -> None:
+def ask(kind: str, folder: Path, examples: int, seed: int, *more: str) -> None:
     """Run schemathesis; its report is the message of a failure."""
     with served(kind, folder) as url:
         options = (f"--max-examples={examples}", f"--seed={seed}", f"--exclude-checks={UNCHECKED}", "--no-color")
-        command = (sys.executable, "-m", "schemathesis.cli", "run", f"{url}/openapi.json", *options)
+        command = (sys.executable, "-m", "schemathesis.cli", "run", f"{url}/openapi.json", *options, *more)
         run = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=500, check=False)
     assert run.returncode == 0, run.stdout[-6000:] + run.stderr[-2000:]
 
 
 @pytest.mark.parametrize("kind", ["live", "browse"])
 def test_some_requests_are_answered_as_described(kind: str, tmp_path: Path) -> None:
-    ask(kind, tmp_path, 3, 1)
+    ask(kind, tmp_path, 5, 1, "--phases=fuzzing,stateful")
 
 
 @pytest.mark.campaign
