@@ -6,6 +6,7 @@ STAMP := $(VENV)/.installed
 PROTO := passafe_protocol/passafe.proto
 GENERATE := $(BIN)/python -m grpc_tools.protoc -I protocol
 DEMO ?=
+FUZZ_S ?= 60
 PYTHONS ?= python3.12 python3.13
 QUIET := not live and not browser and not campaign and not container
 LIVE := live or browser
@@ -119,8 +120,9 @@ resumes: $(STAMP)  ## a thousand random resumes after stops, deaths and outages,
 recovery: $(STAMP)  ## kills 200 recorders, cuts off 200 logs and damages 200: what is recovered, and is the rest named? some minutes
 	$(BIN)/python tests/log/recovery_campaign.py
 
-fuzz: $(STAMP)  ## 5,000 mutations of every kind of file and message that passafe reads; some minutes
+fuzz: $(STAMP)  ## 5,000 mutations of every kind of file and message that passafe reads, then FUZZ_S=60 s of each guided by coverage
 	$(BIN)/python -m pytest tests/fuzz tests/dashboard/test_dashboard_http_schema.py -m campaign
+	for target in $$(ls tests/fuzz/corpus); do $(BIN)/python tests/fuzz/coverage_guided.py $$target $(FUZZ_S) || exit 1; done
 
 soak: $(STAMP)  ## a demo of half an hour: memory, file handles and threads of every process stay level
 	$(BIN)/python tests/system/soak.py

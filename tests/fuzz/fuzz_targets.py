@@ -1,5 +1,6 @@
 """Everything that reads bytes of others, as functions of bytes, with the files that mutations start from."""
 
+import zlib
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
@@ -70,6 +71,11 @@ TARGETS = {
     "recording": FuzzTarget(".csv", lambda path: load_recording(path, 2)),
     "log": FuzzTarget(".mcap", read_log),
 }
+
+
+def with_checksum(body: bytes) -> bytes:
+    """Return a message without its last field, the checksum, completed by it."""
+    return body + b"\x9d\x06" + zlib.crc32(body).to_bytes(4, "little")
 
 
 def corpus_of(name: str) -> list[bytes]:
