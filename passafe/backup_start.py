@@ -1,4 +1,4 @@
-"""The barriers that the fail-safe law keeps from the start, followed until the robot rests."""
+"""The barriers that the fail-safe law alone keeps from the start and other states, followed until the robot rests."""
 
 from collections.abc import Iterator, Sequence
 from typing import Final
@@ -12,9 +12,47 @@ from passafe.filter import SafetyPassivityFilter
 from passafe.finding import Finding, Severity
 
 HELPLESS: Final = "the gatekeeper does nothing from here: start slower, or where the law keeps every barrier"
-UNSTEADY: Final = (
-    "a shorter hold_s, or a law with gains below 1/hold_s: the gatekeeper relies on it where inputs are lost"
-)
+UNSTEADY: Final = "a shorter hold_s, or a law with gains below 1/hold_s: the filter relies on it where inputs are lost"
+
+
+class FailSafeCourses:
+    """Courses of a filter's fail-safe law, from any state.
+
+    Attributes:
+        are_known: Whether there are any: there are barriers, and inputs are sampled.
+    """
+
+    def __init__(self, core: SafetyPassivityFilter) -> None:
+        """Derive the rollout.
+
+        Args:
+            core: The filter.
+        """
+        chains = core.derivation.barriers.chains
+        self.are_known = bool(chains) and core.design.law is Law.SAMPLED
+        self._rollout = BackupRollout(core.design, chains) if self.are_known else None
+        self._u, self._held_periods = np.array(core.design.limits.centre), core.design.held_periods
+
+    def course(self, x: Sequence[float], law_held: int = 1) -> Course | None:
+        """Return the course from a state; ``None`` if there is none.
+
+        Args:
+            x: The state, n numbers.
+            law_held: Number of periods for which each input of the law is held.
+        """
+        if self._rollout is None:
+            return None
+        return self._rollout.course(np.array(x, dtype=float), 0.0, self._u, 0, law_held=law_held)
+
+    def is_kept(self, x: Sequence[float]) -> bool:
+        """Return whether every barrier is proven to be kept from a state."""
+        course = self.course(x)
+        return course is not None and course.is_safe
+
+    def is_kept_late(self, x: Sequence[float]) -> bool:
+        """Return whether that is so if each of the law's inputs is held as long as it may be."""
+        course = self.course(x, self._held_periods)
+        return course is not None and course.is_safe
 
 
 def backup_findings(core: SafetyPassivityFilter, x0: Sequence[float]) -> Iterator[Finding]:
@@ -27,24 +65,19 @@ def backup_findings(core: SafetyPassivityFilter, x0: Sequence[float]) -> Iterato
         core: The filter.
         x0: Start, n numbers.
     """
-    design = core.design
-    if not _is_known(core):
+    courses = FailSafeCourses(core)
+    course = courses.course(x0)
+    if course is None:
         return
-    course = _course(core, x0)
-    is_lasting = not course.is_safe or _is_kept_late(core, x0)
-    found = _found(course, design.dt_s)
-    if not is_lasting:
-        found = (
-            f"keeps every barrier if sent every period, but is not known to if held for {design.held_s:g} s at a time"
-        )
+    is_lasting = not course.is_safe or courses.is_kept_late(x0)
     advice = ""
-    if design.gatekeeper:
+    if core.design.gatekeeper:
         advice = HELPLESS if not course.is_safe else "" if is_lasting else UNSTEADY
     yield Finding(
         severity=Severity.WARNING if advice else Severity.NOTE,
         topic="fail-safe",
         subject="from the start",
-        found=found,
+        found=_found(course, core.design.dt_s) if is_lasting else unsteady(core),
         advice=advice,
     )
 
@@ -56,22 +89,14 @@ def is_kept_from(core: SafetyPassivityFilter, x0: Sequence[float]) -> bool:
         core: The filter.
         x0: Start, n numbers.
     """
-    return _is_known(core) and _course(core, x0).is_safe and _is_kept_late(core, x0)
+    courses = FailSafeCourses(core)
+    return courses.is_kept(x0) and courses.is_kept_late(x0)
 
 
-def _is_kept_late(core: SafetyPassivityFilter, x0: Sequence[float]) -> bool:
-    """Return whether that is so if each of the law's inputs is held as long as it may be."""
-    held = core.design.held_periods
-    return held == 1 or _course(core, x0, held).is_safe
-
-
-def _is_known(core: SafetyPassivityFilter) -> bool:
-    return bool(core.derivation.barriers.chains) and core.design.law is Law.SAMPLED
-
-
-def _course(core: SafetyPassivityFilter, x0: Sequence[float], law_held: int = 1) -> Course:
-    rollout = BackupRollout(core.design, core.derivation.barriers.chains)
-    return rollout.course(np.array(x0, dtype=float), 0.0, np.array(core.design.limits.centre), 0, law_held=law_held)
+def unsteady(core: SafetyPassivityFilter) -> str:
+    """Return, as part of a sentence, that the law keeps every barrier unless its inputs are lost."""
+    held = f"held for {core.design.held_s:g} s at a time"
+    return f"keeps every barrier if sent every period, but is not known to if {held}"
 
 
 def _found(course: Course, dt_s: float) -> str:

@@ -46,11 +46,13 @@ class Drive:
         statuses: Of all decisions.
         fallback: Fallback that ended it; ``None`` if none did.
         tank_j: Energy in the tank at the end of every period, J; of no meaning without a tank.
+        backed_x: State in which the backup law's input was sent first, by its course; ``None`` if it never was.
     """
 
     statuses: list[Status] = field(default_factory=list)
     fallback: FallbackReached | None = None
     tank_j: list[float] = field(default_factory=list)
+    backed_x: tuple[float, ...] | None = None
 
 
 def drive(
@@ -78,6 +80,7 @@ def drive(
     plant = SampledPlant(design.system, design.passivity.V, design.dt_s)
     requests = _requests(design.limits, np.random.default_rng([seed, operator]), changes=operator % 2 == 1)
     rest, statuses, levels = (0.0,) * design.system.m, list[Status](), list[float]()
+    backed_x: tuple[float, ...] | None = None
     sample, u, level_j = plant.at(x0), design.limits.centre, design.passivity.initial_j
     for k in range(periods):
         t_s = k * design.dt_s
@@ -85,13 +88,15 @@ def drive(
         statuses.append(decision.status)
         if decision.status.is_fallback:
             reached = FallbackReached(after_s=t_s, status=decision.status, x=sample.x)
-            return Drive(statuses=statuses, fallback=reached, tank_j=levels)
+            return Drive(statuses=statuses, fallback=reached, tank_j=levels, backed_x=backed_x)
+        if decision.status is Status.BACKUP and backed_x is None:
+            backed_x = sample.x
         after, u = plant.advance(sample.x, decision.u), decision.u
         if tank is not None:
             level_j = tank.balance(level_j, after.energy_in_j, after.stored_j - sample.stored_j)
         levels.append(level_j)
         sample = after
-    return Drive(statuses=statuses, tank_j=levels)
+    return Drive(statuses=statuses, tank_j=levels, backed_x=backed_x)
 
 
 def _requests(limits: Limits, rng: np.random.Generator, *, changes: bool) -> Iterator[list[float]]:

@@ -3,11 +3,12 @@
 Random states say how much of the protected set is good; these say whether a robot gets to where it is not.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Final
 
 import numpy as np
 
+from passafe.backup_start import UNSTEADY, FailSafeCourses, unsteady
 from passafe.decision import Status
 from passafe.drive import Drive, drive
 from passafe.filter import SafetyPassivityFilter
@@ -41,6 +42,8 @@ def driven_findings(
 ) -> tuple[Finding, ...]:
     """Return whether any operator drives the robot from the start into a fallback, and whether one empties the tank.
 
+    Where the backup law was sent, also whether it holds what it promises there if its inputs are lost.
+
     Args:
         core: The filter.
         x0: Start, n numbers.
@@ -52,10 +55,8 @@ def driven_findings(
     periods = int(np.clip(round(DRIVEN_S / dt_s), FEWEST, PERIODS * samples))
     drives = [drive(core.design, core.decide, x0, periods, seed, k) for k in range(operators)]
     drove = f"{operators} operators drove from the start at the limits of the input for {periods * dt_s:.3g} s"
-    rows = _rows(core, drives, drove)
-    if not core.design.mode.enforces_passivity:
-        return (rows,)
-    return (rows, _energy(core, drives, drove))
+    energy = (_energy(core, drives, drove),) if core.design.mode.enforces_passivity else ()
+    return (_rows(core, drives, drove), *energy, *_unsteady(core, drives))
 
 
 def _rows(core: SafetyPassivityFilter, drives: Sequence[Drive], drove: str) -> Finding:
@@ -91,6 +92,20 @@ def _energy(core: SafetyPassivityFilter, drives: Sequence[Drive], drove: str) ->
         advice="safety or the limits need energy that the robot was not given: a larger tank, wider limits, "
         "or an output and a storage function with which the plant is passive",
     )
+
+
+def _unsteady(core: SafetyPassivityFilter, drives: Sequence[Drive]) -> Iterator[Finding]:
+    """Yield a finding if the law keeps every barrier from where it was sent, but not with inputs that are lost."""
+    backed = [each.backed_x for each in drives if each.backed_x is not None]
+    courses = FailSafeCourses(core) if backed else None
+    if courses is not None and any(courses.is_kept(x) and not courses.is_kept_late(x) for x in backed):
+        yield Finding(
+            severity=Severity.WARNING,
+            topic="fail-safe",
+            subject=SUBJECT,
+            found=f"sent in {_share(drives, Status.BACKUP):.0%} of the periods, it {unsteady(core)}",
+            advice=UNSTEADY,
+        )
 
 
 def _share(drives: Sequence[Drive], status: Status) -> float:

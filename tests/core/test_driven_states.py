@@ -89,6 +89,17 @@ def test_without_a_tank_the_share_of_slack_is_reported() -> None:
     assert energy.found.endswith("% of the periods")
 
 
+@pytest.mark.parametrize(("hold_s", "warns"), [(0.1, False), (0.4, True)])
+def test_a_law_that_was_sent_and_may_be_held_too_long_warns(hold_s: float, *, warns: bool) -> None:
+    """Sent every 0.1 s −8·v settles, held for 0.4 s it swings ever further; 3 cm before the wall it brakes better."""
+    design = walled(2.0, dt_s=0.1, hold_s=hold_s, input_bound=30.0)
+    core = SafetyPassivityFilter(replace(design, fail_safe=-8 * design.system.x[1]))
+    found = driven_findings(core, (0.97, 0.256), 40, 1, 2)
+
+    assert [each.severity for each in found] == [Severity.NOTE, *[Severity.WARNING] * warns]
+    assert all(each.topic == "fail-safe" and "held for 0.4 s at a time" in each.found for each in found[1:])
+
+
 def test_slow_loops_are_driven_for_fifty_periods_at_least() -> None:
     (found,) = driven_findings(SafetyPassivityFilter(walled(0.1, dt_s=0.5)), (0.0, 0.0), 40, 1, 2)
 
