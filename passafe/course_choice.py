@@ -82,7 +82,7 @@ class CourseChoice:
             is_good = not self.compares or fallback.best(*state, before, [u_plus]).place is not None
         else:
             is_good = fallback.is_backed(*state, u_plus) or not fallback.keeps(*state, before)
-            is_good = is_good and (not fallback.keeps_late(*state, before) or fallback.is_backed_late(*state, u_plus))
+            is_good = is_good and fallback.is_lasting(*state, before, u_plus)
         if is_good:
             return attempt
         return _by_course(self._replaced.send_backup(attempt))

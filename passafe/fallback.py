@@ -64,15 +64,19 @@ class Fallback:
 
         Courses are compared over twice the time in which the backup's gets lowest; one that is better is then followed
         to its end, and counts if it is no worse there either. A course that is proven to be safe is preferred to one
-        that is not. Once one is, or a candidate keeps every barrier, the rest are not looked at.
+        that is not. Once one is, or a candidate keeps every barrier, the rest are not looked at. The answer's is tried
+        first: where it is proven there is none better.
 
         Args:
             x: State, shape (n,).
             t_s: Plant time, s.
             u: Input before, shape (m,).
-            candidates: Inputs within the limits, each of shape (m,), in the order of preference; the first is the
-                program's answer.
+            candidates: Inputs within the limits, each of shape (m,), in the order of preference, at least one: the
+                first is the program's answer.
         """
+        answer = candidates[0]
+        if self.is_backed(x, t_s, answer) and (not self.has_gatekeeper or self.is_lasting(x, t_s, u, answer)):
+            return BestCourse(place=0, is_safe=True)
         best, place = self._rollout.course(x, t_s, u, 0), None
         is_late = self.has_gatekeeper and best.is_safe and self.keeps_late(x, t_s, u)
         until = min(2 * best.lowest_at + CHUNK, LONGEST)
@@ -93,6 +97,17 @@ class Fallback:
             u: Input to be held, shape (m,).
         """
         return all(self._is_safe(x, t_s, u, held) for held in sorted({1, self._held_periods}))
+
+    def is_lasting(self, x: Array, t_s: float, u: Array, answer: Array) -> bool:
+        """Return whether an input that is backed stays so where inputs are lost, or the law alone is not known to.
+
+        Args:
+            x: State, shape (n,).
+            t_s: Plant time, s.
+            u: Input before, shape (m,).
+            answer: Input to be held, shape (m,).
+        """
+        return self._held_periods == 1 or self.is_backed_late(x, t_s, answer) or not self.keeps_late(x, t_s, u)
 
     def is_backed_late(self, x: Array, t_s: float, u: Array) -> bool:
         """Return whether that is so even if this input and each of the law's are held as long as they may be.
