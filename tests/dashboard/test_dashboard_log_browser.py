@@ -55,6 +55,12 @@ def test_a_log_is_opened_from_the_list_and_played(watched: Watched, archive: Bro
     open_page(watched, archive, "/logs")
     watched.page.get_by_role("link", name="circle 1.mcap").click()
     watched.page.wait_for_selector("body[data-ready=true]")
+    assert "is violated" in watched.page.locator("#report .badge").text_content()
+    watched.page.go_back()
+    row = watched.page.locator("tr", has_text="circle 1.mcap")
+    row.locator(".verdict[data-outcome=fails]").wait_for()
+    row.get_by_role("link").click()
+    watched.page.wait_for_selector("body[data-ready=true]")
     assert watched.page.locator("#report canvas").count() == 13
     watched.page.get_by_role("button", name="plant in its fail-safe").click()
     watched.page.wait_for_selector("[data-part=time]:text-is('0.200 s')")

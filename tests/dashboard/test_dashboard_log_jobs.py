@@ -56,6 +56,17 @@ def test_a_review_becomes_a_report(page: BrowsedArchive) -> None:
     assert (again["job"], again["state"]) == (job["job"], "done")
 
 
+def test_the_list_has_the_verdicts_of_reviewed_logs(page: BrowsedArchive, runs: Path) -> None:
+    _simulate(runs / "new.mcap", 0.3)
+    assert page.get("/api/logs/new.mcap").json()["verdict"] == ""
+    assert page.finished({"kind": "review", "log": "new.mcap"})["state"] == "done"
+    listed = {entry["name"]: entry["verdict"] for entry in page.get("/api/logs").json()["logs"]}
+    assert (listed["new.mcap"], listed["long.mcap"]) == ("holds", "")
+    os.utime(runs / "new.mcap", (1, 1))
+    assert page.get("/api/logs/new.mcap").json()["verdict"] == ""
+    (runs / "new.mcap").unlink()
+
+
 def test_a_changed_log_is_reviewed_again(page: BrowsedArchive, runs: Path) -> None:
     first = page.finished({"kind": "review", "log": "words.mcap"})
     assert first["state"] == "failed"

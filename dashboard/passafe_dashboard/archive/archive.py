@@ -32,7 +32,8 @@ class Archive:
     async def logs(self) -> LogList:
         """Return the logs, the newest first."""
         async with self._reading:
-            return await asyncio.to_thread(self._lister.newest)
+            found = await asyncio.to_thread(self._lister.newest)
+        return found.model_copy(update={"logs": tuple(map(self._judged, found.logs))})
 
     async def log(self, name: str) -> LogEntry:
         """Return one log.
@@ -41,7 +42,7 @@ class Archive:
             ArchiveNameError: There is no such log in the folder.
         """
         async with self._reading:
-            return await asyncio.to_thread(self._lister.entry, name)
+            return self._judged(await asyncio.to_thread(self._lister.entry, name))
 
     async def experiments(self) -> ExperimentList:
         """Return the experiments, the newest first."""
@@ -69,8 +70,12 @@ class Archive:
             return self.board.start(request, None)
         names = request.logs if isinstance(request, CompareRequest) else (request.log,)
         entries = [await self.log(name) for name in names]
-        stamp = None if isinstance(request, WhatIfRequest) else [(each.size_bytes, each.modified_s) for each in entries]
+        stamp = None if isinstance(request, WhatIfRequest) else [each.stamp for each in entries]
         return self.board.start(request, stamp)
+
+    def _judged(self, entry: LogEntry) -> LogEntry:
+        """Return an entry with the verdict of its review, if there was one."""
+        return entry.model_copy(update={"verdict": self.board.verdict(entry.name, [entry.stamp])})
 
     def _known_experiments(self) -> "Experiments":
         if self._experiments is None:

@@ -35,6 +35,7 @@ class LogEntry(BaseModel):
         source: Log from which a what-if made it; empty for any other.
         changes: What the what-if changed, in words.
         files: Number of files that it consists of.
+        verdict: Verdict of its review in the page, in a few words; empty if it was not reviewed as it is now.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -50,6 +51,12 @@ class LogEntry(BaseModel):
     source: str
     changes: tuple[str, ...]
     files: int
+    verdict: str = ""
+
+    @property
+    def stamp(self) -> tuple[int, float]:
+        """State of its files: another one as soon as they change."""
+        return self.size_bytes, self.modified_s
 
 
 class LogList(BaseModel):

@@ -19,7 +19,7 @@ from passafe_services.loop.realtime import available_processors
 from passafe_dashboard.archive.runs_folder import RunsFolder
 from passafe_dashboard.errors import JobNameError, TooManyJobsError
 from passafe_dashboard.jobs.job_order import JobOrder, JobReport
-from passafe_dashboard.jobs.job_request import AnyJobRequest
+from passafe_dashboard.jobs.job_request import AnyJobRequest, ReviewRequest
 
 MOST_AT_A_TIME: Final = 1
 MOST_OPEN: Final = 8
@@ -53,6 +53,7 @@ class PageJob:
         share: Share of the work that is done.
         text: What it does now, or why it failed.
         log: Log that it has written, by its name; empty for none.
+        verdict: Verdict of the review that it was, in a few words; empty before it is done, and for other work.
         unfinished: Folder to remove if its process does not end by itself.
         changes: How often any of these has changed.
         task: Follows its process.
@@ -67,6 +68,7 @@ class PageJob:
     share: float = 0.0
     text: str = "waiting for its turn"
     log: str = ""
+    verdict: str = ""
     unfinished: Path | None = None
     changes: int = 0
     task: asyncio.Task[None] | None = field(default=None, repr=False)
@@ -83,7 +85,7 @@ class PageJob:
         """Take a line of its process."""
         self.unfinished = report.unfinished or self.unfinished
         self.share = max(self.share, report.share)
-        self.log = report.log or self.log
+        self.log, self.verdict = report.log or self.log, report.verdict
         states: dict[str, JobState] = {"done": "done", "refused": "failed"}
         self.become(states.get(report.event, "running"), report.text or self.text)
 
@@ -152,6 +154,17 @@ class JobBoard:
         job.task = asyncio.create_task(self._run(job))
         self._forget_old()
         return job
+
+    def verdict(self, log: str, stamp: object) -> str:
+        """Return the verdict of a log's review, in a few words; empty if it was not reviewed as it is now.
+
+        Args:
+            log: Its name.
+            stamp: State of its files.
+        """
+        request = ReviewRequest(kind="review", log=log)
+        reviews = (job for job in self._jobs.values() if (job.request, job.stamp) == (request, stamp))
+        return next((job.verdict for job in reviews if job.verdict), "")
 
     async def cancel(self, name: str) -> PageJob:
         """End a job if it is not over; return it.

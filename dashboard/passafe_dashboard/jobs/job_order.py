@@ -34,6 +34,7 @@ class JobReport(BaseModel):
         share: Share of the work that is done.
         text: What it does now, or why it cannot.
         log: Log that it has written, by its name in the runs folder.
+        verdict: Verdict of the review that it was, in a few words.
         unfinished: Folder to remove should the job not end by itself.
     """
 
@@ -43,4 +44,5 @@ class JobReport(BaseModel):
     share: Annotated[float, Field(ge=0, le=1)] = 0.0
     text: str = ""
     log: str = ""
+    verdict: str = ""
     unfinished: Path | None = None

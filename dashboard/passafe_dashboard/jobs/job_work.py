@@ -20,9 +20,9 @@ def do(order: JobOrder, report: Callable[[JobReport], object]) -> JobReport:
         OSError: A file cannot be read or written.
     """
     folder, progress, log, text = RunsFolder(order.root), JobProgress(report), "", "done"
-    request, result = order.request, None
+    request, result, verdict = order.request, None, ""
     if isinstance(request, ReviewRequest):
-        result = review(request, folder, progress, processors=order.processors)
+        result, verdict = review(request, folder, progress, processors=order.processors)
     elif isinstance(request, CompareRequest):
         result = compare(request, folder, progress)
     elif isinstance(request, WhatIfRequest):
@@ -35,4 +35,4 @@ def do(order: JobOrder, report: Callable[[JobReport], object]) -> JobReport:
         log, text = repeat(request, folder, progress)
     with whole_output(order.result) as unfinished:
         unfinished.write_text(json_text({} if result is None else result._asdict()), encoding="utf-8")
-    return JobReport(event="done", share=1.0, text=text, log=log)
+    return JobReport(event="done", share=1.0, text=text, log=log, verdict=verdict)

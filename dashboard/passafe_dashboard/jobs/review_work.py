@@ -24,8 +24,10 @@ MOST_BYTES_IN_MEMORY: Final = 48 << 20
 """Largest log of which all messages are kept in memory."""
 
 
-def review(request: ReviewRequest, folder: RunsFolder, progress: JobProgress, *, processors: int) -> ReportParts:
-    """Return the report of a log, from one pass over it."""
+def review(
+    request: ReviewRequest, folder: RunsFolder, progress: JobProgress, *, processors: int
+) -> tuple[ReportParts, str]:
+    """Return the report of a log and its verdict in a few words, from one pass over it."""
     records: list[RunCollector] = []
 
     def join(identity: RunIdentity, evaluator: CoreEvaluator) -> Sequence[RunCollector]:
@@ -37,7 +39,9 @@ def review(request: ReviewRequest, folder: RunsFolder, progress: JobProgress, *,
     found = judge_log(path, join, progress=step, workers=processors or 0)
     progress.part("drawing", 0.92, 1.0)
     run = report_run(records[0], found.verdict, found.identity)
-    return report_parts([run], title=found.identity.scenario.title)
+    violated = run.not_required()
+    verdict = found.verdict.verdict + (f"; violated, not required: {', '.join(violated)}" if violated else "")
+    return report_parts([run], title=found.identity.scenario.title), verdict
 
 
 def compare(request: CompareRequest, folder: RunsFolder, progress: JobProgress) -> ReportParts:

@@ -63,14 +63,13 @@ class ReportRun:
 
     def view(self) -> dict[str, Any]:
         """Return the values of the template."""
-        lines = self.property_lines()
         return {
             "label": self.label,
             "verdict": self.verdict,
             "words": self.words(),
             "duration": f"{number(self.verdict.get('duration_s'))} s",
-            "not_required": [line.name for line in lines if line.outcome == "violated" and line.required == "no"],
-            "properties": lines,
+            "not_required": self.not_required(),
+            "properties": self.property_lines(),
             "facts": facts(self.verdict),
             "timing": timing_lines(self.verdict.get("timing") or {}),
             "counts": self.verdict.get("status_counts") or {},
@@ -86,6 +85,10 @@ class ReportRun:
         said = str(self.verdict.get("words", ""))
         against = said.removeprefix(str(self.verdict.get("verdict"))).removeprefix(": ")
         return against if not against.startswith("violated but not required") else ""
+
+    def not_required(self) -> list[str]:
+        """Return the properties that are violated, but not required of the run."""
+        return [line.name for line in self.property_lines() if line.outcome == "violated" and line.required == "no"]
 
     def property_lines(self) -> list[PropertyLine]:
         """Return the properties of the verdict."""

@@ -30,9 +30,11 @@ function rowOf(log) {
   }
   const files = log.files > 1 ? `, ${log.files} files` : "";
   const state = tableCell(log.state, log.state === "finished" ? "quiet" : `state ${log.state.replace(" ", "-")}`);
+  const verdict = tableCell(log.verdict || (log.state === "no log" ? "" : "not reviewed"), "verdict");
+  verdict.dataset.outcome = log.verdict;
   const changed = tableCell(timeAgo(log.modified_s));
   changed.title = new Date(log.modified_s * 1000).toISOString();
-  row.append(mark, name, tableCell(log.scenario), tableCell(log.mode), state, tableCell(sizeText(log.size_bytes) + files, "right"), changed);
+  row.append(mark, name, tableCell(log.scenario), tableCell(log.mode), state, verdict, tableCell(sizeText(log.size_bytes) + files, "right"), changed);
   return row;
 }
 
