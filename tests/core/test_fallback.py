@@ -61,6 +61,27 @@ def test_a_part_of_the_way_brakes_where_all_of_it_races() -> None:
     assert -50.0 < parts[place - 1][0] < 0.0
 
 
+@pytest.mark.parametrize("v", [0.0, 1e-12, 1e-9, 1e-6, 1e-5])
+def test_what_cannot_be_bounded_does_not_keep_a_robot_standing(v: float) -> None:
+    """Drag −‖v‖v has no bounded curvature at rest, so no course is proven; 4 m before the wall it still starts."""
+    x, u = ca.SX.sym("x", 4), ca.SX.sym("u", 2)
+    drag = ca.norm_2(x[2:]) * x[2:]
+    design = FilterDesign(
+        system=System(x=x, u=u, f=ca.vertcat(x[2:], u - drag), y=x[2:]),
+        u_fb=-8 * x[2:],
+        fail_safe=-3 * x[2:],
+        barriers=(Barrier(name="wall", h=4 - x[0], class_k=(Linear(gain=5.0),) * 3),),
+        passivity=Passivity(V=ca.sumsqr(x[2:]) / 2),
+        k_i=50.0,
+        dt_s=1e-3,
+        input_bound=10.0,
+        mode=Mode.SAFE,
+    )
+    decision = SafetyPassivityFilter(design).decide((0.0, 0.0, v, 0.0), (0.0, 0.0), (10.0, 0.0), (0.0, 0.0))
+
+    assert decision.u == pytest.approx((0.5, 0.0), abs=1e-3)
+
+
 def test_nothing_is_lost_where_a_part_of_the_way_brakes() -> None:
     design = coaster()
     made, plant = SafetyPassivityFilter(design), SampledPlant(design.system, design.passivity.V, design.dt_s)

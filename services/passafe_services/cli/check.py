@@ -37,13 +37,16 @@ def check(
     loop rate, and decides in random states and drives from the start at the limits: how often can the rows be kept,
     with the margins between samples and without? Every finding says what, with which value, and what to change.
 
+    Takes seconds, but minutes where the filter compares courses in most periods of a fast loop: fewer samples then.
+
     Commands that run a scenario print its warnings too, except those that take decisions, and refuse what cannot be
     used. Exits with 0 if there are only notes, with 1 after a warning, with 2 if the scenario cannot be used.
 
     Example: `passafe check walls-and-disks`
     """
     chosen = load_scenario(scenario, robot=robot)
-    findings = scenario_findings(chosen, samples, seed)
+    with Console(stderr=True).status("deciding in random states, then driving from the start"):
+        findings = scenario_findings(chosen, samples, seed)
     if json:
         typer.echo(json_text.dumps([asdict(one) | {"severity": one.severity.value} for one in findings], indent=2))
     else:
