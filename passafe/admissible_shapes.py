@@ -8,7 +8,7 @@ import numpy as np
 from passafe.arguments import described, numbers, one_number
 from passafe.errors import DesignError
 from passafe.fixed_order import length
-from passafe.ranges import require_positive
+from passafe.ranges import LARGEST_INPUT, require_positive
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -26,6 +26,8 @@ class NormBound:
     def __post_init__(self) -> None:
         """Refuse what limits nothing."""
         require_positive("input norm bound", self.bound)
+        if one_number("input norm bound", self.bound) > LARGEST_INPUT:
+            raise DesignError("input norm bound", f"{self.bound:g}", f"at most {LARGEST_INPUT:g}, units of u")
         given = numbers("input norm axes", self.axes)
         axes = tuple(int(axis) for axis in given if isfinite(axis))
         if not axes or min(axes) < 0 or len(set(axes)) != len(axes) or axes != given:
@@ -50,8 +52,9 @@ class HalfSpace:
         """Scale to unit length, and refuse what is no half-space."""
         weights, bound = numbers("input half-space weights", self.weights), one_number("input half-space", self.bound)
         size = length(np.array(weights))
-        if not 0.0 < size < inf or not -inf < bound < inf:
+        if not 0.0 < size < inf or not abs(bound) / size <= LARGEST_INPUT:
             got = f"weights {list(weights)}, bound {bound}"
-            raise DesignError("input half-space", got, "finite numbers, and a weight that is not zero")
+            allowed = f"finite numbers, a weight that is not zero, a bound within ±{LARGEST_INPUT:g} times their length"
+            raise DesignError("input half-space", got, allowed)
         object.__setattr__(self, "weights", tuple(weight / size for weight in weights))
         object.__setattr__(self, "bound", bound / size)

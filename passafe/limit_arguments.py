@@ -2,17 +2,14 @@
 
 from collections.abc import Sequence
 from math import inf
-from typing import Final, TypeVar
+from typing import TypeVar
 
 from passafe.arguments import described, is_one_number, members, numbers
 from passafe.errors import DesignError, ShapeError
-from passafe.ranges import require_positive
+from passafe.ranges import LARGEST_INPUT, require_positive
 
 PerAxis = float | Sequence[float]
 Kind = TypeVar("Kind")
-
-LARGEST: Final = 1e100
-"""Largest limit of an input: squares of it are still numbers."""
 
 
 def interval_of(
@@ -29,8 +26,8 @@ def interval_of(
         require_positive("input_bound", one)
     least = tuple(-one for one in bound) if low is None else _each_axis("input_low", low, m)
     most = bound if high is None else _each_axis("input_high", high, m)
-    if not all(-LARGEST <= lower < upper <= LARGEST for lower, upper in zip(least, most, strict=True)):
-        allowed = f"within ±{LARGEST:g}, every high above its low"
+    if not all(-LARGEST_INPUT <= lower < upper <= LARGEST_INPUT for lower, upper in zip(least, most, strict=True)):
+        allowed = f"within ±{LARGEST_INPUT:g}, every high above its low"
         raise DesignError("input_low, input_high", f"{list(least)}, {list(most)}", allowed)
     return least, most
 

@@ -1,11 +1,15 @@
 """Checks of single numbers of a design."""
 
 from math import inf, isfinite
+from typing import Final
 
 import numpy as np
 
 from passafe.arguments import described, is_one_number
 from passafe.errors import DesignError
+
+LARGEST_INPUT: Final = 1e100
+"""Largest limit of an input, units of u: squares of it are still numbers."""
 
 
 def require_positive(part: str, value: float, unit: str = "") -> None:

@@ -215,9 +215,14 @@ def test_norms_need_axes(axes: object) -> None:
         NormBound(axes=axes, bound=1.0)  # type: ignore[arg-type]  # wrong on purpose
     with pytest.raises(DesignError, match="input norm bound"):
         NormBound(axes=(0,), bound=0.0)
+    with pytest.raises(DesignError, match=r"input norm bound: got 1e\+160, allowed at most 1e\+100"):
+        NormBound(axes=(0,), bound=1e160)
 
 
-@pytest.mark.parametrize(("weights", "bound"), [((), 1.0), ((0.0, 0.0), 1.0), ((nan, 1.0), 1.0), ((1.0, 1.0), inf)])
+@pytest.mark.parametrize(
+    ("weights", "bound"),
+    [((), 1.0), ((0.0, 0.0), 1.0), ((nan, 1.0), 1.0), ((1.0, 1.0), inf), ((1.0, 1.0), 1e160), ((1e-90,), 1e20)],
+)
 def test_half_spaces_need_weights(weights: tuple[float, ...], bound: float) -> None:
     with pytest.raises(DesignError, match="input half-space"):
         HalfSpace(weights=weights, bound=bound)

@@ -62,6 +62,11 @@ def test_results_of_another_experiment_are_refused(other: dict[str, Any], tmp_pa
         experiment_results(tmp_path / "r.jsonl", swept(**other))
 
 
+def test_a_folder_is_no_results_file(tmp_path: Path) -> None:
+    with pytest.raises(ResultsFileError, match="Is a directory"):
+        experiment_results(tmp_path, swept())
+
+
 def test_results_of_a_changed_scenario_are_refused(tmp_path: Path) -> None:
     one = swept()
     experiment_results(tmp_path / "r.jsonl", one)

@@ -56,7 +56,7 @@ def test_change_is_explained_as_json_picture_and_page(tmp_path: Path) -> None:
 def test_bad_options_are_one_clear_line(tmp_path: Path) -> None:
     out = ("--out", str(tmp_path / "out.mcap"))
     assert "--out: got nothing, allowed a file" in refused(LOG)
-    assert "allowed another file than the log itself" in refused(LOG, "--out", LOG)
+    assert f"allowed another file than {LOG}, which is read" in refused(LOG, "--out", LOG)
     assert "--set: got 'k_i', allowed KEY=VALUE" in refused(LOG, "--set", "k_i", *out)
     assert "filter.k_j: got an unknown key" in refused(LOG, "--set", "filter.k_j=3", *out)
     assert "did you mean human?" in refused(LOG, "--operator", "humn", *out)

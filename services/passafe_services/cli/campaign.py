@@ -16,7 +16,6 @@ from passafe_services.cli.options import WorkersOption, writable_folder
 from passafe_services.cli.robot_option import OwnRobotOption
 from passafe_services.cli.sweep import exit_if_interrupted, workers_for
 from passafe_services.cli.uncertain_campaign import uncertain_campaign
-from passafe_services.loop.realtime import available_processors
 from passafe_services.loop.stop import Stop, stop_requests
 from passafe_services.scenarios.load import load_scenario
 from passafe_services.tools.campaign.campaign_job import CampaignJob, campaign_results
@@ -133,7 +132,7 @@ def _run(
     task = bar.add_task(file.path.stem, total=len(seeds), completed=len(known), h=f"{lowest:.3g}")
     if not missing:
         return
-    with workers_for(job, min(workers or available_processors(), len(missing))) as pool:
+    with workers_for(job, workers, len(missing)) as pool:
         size = job.batch_size(len(missing), pool.count)
         for batch in file.add(sweep(FixedPlan(missing), pool, lambda _: size, stop.is_requested)):
             lowest = min(lowest, *(result.h_min for result in batch))

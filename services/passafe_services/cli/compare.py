@@ -1,5 +1,6 @@
 """``passafe compare``: set runs side by side."""
 
+from itertools import chain
 from pathlib import Path
 from typing import Annotated
 
@@ -9,6 +10,8 @@ from rich.console import Console
 from passafe_services.cli.comparison_table import print_comparison
 from passafe_services.cli.errors import OptionError
 from passafe_services.cli.options import writable_folder
+from passafe_services.cli.output_files import require_separate
+from passafe_services.log.log_files import files_of
 from passafe_services.tools.compare.alignment import KINDS
 from passafe_services.tools.compare.comparison import Comparison
 from passafe_services.tools.compare.run_metrics import ReviewedRun
@@ -45,6 +48,7 @@ def compare(
     """
     if len(runs) < LEAST_RUNS:
         raise OptionError("LOG", f"{len(runs)} log", "two or more")
+    require_separate({"--svg": svg, "--html": html}, chain.from_iterable(map(files_of, runs)))
     reviewed = [ReviewedRun.of(RunLog.read(path)) for path in runs]
     comparison = Comparison.of(reviewed, align)
     names = [path.stem for path in runs]

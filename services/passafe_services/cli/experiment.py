@@ -16,7 +16,6 @@ from passafe_services.cli.experiment_live import live_beside_lockstep, show_agre
 from passafe_services.cli.options import WorkersOption, writable_folder
 from passafe_services.cli.robot_option import OwnRobotOption
 from passafe_services.cli.sweep import exit_if_interrupted, workers_for
-from passafe_services.loop.realtime import available_processors
 from passafe_services.loop.stop import Stop, stop_requests
 from passafe_services.tools.experiment.cells import Run, RunKey, cells_of
 from passafe_services.tools.experiment.check import check
@@ -95,7 +94,7 @@ def experiment(
         note("runs", plan.most_runs)
     with _noting_an_interruption(note, plan), stop_requests(lifeline=False) as stop:
         if not was_complete:
-            with workers_for(StudyJob.of(study), workers, scheduler) as pool:
+            with workers_for(StudyJob.of(study), workers, plan.most_runs, scheduler) as pool:
                 _run(plan, results_file, pool, stop)
         exit_if_interrupted(stop, len(plan.results), folder, console)
         note("logs", len(plan.results))
@@ -180,10 +179,9 @@ def _keep(wanted: list[RunResult], study: Study, folder: Path, workers: int, sto
 
 def _write_logs(wanted: list[RunResult], job: LogJob, workers: int, stop: Stop, known: KeptList) -> None:
     """Write logs in processes of this machine, display the progress, and note each log that is whole."""
-    processes = min(workers or available_processors(), len(wanted))
     with (
         Progress(*Progress.get_default_columns()[:3], console=Console(stderr=True), transient=True) as bar,
-        workers_for(job, processes) as pool,
+        workers_for(job, workers, len(wanted)) as pool,
     ):
         task = bar.add_task("logs", total=len(wanted))
         for logs in sweep(FixedPlan(wanted), pool, lambda _: 1, stop.is_requested):

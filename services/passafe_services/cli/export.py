@@ -9,6 +9,8 @@ import typer
 
 from passafe.errors import MissingPackageError
 from passafe_services.cli.errors import OptionError
+from passafe_services.cli.output_files import require_separate
+from passafe_services.log.log_files import files_of
 from passafe_services.tables.scan import LogScan
 
 
@@ -68,6 +70,7 @@ def export(
     asked = [(kind, path) for kind, path in wanted if path is not None]
     if not asked:
         raise OptionError("format", "none", ", ".join(kind.option for kind, _ in wanted))
+    require_separate({FOXGLOVE.option: foxglove}, files_of(log))
     writers = [(_writer(kind), path) for kind, path in asked]
     scan = LogScan.of(log)
     for write, path in writers:

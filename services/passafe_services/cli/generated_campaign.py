@@ -10,7 +10,6 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from passafe_services.cli.sweep import exit_if_interrupted, workers_for
-from passafe_services.loop.realtime import available_processors
 from passafe_services.loop.stop import stop_requests
 from passafe_services.tools.generated.generated_job import GeneratedJob, generated_results
 from passafe_services.tools.generated.summary import FamilySummary, GeneratedSummary
@@ -33,7 +32,7 @@ def generated_campaign(folder: Path, seeds: range, workers: int) -> NoReturn:
         task = bar.add_task("generated", total=len(seeds), completed=len(seeds) - len(missing))
         if missing:
             job = GeneratedJob()
-            with workers_for(job, min(workers or available_processors(), len(missing))) as pool:
+            with workers_for(job, workers, len(missing)) as pool:
                 size = job.chunk_size(len(missing), pool.count)
                 for chunk in file.add(sweep(FixedPlan(missing), pool, lambda _: size, stop.is_requested)):
                     bar.update(task, advance=len(chunk))

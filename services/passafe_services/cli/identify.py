@@ -1,5 +1,6 @@
 """``passafe identify``: estimate a robot from its logs."""
 
+from itertools import chain
 from pathlib import Path
 from typing import Annotated
 
@@ -7,6 +8,9 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from passafe_services.cli.options import writable_folder
+from passafe_services.cli.output_files import require_separate
+from passafe_services.log.log_files import files_of
 from passafe_services.tools.identify.identification import LEFT_OUT, WINDOW_S, Identification, identify
 from passafe_services.tools.identify.motion_log import motion_of
 
@@ -38,6 +42,9 @@ def identify_robot(
     - `passafe identify runs/drive.mcap`
     - `passafe identify monday.mcap tuesday.mcap --parameter mass --out sets.toml`
     """
+    require_separate({"--out": out}, chain.from_iterable(map(files_of, runs)))
+    if out is not None:
+        writable_folder(out.parent)
     found = identify(motion_of(runs), parameter or (), window_s=window, left_out=left_out)
     if out is not None:
         out.write_text(found.scenario_lines(), encoding="utf-8")

@@ -15,6 +15,7 @@ from passafe_services.cli.access_options import InsecureOption, KeysOption, secu
 from passafe_services.cli.bus_options import DEFAULT_ROUTER, RobotOption, RouterOption
 from passafe_services.cli.errors import OptionError
 from passafe_services.cli.link_text import LINK_KEYS, changed_parameters, link_fields, require_ranges, settings_text
+from passafe_services.cli.output_files import require_separate
 from passafe_services.loop.errors import LinkSilentError
 from passafe_services.loop.inlet import require_links
 from passafe_services.loop.link_console import ANSWER_S, SOURCE, open_link_console
@@ -117,6 +118,7 @@ def import_measurement(
     - `passafe link import measured.json --direction receive --out back.csv`
     - `passafe link import ping.txt --out there.csv`, then `passafe simulate --link plant-to-filter:trace=there.csv`
     """
+    require_separate({"--out": out}, [file])
     measured = read_measurement(file, direction=direction, clocks=clocks, interval_s=interval)
     write_trace(out, measured)
     typer.echo("\n".join(measured.summary()))

@@ -10,8 +10,10 @@ from passafe_services.cli.errors import OptionError
 from passafe_services.cli.judging import judged
 from passafe_services.cli.junit import write_junit
 from passafe_services.cli.options import writable_folder
+from passafe_services.cli.output_files import require_separate
 from passafe_services.cli.verdict import exit_code, print_verdict
 from passafe_services.cli.verification import print_verification
+from passafe_services.log.log_files import files_of
 from passafe_services.log.log_pass import LogConsumer
 from passafe_services.log.verification import verify as verify_log
 from passafe_services.suggestion import suggestion
@@ -68,6 +70,7 @@ def review(
     - `passafe review runs/ci.mcap --contract contract.toml --require protected-start --junit review.xml`
     - `passafe review runs/bad.mcap --verify --authority keys/authority/ca.pem` names each message that was changed
     """
+    require_separate({"--html": html, "--junit": junit}, (*files_of(run), *filter(None, (contract, authority))))
     asked = _asked(require or (), contract)
     if junit is not None:
         _require_file(junit, "--junit")

@@ -19,6 +19,7 @@ from passafe_services.cli.options import (
     scenario_from_options,
     writable_folder,
 )
+from passafe_services.cli.output_files import require_separate
 from passafe_services.cli.robot_option import OwnRobotOption
 from passafe_services.cli.verdict import exit_code, print_verdict
 from passafe_services.log.log_writer import LogWriter, run_metadata
@@ -49,6 +50,8 @@ def simulate(
     chosen = scenario_from_options(
         scenario, mode=mode, law=law, duration_s=duration, rate_hz=rate, links=link or (), robot=robot
     )
+    given = (scenario, robot.rpartition(":")[0] if robot else "")
+    require_separate({"--out": out}, [Path(each) for each in given if each])
     warn_at_load(chosen)
     metadata = run_metadata(scenario_json=chosen.model_dump_json(), versions=versions(), driver="lockstep")
     writable_folder(out.parent)

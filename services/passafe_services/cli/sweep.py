@@ -21,19 +21,22 @@ R = TypeVar("R")
 
 
 @contextmanager
-def workers_for(job: Job[Task, R], workers: int, scheduler: str | None = None) -> Iterator[Workers[Task, R]]:
+def workers_for(
+    job: Job[Task, R], workers: int, tasks: int, scheduler: str | None = None
+) -> Iterator[Workers[Task, R]]:
     """Yield the workers that the options ask for; processes of this machine are killed at the end.
 
     Args:
         job: The work.
         workers: Number of processes; 0: one for each processor.
+        tasks: Number of tasks, at most: no more processes than that are started.
         scheduler: Address of a Dask scheduler whose cluster does the work instead.
     """
     if scheduler is not None:
         with dask_workers(job, scheduler) as cluster:
             yield cluster
     else:
-        with closing(WorkerProcesses(job, workers or available_processors())) as processes:
+        with closing(WorkerProcesses(job, min(workers or available_processors(), tasks))) as processes:
             yield processes
 
 

@@ -11,7 +11,6 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from passafe_services.cli.sweep import exit_if_interrupted, workers_for
-from passafe_services.loop.realtime import available_processors
 from passafe_services.loop.stop import stop_requests
 from passafe_services.tools.runs.sweep import FixedPlan, sweep
 from passafe_services.tools.uncertain.summary import TrialSummary, UncertainSummary
@@ -42,7 +41,7 @@ def uncertain_campaign(
             missing = [seed for seed in seeds if seed not in file.results]
             bar.update(task, advance=len(seeds) - len(missing), description=cell.name)
             if missing:
-                with workers_for(job, min(workers or available_processors(), len(missing))) as pool:
+                with workers_for(job, workers, len(missing)) as pool:
                     size = job.batch_size(len(missing), pool.count)
                     for batch in file.add(sweep(FixedPlan(missing), pool, partial(_constant, size), stop.is_requested)):
                         bar.update(task, advance=len(batch))

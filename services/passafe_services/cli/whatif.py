@@ -14,6 +14,7 @@ from passafe_services.cli.compare import AlignOption, HtmlOption, SvgOption, dra
 from passafe_services.cli.comparison_table import print_comparison
 from passafe_services.cli.errors import OptionError
 from passafe_services.cli.options import LawOption, LinkOption, ModeOption, writable_folder
+from passafe_services.cli.output_files import require_separate
 from passafe_services.cli.what_if_options import (
     HUMAN,
     OPERATORS,
@@ -23,6 +24,7 @@ from passafe_services.cli.what_if_options import (
     overrides_of,
 )
 from passafe_services.cli.what_if_search import SearchedRun, search_and_exit
+from passafe_services.log.log_files import files_of
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.scenarios.source_schema import HumanSource
 from passafe_services.tools.compare.comparison import Comparison
@@ -126,6 +128,8 @@ def whatif(
     """
     if links not in get_args(Links):
         raise OptionError("--links", repr(links), ", ".join(get_args(Links)))
+    inputs = (*files_of(run), *(Path(given) for given in (scenario,) if given))
+    require_separate({"--out": out, "--svg": svg, "--html": html}, inputs)
     overrides = overrides_of(settings or (), link or (), mode=mode, law=law, operator=operator)
     how: Links = "drawn" if links == "drawn" else "recorded"
     asked = Asked(file=scenario, overrides=overrides, operator=operator, links=how, seed=seed)
@@ -134,7 +138,7 @@ def whatif(
         interval = interval_of(search)
         attempt = SearchedRun(question, interval.field, lambda more: asked.conditions(question.log, more)[0])
         search_and_exit(attempt, interval, tolerance=tolerance, most_runs=runs, json=json)
-    target = _new_log(out, run)
+    target = _new_log(out)
     conditions, fit = asked.conditions(question.log, {})
     result = _rerun(question, conditions, target, asked.words(fit))
     reviewed = [ReviewedRun.of(question.log), ReviewedRun.of(RunLog.read(target))]
@@ -151,13 +155,11 @@ def whatif(
     raise typer.Exit(1 if is_unchanged and not result.is_exact else 0)
 
 
-def _new_log(out: Path | None, run: Path) -> Path:
-    """Return the log to write, which must not be the one that is read."""
+def _new_log(out: Path | None) -> Path:
+    """Return the log to write."""
     if out is None:
         raise OptionError("--out", "nothing", "a file for the log of the re-run; a search needs none")
     writable_folder(out.parent)
-    if out.exists() and out.samefile(run):
-        raise OptionError("--out", str(out), "another file than the log itself")
     return out
 
 

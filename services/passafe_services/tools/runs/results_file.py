@@ -58,7 +58,7 @@ class ResultsFile(Generic[K, R]):
             key: Returns the key of a result.
 
         Raises:
-            ResultsFileError: It holds results of something else, or no results.
+            ResultsFileError: It cannot be read, or holds results of something else, or none.
         """
         self.path = path
         self._key = key
@@ -78,7 +78,10 @@ class ResultsFile(Generic[K, R]):
                 yield results
 
     def _read(self, heading: ResultsHeading, result_type: type[R]) -> None:
-        text = self.path.read_text(encoding="utf-8")
+        try:
+            text = self.path.read_text(encoding="utf-8")
+        except OSError as error:
+            raise ResultsFileError(self.path, error.strerror or str(error), heading.kind) from error
         whole = text[: text.rfind("\n") + 1]
         try:
             first, *lines = whole.splitlines()
