@@ -14,7 +14,7 @@ from passafe.barrier_chain import Barrier
 from passafe.certificate import Tolerance
 from passafe.errors import DesignError
 from passafe.expressions import as_column
-from passafe.jumps import require_no_jumps
+from passafe.jumps import require_finite_constants, require_no_jumps
 from passafe.limit_arguments import PerAxis
 from passafe.limits import Limits
 from passafe.passivity import Passivity
@@ -180,6 +180,7 @@ class FilterDesign:
         require_no_jumps("storage V", self.passivity.V)
         for barrier in self.barriers:
             require_no_jumps(f"barrier {barrier.name!r} h", barrier.h)
+        require_finite_constants("fail_safe", self.fail_safe)
 
     def _take_numbers(self) -> None:
         require_positive("k_i", self.k_i)

@@ -47,6 +47,9 @@ INPUT_SIZES: Final = tuple(
 )
 """Sizes of the probes' inputs, in this order until one has an effect: in a dead zone or a saturation none has."""
 
+SIZES: Final = (1, 0.1, 10, 100, 1e-3, 1e4)
+"""Sizes of the states that are tried where h is defined at none of the first ones, as √x₀ is."""
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class InputReach:
@@ -113,17 +116,24 @@ def _first_effects(system: System, gradient: ca.SX) -> tuple[float, Array]:
 
 def _effects(system: System, gradient: ca.SX, size: float) -> Array:
     """Return |∂/∂u| at the probes, shape (P, m): zero where it is rounding, or at no fair share of the probes more."""
-    found = _steady(np.abs(_gradients(system, gradient, size)))
-    finite = np.flatnonzero(np.isfinite(found).all(axis=1))
+    for states in (_general_states(system.n), _positive_states(system.n)):
+        found = _steady(np.abs(_gradients(system, gradient, states, size)))
+        finite = np.flatnonzero(np.isfinite(found).all(axis=1))
+        if finite.size:
+            break
     effects = np.zeros(found.shape)
     if finite.size and (found[finite] > 0).any(axis=1).mean() >= FEWEST:
         effects[finite] = found[finite]
     return effects
 
 
-def _gradients(system: System, gradient: ca.SX, size: float) -> Array:
-    """Return ∂/∂u at the probes, at each with several changes of its last digits, shape (P, SHIFTS, m)."""
-    x, u, t_s = _probes(system, size)
+def _gradients(system: System, gradient: ca.SX, states: Array, size: float) -> Array:
+    """Return ∂/∂u at the probes, at each with several changes of its last digits, shape (P, SHIFTS, m).
+
+    A probe is a state at one of two times, with an input of a size.
+    """
+    x, t_s = np.tile(states, (2, 1)), np.repeat((0.0, 0.71), len(states))
+    u = size * np.array([0.53 + 0.17 * j for j in range(system.m)])
     changes = np.random.default_rng(1).uniform(0.5, 1.0, (len(x), SHIFTS, system.n))
     shifted = x[:, None] * (1 + (SHIFT * np.arange(SHIFTS))[:, None] * changes)
     states = shifted.reshape(-1, system.n).T
@@ -140,12 +150,18 @@ def _steady(values: Array) -> Array:
     return np.where(spread <= STEADY * values.max(axis=1), without, np.where(np.isfinite(spread), 0.0, np.nan))
 
 
-def _probes(system: System, size: float) -> tuple[Array, Array, Array]:
-    """Return P states of several sizes, shape (P, n), one input of a size and P times, all in general position."""
-    states = [
-        scale * np.array([(0.37 + 0.11 * k + 0.29 * i) * (-1) ** (i + k) for i in range(system.n)])
-        for scale in (1, 10, 100)
-        for k in range(8)
-    ]
-    u = size * np.array([0.53 + 0.17 * j for j in range(system.m)])
-    return np.array(states * 2), u, np.repeat((0.0, 0.71), len(states))
+def _general_states(n: int) -> Array:
+    """Return states of several sizes in general position, shape (24, n)."""
+    return np.array(
+        [
+            scale * np.array([(0.37 + 0.11 * k + 0.29 * i) * (-1) ** (i + k) for i in range(n)])
+            for scale in (1, 10, 100)
+            for k in range(8)
+        ]
+    )
+
+
+def _positive_states(n: int) -> Array:
+    """Return positive states of more sizes, rising and falling, for what is not defined elsewhere; shape (24, n)."""
+    rising = [np.array([0.37 + 0.11 * k + 0.29 * i for i in range(n)]) for k in range(2)]
+    return np.array([scale * one for scale in SIZES for each in rising for one in (each, each[::-1])])

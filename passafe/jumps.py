@@ -7,7 +7,7 @@ import casadi as ca
 
 from passafe.enclosure_rules import RULES
 from passafe.errors import DesignError
-from passafe.expression_graph import Operation, graph_of, name_of
+from passafe.expression_graph import Graph, Operation, graph_of, name_of
 
 _ROUNDING: Final = ("rounding, which jumps", "one barrier for each step, or a smooth function through the same points")
 _REMAINDER: Final = ("a remainder, which jumps", "sin and cos of an angle instead of the angle itself")
@@ -49,9 +49,7 @@ def require_no_jumps(part: str, expression: ca.SX) -> None:
         DesignError: It has one; the message names it, why it is refused, and what to write instead.
     """
     graph = graph_of(expression)
-    for operation in graph.operations:
-        if operation.number == ca.OP_CONST and not operation.expression.is_regular():
-            raise DesignError(part, f"the number {operation.text}", "finite numbers")
+    _refuse_numbers(part, graph)
     # The last one contains the others: of a choice made of comparisons it is the choice itself.
     refused = [
         operation
@@ -62,6 +60,25 @@ def require_no_jumps(part: str, expression: ca.SX) -> None:
         name = name_of(refused[-1].number).removesuffix("_zero")
         why, instead = _JUMPS.get(refused[-1].number, ("an operation without a derivative", "elementary functions"))
         raise DesignError(part, f"{name} in {refused[-1].text}, {why}", f"continuous functions; write {instead}")
+
+
+def require_finite_constants(part: str, expression: ca.SX) -> None:
+    """Refuse an expression that is only evaluated if a constant in it is NaN or infinite.
+
+    Args:
+        part: Name of the part of the design, for the message.
+        expression: Column of scalars.
+
+    Raises:
+        DesignError: One is.
+    """
+    _refuse_numbers(part, graph_of(expression))
+
+
+def _refuse_numbers(part: str, graph: Graph) -> None:
+    for operation in graph.operations:
+        if operation.number == ca.OP_CONST and not operation.expression.is_regular():
+            raise DesignError(part, f"the number {operation.text}", "finite numbers")
 
 
 def _has_fixed_sign(operation: Operation, operations: tuple[Operation, ...]) -> bool:

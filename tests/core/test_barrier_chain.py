@@ -117,6 +117,23 @@ def test_a_barrier_counts_wherever_it_is_defined(h: ca.SX) -> None:
     assert derive_chain(TRIPLE, barrier(h, 2)).relative_degree == 1
 
 
+@pytest.mark.parametrize(
+    "h",
+    [
+        2 - ca.sqrt(x[0] * x[1]),
+        2 - ca.sqrt(x[0]) - ca.sqrt(x[1]),
+        3 - ca.sqrt(x[0] ** 2 - x[1] ** 2),
+        ca.sqrt(1 - 1e4 * ca.sumsqr(x[:2])),
+        9 - ca.sqrt(x[0] - 1000),
+    ],
+)
+def test_a_barrier_that_is_defined_in_few_places_counts(h: ca.SX) -> None:
+    """None of these is a number where the signs of neighbouring states differ, or at sizes from 0.1 to 300."""
+    system = System(x=x, u=u, f=ca.vertcat(x[1], u, -x[2]), y=x[1])
+
+    assert derive_chain(system, barrier(h, 2 if ca.depends_on(h, x[1]) else 3)).relative_degree >= 1
+
+
 def test_a_barrier_is_a_scalar_function_of_the_state() -> None:
     with pytest.raises(ShapeError, match=r"barrier 'limit' h: got shape \(3, 1\), allowed shape \(1, 1\)"):
         derive_chain(TRIPLE, barrier(x, 2))

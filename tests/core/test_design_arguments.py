@@ -43,6 +43,13 @@ def decided(design: FilterDesign) -> bytes:
     return SafetyPassivityFilter(design).decide((0.7, 0.5), (0.0,), (30.0,), (0.0,), start=True).block.tobytes()
 
 
+@pytest.mark.parametrize("part", ["u_fb", "fail_safe"])
+@pytest.mark.parametrize("number", [np.nan, np.inf])
+def test_a_law_with_a_constant_that_is_no_number_is_refused(part: str, number: float) -> None:
+    with pytest.raises(DesignError, match=f"{part}: got the number {number}, allowed finite numbers"):
+        cart(**{part: ca.SX(number)})
+
+
 @pytest.mark.parametrize("law", [0.5, [0.5], ca.DM(0.5), np.array([0.5]), np.float32(0.5), [ca.SX(0.5)], (ca.DM(0.5),)])
 @pytest.mark.parametrize("part", ["u_fb", "fail_safe"])
 def test_laws_may_be_numbers_and_sequences(part: str, law: object) -> None:

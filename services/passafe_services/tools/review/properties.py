@@ -21,6 +21,9 @@ from passafe_services.tools.review.trajectory import NS_PER_S, Trajectory
 CONTROL_TOPICS: Final = (COMMAND, INPUT, STATE, TICK)
 
 
+ENFORCE_SAFETY: Final = ("safe", "both")
+"""Modes that keep barriers."""
+
 START_ROUNDING: Final = 1e-9
 """How far below 0 a value of the start may be: one on the boundary of the protected set counts as in it."""
 
@@ -192,11 +195,13 @@ def _safe(margins: RecomputedMargins, scenario: Scenario, tolerances: Tolerances
         required=_asks_for_safety(scenario),
         what="smallest barrier value h(x), also between samples, but for rounding and integration,",
     )
+    if not scenario.filter.barriers and scenario.filter.mode in ENFORCE_SAFETY:
+        return judged.model_copy(update={"note": "there is no barrier, so nothing was looked at for safety"})
     return judged if kept is None else judged.model_copy(update={"holds": kept.value >= -tolerances.h})
 
 
 def _asks_for_safety(scenario: Scenario) -> bool:
-    return scenario.filter.mode in ("safe", "both") and bool(scenario.filter.barriers)
+    return scenario.filter.mode in ENFORCE_SAFETY and bool(scenario.filter.barriers)
 
 
 def _protected_start(margins: RecomputedMargins, scenario: Scenario) -> Property:
