@@ -13,6 +13,7 @@ from passafe.filter import SafetyPassivityFilter
 from passafe.finding import Finding, Severity
 from passafe.row_share import StateBox, row_findings
 from passafe.storage_sign import descent_of
+from passafe.undefined_slope import undefined_at
 from passafe.workspace import Array
 
 NOTE, WARNING = Severity.NOTE, Severity.WARNING
@@ -40,8 +41,9 @@ def formula_findings(
     """
     degrees = (_degree(chain) for chain in chains)
     start = () if x0 is None else (_start(design, chain, x0, t_s) for chain in chains)
+    undefined = () if x0 is None else undefined_at(design, chains, x0, t_s)
     steep = (finding for chain in chains if (finding := _steepness(design, chain)) is not None)
-    return (*degrees, *start, *steep, _storage(design), _stiffness(design, x0))
+    return (*degrees, *start, *undefined, *steep, _storage(design), _stiffness(design, x0))
 
 
 def check_design(
