@@ -13,6 +13,9 @@ EQUAL: Final = 1e-6
 ROUNDING: Final = 1e-9
 """Value below zero that counts as zero where two courses are compared."""
 
+LOOSE: Final = 1e3
+"""Distance of a lower bound from the estimate, relative to the size of h, from which on it says nothing."""
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Course:
@@ -40,6 +43,14 @@ class Course:
     def is_safe(self) -> bool:
         """True if every barrier is proven to be kept until the robot rests."""
         return self.is_proven and self.comes_to_rest and self.proven >= 0.0
+
+    def is_bounded(self, other: "Course") -> bool:
+        """Return whether its lower bound says anything: near a norm's singular point it is missing, or a huge number.
+
+        Args:
+            other: Another course from the same state, which shows how large h is.
+        """
+        return self.is_proven and self.lowest - self.proven <= LOOSE * (abs(self.lowest) + abs(other.lowest))
 
     def is_no_worse_than(self, other: "Course") -> bool:
         """Return whether no barrier is lost earlier than on another course, nor by more than rounding and ``EQUAL``.

@@ -151,8 +151,7 @@ class Fallback:
         course = self._held(x, t_s, u, best)
         if not course.is_no_worse_than(best):
             return None
-        is_needed = self.has_gatekeeper or course.is_proven
-        if best.is_safe and not course.is_safe and is_needed:
+        if best.is_safe and not course.is_safe and (self.has_gatekeeper or course.is_bounded(best)):
             return None
         return course if k == 0 or course.is_safe or not best.is_no_worse_than(course) else None
 

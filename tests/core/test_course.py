@@ -42,3 +42,11 @@ def test_a_course_that_keeps_everything_is_safe_if_proven() -> None:
     assert not replace(KEPT, comes_to_rest=False).is_safe
     assert not LOST.is_safe
     assert not replace(KEPT, proven=-1e-12).is_safe
+
+
+@pytest.mark.parametrize(
+    ("proven", "is_proven", "expected"), [(-1.0, True, True), (-1e5, True, False), (0.5, False, False)]
+)
+def test_a_bound_far_below_the_estimate_says_nothing(proven: float, *, is_proven: bool, expected: bool) -> None:
+    course = replace(KEPT, lowest=1.0, proven=proven, is_proven=is_proven)
+    assert course.is_bounded(replace(KEPT, lowest=0.5)) is expected
