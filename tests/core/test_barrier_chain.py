@@ -134,6 +134,11 @@ def test_a_barrier_that_is_defined_in_few_places_counts(h: ca.SX) -> None:
     assert derive_chain(system, barrier(h, 2 if ca.depends_on(h, x[1]) else 3)).relative_degree >= 1
 
 
+def test_a_barrier_that_is_defined_nowhere_is_refused() -> None:
+    with pytest.raises(RelativeDegreeError):
+        derive_chain(TRIPLE, barrier(ca.sqrt(-1 - x[2] ** 2), 2))
+
+
 def test_a_barrier_is_a_scalar_function_of_the_state() -> None:
     with pytest.raises(ShapeError, match=r"barrier 'limit' h: got shape \(3, 1\), allowed shape \(1, 1\)"):
         derive_chain(TRIPLE, barrier(x, 2))
