@@ -20,10 +20,11 @@ SWAPPED: Final = dict(_PAIRS) | {largest: least for least, largest in _PAIRS}
 
 _PROBES: Final = "the states and inputs at which a gradient is looked at are in general position either way"
 EQUIVALENT: Final[dict[tuple[str, str], str]] = {
-    ("_probes", "0.37 + 0.11 * k + 0.29 * i: -"): _PROBES,
-    ("_probes", "0.37 + 0.11 * k: -"): _PROBES,
-    ("_probes", "0.53 + 0.17 * j: -"): _PROBES,
-    ("_probes", "i + k: -"): "(−1)^(i−k) is (−1)^(i+k)",
+    ("_general_states", "0.37 + 0.11 * k + 0.29 * i: -"): _PROBES,
+    ("_general_states", "0.37 + 0.11 * k: -"): _PROBES,
+    ("_positive_states", "0.37 + 0.11 * k: -"): _PROBES,
+    ("_gradients", "0.53 + 0.17 * j: -"): _PROBES,
+    ("_general_states", "i + k: -"): "(−1)^(i−k) is (−1)^(i+k)",
     (
         "_within",
         "-inf: no minus",
@@ -32,7 +33,7 @@ EQUIVALENT: Final[dict[tuple[str, str], str]] = {
         "DistanceToInfeasibility._refine",
         "-lower: no minus",
     ): "1/η is 1e8 times larger: where t starts is lost in rounding",
-    ("least_violation", "1 + ETA: -"): "all of a row has this factor",
+    ("", "1 + ETA: -"): "all of a row has this factor",
     (
         "stack",
         "max((sqrt(row.slack_price) for row in rows if row.slack_price is not None), default=0.0): min",
