@@ -5,9 +5,8 @@ from typing import Final
 
 import numpy as np
 
-from passafe.backup_rollout import LONGEST, BackupRollout
+from passafe.backup_rollout import LONGEST
 from passafe.course import Course
-from passafe.design import Law
 from passafe.filter import SafetyPassivityFilter
 from passafe.finding import Finding, Severity
 
@@ -16,21 +15,15 @@ UNSTEADY: Final = "a shorter hold_s, or a law with gains below 1/hold_s: the fil
 
 
 class FailSafeCourses:
-    """Courses of a filter's fail-safe law, from any state.
-
-    Attributes:
-        are_known: Whether there are any: there are barriers, and inputs are sampled.
-    """
+    """Courses of a filter's fail-safe law, from any state."""
 
     def __init__(self, core: SafetyPassivityFilter) -> None:
-        """Derive the rollout.
+        """Take the filter's own rollout.
 
         Args:
             core: The filter.
         """
-        chains = core.derivation.barriers.chains
-        self.are_known = bool(chains) and core.design.law is Law.SAMPLED
-        self._rollout = BackupRollout(core.design, chains) if self.are_known else None
+        self._rollout = core.rollout
         self._u, self._held_periods = np.array(core.design.limits.centre), core.design.held_periods
 
     def course(self, x: Sequence[float], law_held: int = 1) -> Course | None:

@@ -97,8 +97,8 @@ def _energy(core: SafetyPassivityFilter, drives: Sequence[Drive], drove: str) ->
 def _unsteady(core: SafetyPassivityFilter, drives: Sequence[Drive]) -> Iterator[Finding]:
     """Yield a finding if the law keeps every barrier from where it was sent, but not with inputs that are lost."""
     backed = [each.backed_x for each in drives if each.backed_x is not None]
-    courses = FailSafeCourses(core) if backed else None
-    if courses is not None and any(courses.is_kept(x) and not courses.is_kept_late(x) for x in backed):
+    courses = FailSafeCourses(core)
+    if any(courses.is_kept(x) and not courses.is_kept_late(x) for x in backed):
         yield Finding(
             severity=Severity.WARNING,
             topic="fail-safe",

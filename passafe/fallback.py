@@ -45,6 +45,7 @@ class Fallback:
     """Compares inputs by the courses that they lead to.
 
     Attributes:
+        rollout: Rolls the courses out.
         has_gatekeeper: Whether the design has one.
     """
 
@@ -55,7 +56,7 @@ class Fallback:
             design: The filter's.
             chains: Chains of the enforced barriers.
         """
-        self._rollout = BackupRollout(design, chains)
+        self.rollout = BackupRollout(design, chains)
         self.has_gatekeeper = design.gatekeeper
         self._held_periods = design.held_periods
 
@@ -77,7 +78,7 @@ class Fallback:
         answer = candidates[0]
         if self.is_backed(x, t_s, answer) and (not self.has_gatekeeper or self.is_lasting(x, t_s, u, answer)):
             return BestCourse(place=0, is_safe=True)
-        best, place = self._rollout.course(x, t_s, u, 0), None
+        best, place = self.rollout.course(x, t_s, u, 0), None
         is_late = self.has_gatekeeper and best.is_safe and self.keeps_late(x, t_s, u)
         until = min(2 * best.lowest_at + CHUNK, LONGEST)
         for k, candidate in enumerate(candidates):
@@ -141,7 +142,7 @@ class Fallback:
 
     def _is_safe(self, x: Array, t_s: float, u: Array, held_periods: int, *, late: bool = False) -> bool:
         law_held = self._held_periods if late else 1
-        return self._rollout.course(x, t_s, u, held_periods, to_prove=True, law_held=law_held).is_safe
+        return self.rollout.course(x, t_s, u, held_periods, to_prove=True, law_held=law_held).is_safe
 
     def _preferred(self, x: Array, t_s: float, u: Array, best: Course, until: int, k: int) -> Course | None:
         """Return the course of candidate k if it takes the place of the best so far; at equal ones the first does."""
@@ -157,10 +158,10 @@ class Fallback:
 
     def _held(self, x: Array, t_s: float, u: Array, than: Course, until: int = LONGEST) -> Course:
         """Return the course under an input for one period or the longest hold, whichever is worse."""
-        course = self._rollout.course(x, t_s, u, 1, than, until)
+        course = self.rollout.course(x, t_s, u, 1, than, until)
         if self._held_periods == 1 or not course.is_no_worse_than(than):
             return course
-        return course.or_worse(self._rollout.course(x, t_s, u, self._held_periods, than, until))
+        return course.or_worse(self.rollout.course(x, t_s, u, self._held_periods, than, until))
 
 
 def between(backup: Array, candidates: Sequence[Array]) -> list[Array]:

@@ -46,6 +46,7 @@ class SafetyPassivityFilter:
         chains: Barrier chains, in the order of the design.
         derivation: The functions that it evaluates.
         compares_courses: Whether answers outside of the protected set are compared with the backup law.
+        rollout: Rolls the fail-safe law out; ``None`` without enforced barriers or the sampled law.
     """
 
     def __init__(self, design: FilterDesign) -> None:
@@ -73,6 +74,7 @@ class SafetyPassivityFilter:
         deepest = DeepestInputs(block, DistanceToInfeasibility(design.limits, derivation.rows.hard), search)
         has_rollout = bool(enforced.chains) and design.law is Law.SAMPLED
         fallback = Fallback(design, enforced.chains) if has_rollout else None
+        self.rollout = None if fallback is None else fallback.rollout
         compares = enforced.has_margins and family is None
         self._choice = CourseChoice(block, replaced, deepest, fallback, compares=compares)
         self.compares_courses = self._choice.compares
