@@ -1,7 +1,7 @@
 """Replays a filter from the messages that it consumed, and compares every tick to the last bit."""
 
-from collections import deque
 from dataclasses import dataclass, field
+from itertools import islice, repeat
 from typing import Final
 
 import numpy as np
@@ -106,7 +106,6 @@ class FilterReplay:
         self._compiled = CompiledFilter.of(identity.scenario, self._model.robot)
         self._replayed = ReplayedTicks(self._compiled)
         self._sent: dict[MessageKey, tuple[Header, Message]] = {}
-        self._order: deque[MessageKey] = deque()
         self._sessions: dict[int, _Session] = {}
         self._ticks = self._identical = self._missing = 0
         self._first_difference = ""
@@ -121,8 +120,8 @@ class FilterReplay:
         for session in self._sessions.values():
             session.waited += added
             self._advance(session, is_over=False)
-        while len(self._order) > KEPT:
-            del self._sent[self._order.popleft()]
+        for key in [*islice(self._sent, max(len(self._sent) - KEPT, 0))]:
+            del self._sent[key]
 
     def end(self) -> Replay:
         """Compare what is left, and return the result."""
@@ -152,37 +151,38 @@ class FilterReplay:
 
     def _keep(self, part: LogSlice) -> int:
         """Keep what a filter may consume; return how many messages that are."""
-        count = len(self._order)
+        count = 0
         for body in (OperatorCommand, PlantState):
             name = TOPIC_OF_BODY[body].name
             for block in part.blocks(name):
-                for message in block.objects(RECORD):
-                    key = (name, block.epoch, message[0].sequence)
-                    if key not in self._sent:
-                        self._sent[key] = message
-                        self._order.append(key)
-        return len(self._order) - count
+                keys = zip(repeat(name), repeat(block.epoch), block.sequence.tolist())
+                added = dict(zip(keys, block.objects(RECORD), strict=True))
+                added.update((key, self._sent[key]) for key in added.keys() & self._sent.keys())  # the first one counts
+                before = len(self._sent)
+                self._sent.update(added)
+                count += len(self._sent) - before
+        return count
 
     def _advance(self, session: _Session, *, is_over: bool) -> None:
         """Replay the steps that are complete, and compare them; give up one that waited for too long."""
-        ticks, sent = session.ticks, self._sent
-        while not self.is_over and (step := ticks.next_step(is_over=is_over)) is not None:
+        sent = self._sent
+        for step in () if self.is_over else session.ticks.steps(is_over=is_over):
             missing = step.missing
             if not missing:
-                missing = sum(key not in sent for key, _, _ in step.consumed)
-                if missing and not is_over and session.waited < PATIENCE:
-                    break
+                try:
+                    inbox = [Received(*sent[key], received_ns, term) for key, received_ns, term in step.consumed]
+                except KeyError:
+                    missing = sum(key not in sent for key, _, _ in step.consumed)
+                    if not is_over and session.waited < PATIENCE:
+                        break
             if missing:
                 self._missing, self.is_over = missing, True
                 break
             session.waited = 0
-            self._replay(session, step)
-            ticks.leave(step)
+            self._replay(session, step, inbox)
         self._compare(session)
 
-    def _replay(self, session: _Session, step: LoggedStep) -> None:
-        sent = self._sent
-        inbox = [Received(*sent[key], received_ns, term) for key, received_ns, term in step.consumed]
+    def _replay(self, session: _Session, step: LoggedStep, inbox: list[Received]) -> None:
         outgoing = session.node.step(step.scheduled_ns, inbox)
         records = [body for topic, body in outgoing if topic is TICK and isinstance(body, TickRecord)]
         if step.is_open:

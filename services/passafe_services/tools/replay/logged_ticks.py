@@ -1,5 +1,6 @@
 """Logged ticks of one session of a filter, step by step, for a replay to compare."""
 
+from collections.abc import Iterator
 from itertools import accumulate
 from typing import Final, NamedTuple, TypeAlias, cast
 
@@ -7,10 +8,10 @@ import numpy as np
 from passafe_protocol.messages import FilterTick
 from passafe_protocol.topics import TICK
 
-from passafe_services.log.column import Column, Ragged, joined, take
+from passafe_services.log.column import Column, Numbers, Ragged, joined, take
 from passafe_services.log.column_records import records_of
 from passafe_services.log.message_block import MessageBlock
-from passafe_services.log.message_field import fields_of
+from passafe_services.log.message_field import LENGTH, fields_of
 
 TICK_COLUMNS: Final = tuple(fields_of(TICK))
 """Columns that a replay reads of ticks: all."""
@@ -47,71 +48,74 @@ class LoggedTicks:
 
     Attributes:
         columns: All columns of the ticks.
-        at: Row of the next tick to replay.
     """
 
     def __init__(self) -> None:
         self.columns: dict[str, Column] = {}
-        self.at = 0
-        self._expected = 0
-        self._sequence: list[int] = []
-        self._scheduled_ns: list[int] = []
-        self._consumed: list[ConsumedMessage] = []
-        self._first_consumed: list[int] = []
-
-    def __len__(self) -> int:
-        return len(self._sequence)
+        self._count = 0
+        self._expected = np.uint64(0)
+        self._steps: list[LoggedStep] = []
+        self._next = 0
 
     def add(self, block: MessageBlock) -> None:
         """Take the next ticks of the session."""
         columns = {path: block.columns[path] for path in TICK_COLUMNS}
-        if self.at < len(self):
-            left = np.arange(self.at, len(self))
+        at = self._steps[self._next].rows.start if self._next < len(self._steps) else self._count
+        if at:
+            self._expected = cast("Numbers", self.columns["header.sequence"])[at - 1] + np.uint64(1)
+        if at < self._count:
+            left = np.arange(at, self._count)
             columns = {path: joined([take(self.columns[path], left), column]) for path, column in columns.items()}
-        self.columns, self.at = columns, 0
+        self.columns = columns
         ticks = MessageBlock(TICK, block.source, block.epoch, block.session, columns)
-        self._sequence = ticks.sequence.tolist()
-        self._scheduled_ns = ticks.numbers("header.scheduled_ns").tolist()
-        topics = ticks.texts("consumed.topic")
-        codes = cast("Ragged", topics.codes)  # of a list
-        epochs, sequences, received_ns, terms = (
-            ticks.ragged(f"consumed.{name}").values.tolist() for name in ("epoch", "sequence", "received_ns", "term")
-        )
-        names = map(topics.words.__getitem__, codes.values.tolist())
-        keys = zip(names, epochs, sequences, strict=True)
-        self._consumed = list(zip(keys, received_ns, terms, strict=True))
-        self._first_consumed = [*accumulate(codes.counts.tolist(), initial=0)]
+        self._count, self._next = len(ticks), 0
+        self._steps = _steps(ticks, self._expected)
 
-    def next_step(self, *, is_over: bool) -> LoggedStep | None:
-        """Return the next step; ``None`` if there is none, or others of its ticks may come.
+    def steps(self, *, is_over: bool) -> Iterator[LoggedStep]:
+        """Yield the steps of which no other ticks may come; one is left behind when the next is asked for.
 
         Args:
             is_over: Whether no other ticks will come.
         """
-        at, count, due = self.at, len(self), self._scheduled_ns
-        if at == count:
-            return None
-        end = at + 1
-        while end < count and due[end] == due[at]:
-            end += 1
-        if end == count and not is_over:
-            return None
-        after = self._sequence[end - 1] + 1
-        return LoggedStep(
-            rows=range(at, end),
-            scheduled_ns=due[at],
-            consumed=self._consumed[self._first_consumed[at] : self._first_consumed[end]],
-            missing=after - self._expected - (end - at),
-            is_open=end == count or self._sequence[end] != after,
-        )
-
-    def leave(self, step: LoggedStep) -> None:
-        """Go on to the step after this one."""
-        self.at = step.rows.stop
-        self._expected = self._sequence[self.at - 1] + 1
+        end = len(self._steps) if is_over else len(self._steps) - 1
+        while self._next < end:
+            yield self._steps[self._next]
+            self._next += 1
 
     def message(self, row: int) -> FilterTick:
         """Return the message of a tick."""
         rows = np.array([row])
         [(_, body)] = records_of(TICK, {path: take(column, rows) for path, column in self.columns.items()})
         return cast("FilterTick", body)
+
+
+def _steps(ticks: MessageBlock, expected: np.uint64) -> list[LoggedStep]:
+    """Return the steps of ticks, all at once: one by one they would take as long as reading them.
+
+    Args:
+        ticks: The ticks.
+        expected: Number of the first of them, if none is missing.
+    """
+    sequence, due = ticks.sequence, ticks.numbers("header.scheduled_ns")
+    starts = np.concatenate(([0], np.nonzero(np.diff(due))[0] + 1))
+    ends = np.append(starts[1:], len(ticks))
+    after = sequence[ends - 1] + np.uint64(1)
+    missing = after - np.append(expected, after[:-1]) - (ends - starts).astype(np.uint64)
+    is_open = np.append(sequence[ends[:-1]] != after[:-1], True)
+    consumed = _consumed(ticks)
+    first = [*accumulate(ticks.numbers(f"consumed.{LENGTH}").tolist(), initial=0)]
+    spans = starts.tolist(), ends.tolist()
+    slices = map(slice, *(map(first.__getitem__, places) for places in spans))
+    each = due[starts].tolist(), map(consumed.__getitem__, slices), missing.tolist(), is_open.tolist()
+    return [*map(LoggedStep, map(range, *spans), *each)]
+
+
+def _consumed(ticks: MessageBlock) -> list[ConsumedMessage]:
+    """Return what all ticks consumed, one tick behind the other."""
+    topics = ticks.texts("consumed.topic")
+    codes = cast("Ragged", topics.codes)  # of a list
+    epochs, sequences, received_ns, terms = (
+        ticks.ragged(f"consumed.{name}").values.tolist() for name in ("epoch", "sequence", "received_ns", "term")
+    )
+    names = map(topics.words.__getitem__, codes.values.tolist())
+    return list(zip(zip(names, epochs, sequences, strict=True), received_ns, terms, strict=True))
