@@ -7,7 +7,7 @@ import passafe_services.cli.demo_outcome
 import pytest
 from passafe_services.cli.demo_outcome import DIED, report_outcome
 from passafe_services.cli.demo_processes import rotation_options
-from passafe_services.log.errors import LogWriteError
+from passafe_services.log.errors import LogReadError, LogWriteError
 from passafe_services.loop.process_exit import ExitCause
 from passafe_services.scenarios.load import load_scenario
 from passafe_services.scenarios.schema import Scenario
@@ -110,6 +110,22 @@ def test_full_disk_leaves_verdict_and_path(
     assert f"log       {torn}" in text
     assert "verdict   unproven" in text
     assert list(tmp_path.iterdir()) == [torn]
+
+
+def test_file_of_which_nothing_is_intact_stays_as_it_is(
+    tmp_path: Path, scenario: Scenario, console: Console, printed: Printed, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def nothing(torn: Path, _out: Path) -> None:
+        raise LogReadError(torn, "nothing to recover")
+
+    monkeypatch.setattr(passafe_services.cli.demo_outcome, "recover", nothing)
+    log = write_log(tmp_path / "run.mcap", scenario, finished=False)
+
+    assert report_outcome(ended(ExitCause.SIGNAL, None), log, console) == 1
+    text = printed.text()
+    assert "nothing to recover" in text
+    assert f"log       {log}" in text
+    assert list(tmp_path.iterdir()) == [log]
 
 
 def test_folder_that_cannot_be_written_keeps_the_log(

@@ -27,6 +27,7 @@ from passafe_protocol.codec import encode
 from passafe_protocol.messages import Event, Header
 from passafe_protocol.topics import EVENT
 from passafe_services.log.chain import Chain, RecorderCounts
+from passafe_services.log.errors import LogReadError
 from passafe_services.log.record_scan import IntactRecord, scan_records
 from passafe_services.log.segmented_log import RawMessage, SegmentedLog
 from passafe_services.log.verification import verify
@@ -217,7 +218,12 @@ def damage_round(
     damaged.write_bytes(content[: harm.start] + harm.fill + content[harm.end :])
     if len(content) == harm.end - harm.start:
         return
-    recovery = recover(damaged, out)
+    try:
+        recovery = recover(damaged, out)
+    except LogReadError:  # nothing is intact
+        if out.exists() or [*_messages_outside(base, harm)]:
+            yield "refused, though something is intact, or with a file left"
+        return
     kept, whole = kept_in(out), kept_in(base)
     if len(kept) != recovery.messages:
         yield "the counts are wrong"

@@ -8,49 +8,17 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from mcap.opcode import Opcode
 from mcap.reader import make_reader
 from mcap.records import Message
 from mcap.writer import CompressionType, Writer
-from passafe_protocol.codec import encode
-from passafe_protocol.messages import Event, Header
 from passafe_services.log.errors import LogReadError, LogWriteError
 from passafe_services.log.log_reader import LogReader
-from passafe_services.log.log_writer import LogWriter
 from passafe_services.log.record_scan import Damage
 from passafe_services.tools.recover import recover
+from torn_logs import WALL_NS, contents, end_of_first, metadata, write_log
 
-WALL_NS = 1_763_800_000_000_000_000
 MS = 1_000_000
-
-
-def write_log(path: Path, *, flushes: int = 5, between: int = 10) -> list[int]:
-    """Write a log of two channels; return the size of the file after every flush."""
-    sizes = []
-    with LogWriter(path, {"driver": {"kind": "live"}}) as log:
-        for k in range(flushes * between):
-            source = ("plant", "filter")[k % 2]
-            header = Header(source, 1, k // 2, 0, 0, 0, WALL_NS + k * MS)
-            data = encode(header, Event("info", f"number {k}"))
-            log.write(f"passafe/robot/{source}/event", data, sequence=k // 2, wall_ns=header.wall_ns)
-            if (k + 1) % between == 0:
-                log.flush()
-                sizes.append(path.stat().st_size)
-    return sizes
-
-
-def contents(path: Path) -> list[tuple[str, str, int, int, bytes]]:
-    """Every message as the standard reader gives it."""
-    with path.open("rb") as stream:
-        reader = make_reader(stream, validate_crcs=True)
-        return [
-            (channel.topic, schema.name if schema else "", message.log_time, message.sequence, message.data)
-            for schema, channel, message in reader.iter_messages()
-        ]
-
-
-def metadata(path: Path) -> dict[str, dict[str, str]]:
-    with path.open("rb") as stream:
-        return {record.name: record.metadata for record in make_reader(stream).iter_metadata()}
 
 
 def test_everything_before_the_tear_is_kept(tmp_path: Path) -> None:
@@ -107,15 +75,6 @@ def test_logs_of_other_programs_are_recovered_as_they_are(tmp_path: Path) -> Non
     assert (raw[0], raw[1].message_encoding, raw[2].data) == (None, "json", b"{}")
 
 
-def test_nothing_to_keep_still_gives_a_valid_file(tmp_path: Path) -> None:
-    whole, torn, out = (tmp_path / name for name in ("whole.mcap", "torn.mcap", "out.mcap"))
-    write_log(whole)
-    torn.write_bytes(whole.read_bytes()[:8])
-    recovery = recover(torn, out)
-    assert (recovery.messages, recovery.duration_s, recovery.channels) == (0, 0.0, {})
-    assert contents(out) == []
-
-
 @pytest.mark.parametrize("same", [True, False])
 def test_no_file_is_overwritten(tmp_path: Path, *, same: bool) -> None:
     torn, other = tmp_path / "torn.mcap", tmp_path / "other.mcap"
@@ -162,7 +121,13 @@ def test_what_a_killed_recovery_left_is_replaced(
 
 @pytest.mark.parametrize(
     ("content", "reason"),
-    [(b"", "is empty"), (b"\x89MCAP1\r\n", "is no MCAP file"), (None, "no such file")],
+    [
+        (b"", "is empty"),
+        (b"\x89MCAP1\r\n", "is no MCAP file"),
+        (b"time,x\n0.0,1.0\n" * 50, "is no MCAP file"),
+        (bytes(range(256)) * 20, "is no MCAP file"),
+        (None, "no such file"),
+    ],
 )
 def test_what_is_no_log_is_refused_and_nothing_written(tmp_path: Path, content: bytes | None, reason: str) -> None:
     torn, out = tmp_path / "torn.mcap", tmp_path / "out.mcap"
@@ -170,6 +135,15 @@ def test_what_is_no_log_is_refused_and_nothing_written(tmp_path: Path, content: 
         torn.write_bytes(content)
     with pytest.raises(LogReadError, match=reason):
         recover(torn, out)
+    assert not out.exists()
+
+
+def test_folder_is_refused_and_nothing_written(tmp_path: Path) -> None:
+    folder, out = tmp_path / "runs", tmp_path / "out.mcap"
+    folder.mkdir()
+    write_log(folder / "run.mcap")
+    with pytest.raises(LogReadError, match="cannot be read: Is a directory"):
+        recover(folder, out)
     assert not out.exists()
 
 
@@ -202,21 +176,25 @@ def test_a_record_longer_than_the_file_is_not_waited_for(tmp_path: Path) -> None
 
 
 @pytest.fixture(scope="module")
-def log_bytes(tmp_path_factory: pytest.TempPathFactory) -> tuple[bytes, list[int]]:
+def log_bytes(tmp_path_factory: pytest.TempPathFactory) -> tuple[bytes, list[int], int]:
     path = tmp_path_factory.mktemp("log") / "run.mcap"
     sizes = write_log(path)
-    return path.read_bytes(), sizes
+    return path.read_bytes(), sizes, end_of_first(Opcode.METADATA, path)
 
 
 @settings(deadline=None, max_examples=60)
 @given(data=st.data())
 def test_every_flush_before_a_tear_anywhere_is_kept(
-    log_bytes: tuple[bytes, list[int]], tmp_path_factory: pytest.TempPathFactory, data: st.DataObject
+    log_bytes: tuple[bytes, list[int], int], tmp_path_factory: pytest.TempPathFactory, data: st.DataObject
 ) -> None:
-    content, sizes = log_bytes
+    content, sizes, first = log_bytes
     cut = data.draw(st.integers(8, len(content) - 1))
     path = tmp_path_factory.mktemp("torn") / "torn.mcap"
     path.write_bytes(content[:cut])
+    if cut < first:
+        with pytest.raises(LogReadError, match="nothing to recover"):
+            recover(path, path.with_name("out.mcap"))
+        return
     recovery = recover(path, path.with_name("out.mcap"))
     flushed = sum(size <= cut for size in sizes) * 10
     assert flushed <= recovery.messages <= flushed + 10
@@ -226,9 +204,9 @@ def test_every_flush_before_a_tear_anywhere_is_kept(
 @settings(deadline=None, max_examples=100)
 @given(data=st.data())
 def test_no_damage_raises(
-    log_bytes: tuple[bytes, list[int]], tmp_path_factory: pytest.TempPathFactory, data: st.DataObject
+    log_bytes: tuple[bytes, list[int], int], tmp_path_factory: pytest.TempPathFactory, data: st.DataObject
 ) -> None:
-    content, _ = log_bytes
+    content, _, _ = log_bytes
     damaged = bytearray(content)
     for _ in range(data.draw(st.integers(1, 5))):
         damaged[data.draw(st.integers(8, len(content) - 1))] = data.draw(st.integers(0, 255))

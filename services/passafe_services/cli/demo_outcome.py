@@ -9,7 +9,7 @@ from rich.markup import escape
 
 from passafe_services.cli.judging import judged
 from passafe_services.cli.verdict import exit_code, print_verdict
-from passafe_services.log.errors import LogFileError, LogWriteError
+from passafe_services.log.errors import LogFileError, LogReadError, LogWriteError
 from passafe_services.log.log_files import files_of
 from passafe_services.log.log_reader import LogReader
 from passafe_services.loop.process_exit import ExitCause, RunOutcome
@@ -83,6 +83,10 @@ def _replaced(file: Path, console: Console) -> Path | None:
     try:
         file.rename(torn)
         kept = recover(torn, file)
+    except LogReadError as error:  # nothing is intact: most likely the last of several files, which was begun
+        torn.rename(file)
+        console.print(f"the recorder did not finish its log: {escape(str(error))}")
+        return None
     except (OSError, LogWriteError) as error:  # most likely a full disk
         if torn.exists():
             file.unlink(missing_ok=True)

@@ -34,7 +34,7 @@ class LogWriteError(LogFileError):
 
 
 class LogReadError(LogFileError):
-    """A file that is missing, empty or no MCAP file."""
+    """A file that is missing, empty or no MCAP file, or of which nothing is intact."""
 
 
 class ForeignLogError(LogFileError):

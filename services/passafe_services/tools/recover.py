@@ -4,6 +4,7 @@ import json
 from dataclasses import dataclass
 from pathlib import Path
 
+from passafe_services.log.errors import LogReadError
 from passafe_services.log.log_file import LogFile, in_place_of
 from passafe_services.log.log_reader import LogReader
 from passafe_services.log.log_writer import RECOVERED_RECORD
@@ -49,7 +50,7 @@ def recover(torn: Path, out: Path) -> Recovery:
         Result of the recovery.
 
     Raises:
-        LogReadError: ``torn`` is missing, empty or no MCAP file.
+        LogReadError: ``torn`` is missing, empty or no MCAP file, or nothing that was logged is intact in it.
         LogWriteError: ``out`` exists or cannot be written.
     """
     reader = LogReader(torn, alone=True)
@@ -61,6 +62,8 @@ def recover(torn: Path, out: Path) -> Recovery:
                     copy.skip(item)
                 else:
                     copy.add(item)
+            if copy.is_empty and not reader.finished:
+                raise LogReadError(torn, _nothing(reader.tear, copy.orphans))
             if not reader.finished:
                 losses = json.dumps([loss.as_json() for loss in copy.losses])
                 note = {"tear": reader.tear, "messages": str(copy.messages), "losses": losses}
@@ -75,3 +78,9 @@ def recover(torn: Path, out: Path) -> Recovery:
         orphans=copy.orphans,
         altered=tuple(sorted(copy.altered)),
     )
+
+
+def _nothing(tear: str, orphans: int) -> str:
+    """Return why a log cannot be recovered at all, in words."""
+    said = f", and {orphans} messages of which no intact record says what they are" if orphans else ""
+    return f"nothing to recover: {tear}{said}; needs one message, attachment or metadata record that is intact"

@@ -57,9 +57,11 @@ class RecoveredCopy:
         losses: Damage that was skipped.
         orphans: Messages of a channel that no record describes; they are left out.
         altered: Names of the metadata records that are missing or not as they were written.
+        is_empty: Whether nothing was copied that somebody logged: no message, no attachment, no metadata.
     """
 
     def __init__(self, out: LogFile) -> None:
+        self.is_empty = True
         self.counts: dict[str, int] = {}
         self.losses: list[Loss] = []
         self.orphans = 0
@@ -96,8 +98,10 @@ class RecoveredCopy:
             case Message():
                 self.orphans += 1
             case Metadata():
+                self.is_empty = False
                 self._add_metadata(record)
             case Attachment():
+                self.is_empty = False
                 times = record.create_time, record.log_time
                 self._mcap.add_attachment(*times, record.name, record.media_type, record.data)
             case _:
@@ -144,6 +148,7 @@ class RecoveredCopy:
         channel, topic = self._channels[record.channel_id]
         self._mcap.add_message(channel, record.log_time, record.data, record.publish_time, record.sequence)
         self.counts[topic] += 1
+        self.is_empty = False
         self._first_ns = record.log_time if self._first_ns is None else min(self._first_ns, record.log_time)
         self._last_ns = record.log_time if self._last_ns is None else max(self._last_ns, record.log_time)
         self._newest_ns = record.log_time
