@@ -89,7 +89,46 @@ def test_values_are_toml_or_text() -> None:
 def test_link_keys_of_a_search_are_those_of_links() -> None:
     assert interval_of("link.plant-to-filter.delay=0..0.5")[1:] == ("links.plant-to-filter.delay_s", 0.0, 0.5)
     with pytest.raises(OptionError, match="did you mean delay"):
-        field_of("link.plant-to-filter.dellay")
+        field_of("link.plant-to-filter.dellay", "--set")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "problem"),
+    [
+        ("--set filter.k_i=5 --set filter.k_i=6", "--set: got filter.k_i with filter.k_i given already, allowed each"),
+        ("--set barriers.disk.radius=1 --set filter.barriers.disk.radius=2", "--set: got filter.barriers.disk.radius"),
+        ("--set filter.mode=off --mode both", "--mode: got filter.mode"),
+        ("--set filter.law=sampled --law continuous", "--law: got filter.law"),
+        ("--set link.plant-to-filter.delay=1 --link plant-to-filter:delay=2", "--link: got links.plant-to-filter."),
+        ("--link plant-to-filter:delay=1 --link plant-to-filter:delay=2", "--link: got links.plant-to-filter.delay_s"),
+        ("--link plant-to-filter:delay=1,delay=2", "--link: got delay again: 'delay=2', allowed each setting once"),
+        ("--set operator.source.gain=2 --operator {kind='constant',value=[1,0]}", "got operator.source with operator."),
+        ("--set filter={} --set filter.k_i=5", "--set: got filter.k_i with filter given already"),
+        ("--set filter.k_i=5 --search filter.k_i=1..5", "--search: got filter.k_i with filter.k_i given already"),
+        ("--mode off --search filter.mode=1..5", "--search: got filter.mode with filter.mode given already"),
+        ("--link plant-to-filter:delay=1 --search link.plant-to-filter.delay=0..1", "--search: got links.plant-to-"),
+    ],
+)
+def test_key_is_set_by_one_option_only(arguments: str, problem: str) -> None:
+    assert problem in refused(LOG, *arguments.split())
+
+
+@pytest.mark.parametrize(
+    ("setting", "problem"),
+    [
+        ("filter.k_i=", "filter.k_i: got '', allowed a number"),
+        ("=3", "--set: got '=3', allowed KEY=VALUE"),
+        ("link.plant-to-filter.dellay=3", "--set: got 'link.plant-to-filter.dellay', allowed link.NAME.SETTING"),
+    ],
+)
+def test_setting_without_key_or_value_is_refused(setting: str, problem: str, tmp_path: Path) -> None:
+    assert problem in refused(LOG, "--set", setting, "--out", str(tmp_path / "out.mcap"))
+
+
+def test_search_of_which_all_is_refused_has_no_result() -> None:
+    text = refused(LOG, "--search", "filter.k_j=1..5")
+    assert text.startswith("--search: got 'filter.k_j' with 5 values, all refused, allowed values that a scenario may")
+    assert "filter.k_j: got an unknown key" in text
 
 
 @pytest.mark.campaign

@@ -50,7 +50,7 @@ def link_fields(parts: Iterable[str], where: str) -> dict[str, Any]:
         where: The option or argument that held them, for the message.
 
     Raises:
-        OptionError: A text of another form, or an unknown key.
+        OptionError: A text of another form, an unknown key, or one that comes twice.
     """
     fields: dict[str, Any] = {}
     for part in parts:
@@ -58,6 +58,8 @@ def link_fields(parts: Iterable[str], where: str) -> dict[str, Any]:
         if key not in LINK_KEYS or not equals:
             near = suggestion(key, LINK_KEYS) if key not in LINK_KEYS else ""
             raise OptionError(where, repr(part), f"KEY=VALUE with one of {', '.join(LINK_KEYS)}{near}")
+        if LINK_KEYS[key] in fields:
+            raise OptionError(where, f"{key} again: {part!r}", "each setting once")
         fields[LINK_KEYS[key]] = _value(key, value)
     return fields
 

@@ -1,6 +1,6 @@
 """Options that several commands take, and the values that their text stands for."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Final
 
@@ -99,7 +99,7 @@ def scenario_from_options(
     }
     overrides: dict[str, Any] = {field: value for field, value in given.items() if value is not None}
     for text in links:
-        overrides |= link_overrides(text)
+        put_once(overrides, link_overrides(text), "--link")
     return load_scenario(name_or_file, overrides, robot)
 
 
@@ -121,6 +121,33 @@ def writable_folder(path: Path, option: str = "--out") -> Path:
     except OSError as error:
         raise OptionError(option, f"{path} ({error.strerror})", "a writable folder") from error
     return path
+
+
+def put_once(found: dict[str, Any], more: Mapping[str, Any], option: str) -> None:
+    """Put the values of an option beside those of the options before it; none may set again what another has set.
+
+    Args:
+        found: Values of a scenario so far, by dotted name.
+        more: The option's.
+        option: Its name, for the message.
+
+    Raises:
+        OptionError: A key that is set already, in whole or in part.
+    """
+    for key, value in more.items():
+        require_unset(found, key, option)
+        found[key] = value
+
+
+def require_unset(found: Mapping[str, Any], key: str, option: str) -> None:
+    """Require that no option before has set a key, nor a part of it, nor what it is part of.
+
+    Raises:
+        OptionError: One has.
+    """
+    for other in found:
+        if f"{key}.".startswith(f"{other}.") or other.startswith(f"{key}."):
+            raise OptionError(option, f"{key} with {other} given already", "each key once, in all options together")
 
 
 def link_overrides(text: str) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from typing import Any, Final, NamedTuple
 
 from passafe_services.cli.errors import OptionError
 from passafe_services.cli.link_text import LINK_KEYS
-from passafe_services.cli.options import link_overrides
+from passafe_services.cli.options import link_overrides, put_once
 from passafe_services.scenarios.load import load_scenario, scenario_from
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.suggestion import suggestion
@@ -45,18 +45,21 @@ def overrides_of(
     """Return the values of a scenario that the options set, by dotted name.
 
     Raises:
-        OptionError: A text of another form.
+        OptionError: A text of another form, or a key that two of them set.
     """
     found: dict[str, Any] = {}
     for text in settings:
         key, equals, value = text.partition("=")
         if not equals or not key.strip():
             raise OptionError("--set", repr(text), "KEY=VALUE, such as filter.k_i=5 or plant.parameters.sigma=2")
-        found[field_of(key.strip())] = _value(value.strip())
+        put_once(found, {field_of(key.strip(), "--set"): _value(value.strip())}, "--set")
     for text in links:
-        found |= link_overrides(text)
-    found |= {key: value for key, value in (("filter.mode", mode), ("filter.law", law)) if value is not None}
-    return found | _source(operator)
+        put_once(found, link_overrides(text), "--link")
+    for option, choice in (("mode", mode), ("law", law)):
+        if choice is not None:
+            put_once(found, {f"filter.{option}": choice}, f"--{option}")
+    put_once(found, _source(operator), "--operator")
+    return found
 
 
 def changed_scenario(logged: Scenario, file: str | None, overrides: Mapping[str, Any]) -> Scenario:
@@ -90,19 +93,27 @@ def interval_of(text: str) -> Interval:
     if not equals or not dots or isnan(sum(numbers)):
         allowed = "KEY=LOW..HIGH, such as link.plant-to-filter.delay=0..0.5 or filter.k_i=1..50"
         raise OptionError("--search", repr(text), allowed)
-    interval = Interval(key, field_of(key), *numbers)
+    interval = Interval(key, field_of(key, "--search"), *numbers)
     if not interval.low < interval.high:
         raise OptionError("--search", repr(text), "a lower end below the upper one")
     return interval
 
 
-def field_of(key: str) -> str:
-    """Return the dotted name in a scenario of a key as typed: ``link.NAME.delay`` is ``links.NAME.delay_s``."""
+def field_of(key: str, option: str) -> str:
+    """Return the dotted name in a scenario of a key as typed: ``link.NAME.delay`` is ``links.NAME.delay_s``.
+
+    Args:
+        key: The key.
+        option: The option that has it, for the message.
+
+    Raises:
+        OptionError: A setting that no link has.
+    """
     if key.startswith("link."):
         _, name, setting = [*key.split(".", 2), "", ""][:3]
         if setting not in LINK_KEYS:
             near = suggestion(setting, LINK_KEYS)
-            raise OptionError("--search", repr(key), f"link.NAME.SETTING with one of {', '.join(LINK_KEYS)}{near}")
+            raise OptionError(option, repr(key), f"link.NAME.SETTING with one of {', '.join(LINK_KEYS)}{near}")
         return f"links.{name}.{LINK_KEYS[setting]}"
     return next((full + key.removeprefix(short) for short, full in _ALIASES.items() if key.startswith(short)), key)
 

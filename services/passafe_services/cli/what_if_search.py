@@ -22,6 +22,9 @@ from passafe_services.tools.what_if.rerun import Conditions
 from passafe_services.tools.what_if.search import Search, SearchResult, Trial
 from passafe_services.tools.what_if.what_if import Question
 
+REFUSED_VALUE: Final = "refused"
+"""Verdict on a value that makes no run."""
+
 USUAL_TOLERANCE: Final = 0.01
 """Width of the interval at which a search ends, as a share of what is searched."""
 
@@ -48,7 +51,7 @@ class SearchedRun:
             conditions = self._conditions({self._field: value})
             compiled = self._compile(conditions)
         except PassafeError as error:
-            return Trial(value=value, verdict="refused", h_min=None, words=str(error))
+            return Trial(value=value, verdict=REFUSED_VALUE, h_min=None, words=str(error))
         with TemporaryDirectory() as scratch:
             path = Path(scratch) / "run.mcap"
             self._question.answer(conditions, path, compiled=compiled)
@@ -76,7 +79,7 @@ def search_and_exit(
         json: Whether to print one JSON object.
 
     Raises:
-        OptionError: A tolerance that is not above 0.
+        OptionError: A tolerance that is not above 0, or a key none of whose values makes a run.
     """
     width = USUAL_TOLERANCE * (interval.high - interval.low) if tolerance is None else tolerance
     if not width > 0:
@@ -93,6 +96,10 @@ def search_and_exit(
         return trial
 
     result = search.run(tell)
+    if result.is_finished and all(trial.verdict == REFUSED_VALUE for trial in result.trials):
+        first = result.trials[0]
+        got = f"{interval.key!r} with {len(result.trials)} values, all refused"
+        raise OptionError("--search", got, f"values that a scenario may have; of {first.value:g}: {first.words}")
     if json:
         typer.echo(result.model_dump_json(indent=2))
     else:

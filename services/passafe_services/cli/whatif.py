@@ -13,7 +13,7 @@ from rich.progress import Progress, TimeRemainingColumn
 from passafe_services.cli.compare import AlignOption, HtmlOption, SvgOption, draw_overlay
 from passafe_services.cli.comparison_table import print_comparison
 from passafe_services.cli.errors import OptionError
-from passafe_services.cli.options import LawOption, LinkOption, ModeOption, writable_folder
+from passafe_services.cli.options import LawOption, LinkOption, ModeOption, require_unset, writable_folder
 from passafe_services.cli.output_files import require_separate
 from passafe_services.cli.what_if_options import (
     HUMAN,
@@ -136,6 +136,7 @@ def whatif(
     question = Question.of(RunLog.read(run))
     if search is not None:
         interval = interval_of(search)
+        require_unset(overrides, interval.field, "--search")
         attempt = SearchedRun(question, interval.field, lambda more: asked.conditions(question.log, more)[0])
         search_and_exit(attempt, interval, tolerance=tolerance, most_runs=runs, json=json)
     target = _new_log(out)
