@@ -78,7 +78,7 @@ def replay_us(path: Path) -> float:
 
 def replayed(replay: FilterReplay, log: LogPass) -> Replay:
     """Return the result of a replay of a log."""
-    for part in log.slices(WANTS):
+    for part in log.slices(WANTS, wanted_only=True):
         replay.take(part)
     return replay.end()
 
@@ -94,7 +94,7 @@ def stages_us(path: Path) -> dict[str, float]:
     log = LogPass(path, workers=0)
     replay = FilterReplay(identity_of(log))
     spent = dict.fromkeys(("read and decode", "step and compare"), 0.0)
-    slices: Iterator[object] = log.slices(WANTS)
+    slices: Iterator[object] = log.slices(WANTS, wanted_only=True)
     while True:
         part, us = timed_us(partial(next, slices, None))
         spent["read and decode"] += us

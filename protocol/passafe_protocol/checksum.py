@@ -24,5 +24,5 @@ def with_checksum(data: bytes) -> bytes:
 
 def is_intact(data: bytes) -> bool:
     """Check that bytes end with the checksum of the bytes before it."""
-    end = len(data) - CHECKSUM_BYTES
-    return end >= 0 and data[end:] == KEY + crc32(memoryview(data)[:end]).to_bytes(4, "little")
+    # A short copy is made sooner than a view; of fewer than six bytes the key is not whole.
+    return crc32(data[:-CHECKSUM_BYTES]) == int.from_bytes(data[-4:], "little") and data[-CHECKSUM_BYTES:-4] == KEY

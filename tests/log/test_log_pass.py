@@ -137,6 +137,18 @@ def test_consumers_share_one_pass(tmp_path: Path) -> None:
     assert read[-1][0] <= read[-1][1] == path.stat().st_size
 
 
+@pytest.mark.parametrize("workers", [0, 1])
+def test_pass_for_some_topics_passes_the_others_over(tmp_path: Path, workers: int) -> None:
+    messages = [each for n in range(100) for each in (event("filter", n), state(n))]
+    run = LogPass(write(tmp_path / "run.mcap", messages), workers=workers)
+
+    parts = [*run.slices({"state": ("plant_ns",)}, wanted_only=True)]
+
+    assert not any(part.blocks("event") for part in parts)
+    assert [run.counts[name].received for name in ("state", "event")] == [100, 0]
+    assert [*run.slices({"tick": ()}, wanted_only=True)]  # no topic of its own, but a log of passafe all the same
+
+
 @pytest.mark.parametrize("workers", [0, 2])
 def test_a_channel_that_comes_late_is_known(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, workers: int) -> None:
     monkeypatch.setattr(log_pass, "STRETCH_BYTES", 1)  # every chunk by itself

@@ -1,10 +1,10 @@
 """Decodes a stretch of a log's records into tables, one for each topic: the work of a worker process of a pass."""
 
 import struct
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from io import BytesIO
-from typing import Any, Final, NamedTuple, TypeAlias
+from typing import Final, NamedTuple, TypeAlias
 
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import EndOfFile
@@ -33,7 +33,10 @@ LEAST_IN_COLUMNS: Final = 64
 _CHUNK_HEAD_BYTES: Final = 49
 """Size of a chunk's record without the name of its compression and its data."""
 _HEAD: Final = struct.Struct("<BQ")
-_MESSAGE: Final = struct.Struct("<HIQQ")
+_MESSAGE: Final = int(Opcode.MESSAGE)
+_CHANNEL: Final = int(Opcode.CHANNEL)
+_MESSAGE_HEAD_BYTES: Final = 22
+"""Size of a message's channel, sequence number and times."""
 
 
 class Stretch(NamedTuple):
@@ -69,42 +72,122 @@ class DecodedStretch:
     read_bytes: int = 0
 
 
+Decode: TypeAlias = Callable[[Stretch, Mapping[int, str]], DecodedStretch]
+"""Decodes a stretch, given the keys of the channels that were registered before."""
+
 _decoders: dict[str, ColumnDecoder] = {}  # of this process: layouts recur from stretch to stretch
 
 
-def decode_stretch(stretch: Stretch, channels: Mapping[int, str], wants: Wants) -> DecodedStretch:
+def decode_stretch(
+    stretch: Stretch, channels: Mapping[int, str], wants: Wants, *, wanted_only: bool = False
+) -> DecodedStretch:
     """Decode the messages of a stretch.
 
     Args:
         stretch: The records.
         channels: Keys of the channels that were registered before, by number.
         wants: Columns that are wanted.
+        wanted_only: Whether messages of topics without an entry in ``wants`` are left out.
     """
     found = DecodedStretch()
-    messages: dict[str, list[bytes]] = {}
-    topics: dict[int, Topic | None] = {number: topic_of_key(key) for number, key in channels.items()}
+    messages = _MessageLists(channels, wants.keys() if wanted_only else TOPIC_OF_NAME.keys())
     for record, read_bytes in zip(stretch.records, stretch.read_bytes, strict=True):
         found.read_bytes = read_bytes
-        try:
-            inner = [*_in_chunk(record)] if isinstance(record, Chunk) else [record]
-        except DAMAGE as error:
-            found.damage.append(_damaged(record, read_bytes, error))
-            continue
-        for one in inner:
-            if isinstance(one, Channel):
-                if one.id not in topics:
-                    topics[one.id] = topic_of_key(one.topic)
-                    found.channels[one.id] = one.topic
-                continue
-            number, data = one if isinstance(one, tuple) else (one.channel_id, one.data)
-            topic = topics.get(number)
-            if topic is not None:
-                messages.setdefault(topic.name, []).append(data)
-            elif number not in topics:
-                found.unknown.add(number)
-    for name, of_topic in messages.items():
-        _decode(TOPIC_OF_NAME[name], of_topic, wants.get(name, ()), found)
+        if isinstance(record, Channel):
+            messages.register(record)
+        elif isinstance(record, Message):
+            messages.of_channel(record.channel_id).append(record.data)
+        else:
+            try:
+                messages.add_chunk(record)
+            except DAMAGE as error:
+                found.damage.append(_damaged(record, read_bytes, error))
+    found.channels, found.unknown = messages.registered, messages.unknown
+    for name, of_topic in messages.of_topic.items():
+        if of_topic:
+            _decode(TOPIC_OF_NAME[name], of_topic, wants.get(name, ()), found)
     return found
+
+
+class _MessageLists:
+    """Messages of a stretch by the name of their topic, in the order of the file.
+
+    Args:
+        channels: Keys of the channels that were registered before, by number.
+        wanted: Names of the topics whose messages are kept.
+
+    Attributes:
+        of_topic: Wire bytes by name of the topic.
+        registered: Keys of the channels that were registered here, by number.
+        unknown: Numbers of channels with messages that nobody registered.
+    """
+
+    def __init__(self, channels: Mapping[int, str], wanted: Collection[str]) -> None:
+        self.of_topic: dict[str, list[bytes]] = {}
+        self.registered: dict[int, str] = {}
+        self.unknown: set[int] = set()
+        self._wanted = wanted
+        self._of_channel: dict[int, list[bytes] | None] = {number: self._list(key) for number, key in channels.items()}
+
+    def register(self, channel: Channel) -> None:
+        """Take a channel that a record describes, unless it is known."""
+        if channel.id not in self._of_channel:
+            self._of_channel[channel.id] = self._list(channel.topic)
+            self.registered[channel.id] = channel.topic
+
+    def of_channel(self, number: int) -> list[bytes]:
+        """Return the list for the messages of a channel; one that nobody sees, if none is wanted."""
+        if number not in self._of_channel:
+            self.unknown.add(number)
+        found = self._of_channel.get(number)
+        return [] if found is None else found
+
+    def add_chunk(self, chunk: Chunk) -> None:
+        """Take the messages and channels of a chunk: all of them, or none.
+
+        Raises:
+            DAMAGE: The chunk is damaged.
+        """
+        lengths = {name: len(messages) for name, messages in self.of_topic.items()}
+        registered, unknown = dict(self.registered), set(self.unknown)
+        try:
+            self._add_records(chunk_contents(chunk))
+        except DAMAGE:
+            for name, messages in self.of_topic.items():
+                del messages[lengths.get(name, 0) :]
+            for number in self.registered.keys() - registered.keys():
+                del self._of_channel[number]
+            self.registered, self.unknown = registered, unknown
+            raise
+
+    def _add_records(self, data: bytes) -> None:
+        of_channel = self._of_channel
+        at, size = 0, len(data)
+        while at < size:
+            if at + _HEAD.size > size:
+                raise EndOfFile
+            opcode, length = _HEAD.unpack_from(data, at)
+            begin = at + _HEAD.size
+            at = begin + length
+            if at > size:
+                raise EndOfFile
+            if opcode == _MESSAGE:
+                if length < _MESSAGE_HEAD_BYTES:
+                    raise EndOfFile
+                number = data[begin] | data[begin + 1] << 8
+                messages = of_channel.get(number)
+                if messages is not None:
+                    messages.append(data[begin + _MESSAGE_HEAD_BYTES : at])
+                elif number not in of_channel:
+                    self.unknown.add(number)
+            elif opcode == _CHANNEL:
+                self.register(Channel.read(ReadDataStream(BytesIO(data[begin:at]))))
+
+    def _list(self, key: str) -> list[bytes] | None:
+        topic = topic_of_key(key)
+        if topic is None or topic.name not in self._wanted:
+            return None
+        return self.of_topic.setdefault(topic.name, [])
 
 
 def _decode(topic: Topic, messages: Sequence[bytes], paths: Collection[str], found: DecodedStretch) -> None:
@@ -124,31 +207,6 @@ def _decode(topic: Topic, messages: Sequence[bytes], paths: Collection[str], fou
         columns[RECORD] = objects(records_of(topic, table.columns))
     elif RECORD in paths:
         columns[RECORD] = objects([codec.decode(topic, data) for data in wire])
-
-
-def _in_chunk(chunk: Chunk) -> Iterator[Any]:
-    """Yield the channels of a chunk, and number of channel and data of its messages.
-
-    Raises:
-        DAMAGE: The chunk is damaged.
-    """
-    data = chunk_contents(chunk)
-    at, size = 0, len(data)
-    while at < size:
-        if at + _HEAD.size > size:
-            raise EndOfFile
-        opcode, length = _HEAD.unpack_from(data, at)
-        at += _HEAD.size
-        end = at + length
-        if end > size:
-            raise EndOfFile
-        if opcode == Opcode.MESSAGE:
-            if length < _MESSAGE.size:
-                raise EndOfFile
-            yield _MESSAGE.unpack_from(data, at)[0], data[at + _MESSAGE.size : end]
-        elif opcode == Opcode.CHANNEL:
-            yield Channel.read(ReadDataStream(BytesIO(data[at:end])))
-        at = end
 
 
 def _damaged(record: Chunk | Channel | Message, end: int, error: Exception) -> Damage:

@@ -12,7 +12,7 @@ from types import TracebackType
 from typing import Self
 
 from passafe.errors import PassafeError
-from passafe_services.log.chunk_decoding import DecodedStretch, Stretch, Wants, decode_stretch
+from passafe_services.log.chunk_decoding import Decode, DecodedStretch, Stretch
 
 
 class DecodingWorkerLostError(PassafeError):
@@ -27,13 +27,13 @@ class DecodingWorkers:
 
     Args:
         count: How many, at least one.
-        wants: Columns that are wanted.
+        decode: Decodes a stretch; is sent to each of them.
 
     Attributes:
         count: How many there are.
     """
 
-    def __init__(self, count: int, wants: Wants) -> None:
+    def __init__(self, count: int, decode: Decode) -> None:
         self.count = count
         self._next_sent = self._next_received = 0
         context = get_context("spawn")
@@ -41,7 +41,7 @@ class DecodingWorkers:
         self._processes = []
         for _ in range(count):
             ours, theirs = context.Pipe()
-            process = context.Process(target=_serve, args=(theirs, wants), daemon=True, name="decoding")
+            process = context.Process(target=_serve, args=(theirs, decode), daemon=True, name="decoding")
             process.start()
             theirs.close()
             self._pipes.append(ours)
@@ -78,11 +78,11 @@ class DecodingWorkers:
             process.join()
 
 
-def _serve(pipe: Connection, wants: Wants) -> None:
+def _serve(pipe: Connection, decode: Decode) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C goes to the parent, which ends this process
     while True:
         try:
             stretch, channels = pipe.recv()
         except EOFError:
             return
-        pipe.send(decode_stretch(stretch, channels, wants))
+        pipe.send(decode(stretch, channels))

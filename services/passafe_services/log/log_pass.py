@@ -23,6 +23,7 @@ follows it is held back (``session_order.WINDOW``). So whoever joins topics keep
 import os
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, Final, Protocol
 
@@ -31,7 +32,7 @@ from passafe_protocol.keys import KEY_ROOT
 from passafe_protocol.messages import Message as Body
 from passafe_protocol.topics import TOPIC_OF_BODY, TOPICS
 
-from passafe_services.log.chunk_decoding import DecodedStretch, Stretch, Wants, decode_stretch
+from passafe_services.log.chunk_decoding import Decode, DecodedStretch, Stretch, Wants, decode_stretch
 from passafe_services.log.continuity import LoggedMessage, TopicCount
 from passafe_services.log.decoding_workers import DecodingWorkers
 from passafe_services.log.errors import ForeignLogError, LogReadError
@@ -142,12 +143,13 @@ class LogPass:
                 for block in part.blocks(name):
                     yield from (LoggedMessage(*message) for message in block.objects(RECORD))
 
-    def slices(self, wants: Mapping[str, Collection[str]]) -> Iterator[LogSlice]:
+    def slices(self, wants: Mapping[str, Collection[str]], *, wanted_only: bool = False) -> Iterator[LogSlice]:
         """Yield the log in slices.
 
         Args:
             wants: Paths of the wanted columns, by name of the topic; sources, epochs, sequence numbers and wall times
                 of all topics come besides.
+            wanted_only: Whether topics that ``wants`` does not name are passed over, and not counted either.
 
         Raises:
             ForeignLogError: The log has no channel of passafe.
@@ -155,30 +157,32 @@ class LogPass:
         """
         self._channels, self._undecodable, self.foreign_keys = {}, {}, []
         orders = {topic.name: SessionOrder(topic) for topic in TOPICS}
-        for found in self._decoded(wants):
+        for found in self._decoded(partial(decode_stretch, wants=wants, wanted_only=wanted_only)):
             for name, number in found.undecodable.items():
                 self._undecodable[name] = self._undecodable.get(name, 0) + number
             yield LogSlice({name: [*orders[name].take(table)] for name, table in found.tables.items()})
-        if not self._is_of_passafe(orders):
+        if not self._is_of_passafe(orders, wanted_only=wanted_only):
             keys = ", ".join(self.foreign_keys[:3]) or "none"
             raise ForeignLogError(self.path, f"is no log of passafe: got channels {keys}, allowed {KEY_ROOT}/…")
         yield LogSlice({name: [*order.finish()] for name, order in orders.items()})
         self.counts = {name: order.count(self._undecodable.get(name, 0)) for name, order in orders.items()}
 
-    def _is_of_passafe(self, orders: Mapping[str, SessionOrder]) -> bool:
+    def _is_of_passafe(self, orders: Mapping[str, SessionOrder], *, wanted_only: bool) -> bool:
         found = any(order.has_messages for order in orders.values())
+        if wanted_only:  # it may have messages that were passed over
+            found = found or any(topic_of_key(key) is not None for key in self._channels.values())
         return bool(found or self._undecodable or SCENARIO_RECORD in self.metadata)
 
-    def _decoded(self, wants: Wants) -> Iterator[DecodedStretch]:
+    def _decoded(self, decode: Decode) -> Iterator[DecodedStretch]:
         """Yield the decoded stretches in the order of the file."""
-        for stretch, found in self._first_decoded(wants):
+        for stretch, found in self._first_decoded(decode):
             for each in found.damage:
                 self._note_damage(each)
             known = self._register(found.channels)
             repeated = found
             if not known or found.unknown & self._channels.keys():
                 # It was decoded before the channels of the stretches before were known.
-                repeated = decode_stretch(stretch, self._channels, wants)
+                repeated = decode(stretch, self._channels)
             if self.progress is not None:
                 self.progress(repeated.read_bytes, self.size_bytes)
             yield repeated
@@ -186,13 +190,13 @@ class LogPass:
         self.tear = self._state.tear or self.metadata.get(RECOVERED_RECORD, {}).get("tear", "")
         self.shortcomings = self._state.audit.shortcomings
 
-    def _first_decoded(self, wants: Wants) -> Iterator[tuple[Stretch, DecodedStretch]]:
+    def _first_decoded(self, decode: Decode) -> Iterator[tuple[Stretch, DecodedStretch]]:
         stretches = self._stretches()
         if not self._workers:
             for stretch in stretches:
-                yield stretch, decode_stretch(stretch, self._channels, wants)
+                yield stretch, decode(stretch, self._channels)
             return
-        with DecodingWorkers(self._workers, wants) as workers:
+        with DecodingWorkers(self._workers, decode) as workers:
             sent: list[Stretch] = []
             for stretch in stretches:
                 if len(sent) < workers.count:

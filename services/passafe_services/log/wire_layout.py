@@ -21,6 +21,7 @@ VARINT, FIXED64, LENGTH, FIXED32 = 0, 1, 2, 5
 MOST_VARINT_BYTES: Final = 9
 """Longest variable-length integer that fits 63 bits."""
 
+_WORD_BYTES: Final = 8
 _CONSTANT: Final = frozenset({FieldDescriptor.TYPE_BOOL, FieldDescriptor.TYPE_ENUM})
 _VERSION: Final = "header.schema_version"
 _SMALL: Final = frozenset({FieldDescriptor.TYPE_UINT32})
@@ -77,15 +78,17 @@ class WireLayout:
 
     def __init__(self, descriptor: Descriptor, data: bytes) -> None:
         self.slots: list[Slot] = []
-        self._mask = np.full(len(data), 0xFF, dtype=np.uint8)
+        self._mask = np.zeros(padded(len(data)), dtype=np.uint8)
+        self._mask[: len(data)] = 0xFF
         doubles: list[int] = []
         _Walk(data, self._mask, self.slots, doubles).message(descriptor, 0, len(data), "", ())
         self.doubles = np.array(doubles, dtype=np.intp)
-        self._fixed = np.frombuffer(data, dtype=np.uint8) & self._mask
+        self._mask = self._mask.view(np.uint64)
+        self._fixed = table_of([data]).view(np.uint64)[0] & self._mask
 
     def matches(self, messages: Bytes) -> NDArray[np.bool_]:
-        """Return which messages of shape (N, length) have this layout, shape (N,)."""
-        same: NDArray[np.bool_] = ((messages & self._mask) == self._fixed).all(axis=1)
+        """Return which messages of a table (``table_of``) have this layout, shape (N,)."""
+        same: NDArray[np.bool_] = ((messages.view(np.uint64) & self._mask) == self._fixed).all(axis=1)
         return same
 
 
@@ -175,8 +178,27 @@ class _Walk:
         return at + length
 
 
+def padded(length: int) -> int:
+    """Return the width of a row for so many bytes: whole words, which are compared in an eighth of the time."""
+    return -(-length // _WORD_BYTES) * _WORD_BYTES
+
+
+def table_of(messages: Sequence[bytes]) -> Bytes:
+    """Return messages of one length as rows, shape (N, ``padded`` length)."""
+    length = len(messages[0])
+    padding = bytes(padded(length) - length)
+    joined = padding.join([*messages, b""]) if padding else b"".join(messages)
+    return np.frombuffer(joined, dtype=np.uint8).reshape(len(messages), padded(length))
+
+
 def read_numbers(messages: Bytes, slot: Slot, dtype: np.dtype[Any]) -> NDArray[Any]:
-    """Return the numbers of a slot of messages of shape (N, length) with one layout, shape (N, count)."""
+    """Return the numbers of a slot of messages with one layout, shape (N, count).
+
+    Args:
+        messages: Their table, see ``table_of``.
+        slot: The slot.
+        dtype: Type of its numbers.
+    """
     if not slot.size:
         taken = np.ascontiguousarray(messages[:, slot.offset : slot.offset + 8 * slot.numbers])
         return taken.view(dtype.newbyteorder("<")).astype(dtype, copy=False).reshape(len(messages), slot.numbers)

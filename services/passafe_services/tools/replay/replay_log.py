@@ -22,7 +22,7 @@ def replay_file(path: Path, *, progress: Progress | None = None) -> Replay:
     """
     log = LogPass(path, progress=progress, workers=0)
     replay = FilterReplay(identity_of(log))
-    for part in log.slices(WANTS):
+    for part in log.slices(WANTS, wanted_only=True):
         replay.take(part)
         if replay.is_over:
             break
