@@ -10,12 +10,11 @@ from rich.markup import escape
 from rich.table import Table
 
 from passafe.finding import Finding, Severity, worst
-from passafe_services.cli.errors import UnusableScenarioError
 from passafe_services.cli.failure import REFUSED
 from passafe_services.cli.robot_option import OwnRobotOption
 from passafe_services.scenarios.load import load_scenario
 from passafe_services.scenarios.schema import Scenario
-from passafe_services.tools.check.scenario_check import load_findings, scenario_findings
+from passafe_services.tools.check.scenario_check import load_warnings, scenario_findings
 
 STYLES: Final = {Severity.REFUSED: "bold red", Severity.WARNING: "yellow", Severity.NOTE: "dim"}
 CODES: Final = {Severity.REFUSED: REFUSED, Severity.WARNING: 1, Severity.NOTE: 0}
@@ -75,8 +74,5 @@ def warn_at_load(scenario: Scenario) -> None:
         UnusableScenarioError: The scenario cannot be used.
     """
     console = Console(stderr=True, highlight=False, soft_wrap=True, markup=False)
-    for finding in load_findings(scenario):
-        if finding.severity is Severity.REFUSED:
-            raise UnusableScenarioError(scenario.name, finding)
-        if finding.severity is Severity.WARNING:
-            console.print(f"warning: {finding}")
+    for finding in load_warnings(scenario):
+        console.print(f"warning: {finding}")

@@ -1,8 +1,5 @@
 """``passafe experiment``: sweep a scenario in virtual time."""
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -17,19 +14,14 @@ from passafe_services.cli.options import WorkersOption, writable_folder
 from passafe_services.cli.robot_option import OwnRobotOption
 from passafe_services.cli.sweep import exit_if_interrupted, workers_for
 from passafe_services.loop.stop import Stop, stop_requests
-from passafe_services.tools.experiment.cells import Run, RunKey, cells_of
+from passafe_services.tools.experiment.cells import Run, cells_of
 from passafe_services.tools.experiment.check import check
-from passafe_services.tools.experiment.kept_list import KeptList
-from passafe_services.tools.experiment.kept_logs import Keep, KeptLog, LogJob, chosen
+from passafe_services.tools.experiment.kept_logs import Keep, KeptLog
 from passafe_services.tools.experiment.load import Study, load_study
-from passafe_services.tools.experiment.plan import Plan
-from passafe_services.tools.experiment.run_result import RunResult, experiment_results
+from passafe_services.tools.experiment.run_result import RunResult
 from passafe_services.tools.experiment.schema import MOST_RUNS
-from passafe_services.tools.experiment.study_job import StudyJob, chunk_size
+from passafe_services.tools.experiment.study_sweep import StudySweep
 from passafe_services.tools.experiment.summary import ExperimentSummary
-from passafe_services.tools.experiment.sweep_state import Stage, state_writer
-from passafe_services.tools.runs.results_file import ResultsFile
-from passafe_services.tools.runs.sweep import FixedPlan, sweep
 from passafe_services.tools.runs.workers import Workers
 
 
@@ -83,31 +75,30 @@ def experiment(
 
     study = _study(file, seeds, robot)
     folder = writable_folder(out)
-    results_file = experiment_results(folder / "results.jsonl", study)
-    plan = Plan(study.experiment, results_file.results)
+    swept = StudySweep(study, folder)
+    plan = swept.plan
     console = Console(highlight=False, soft_wrap=True)
-    note = state_writer(folder, study.experiment.seeds)
     was_complete = plan.is_complete
     if not was_complete:
         check(study)
         warn_at_load(study.scenario_with({}))
-        note("runs", plan.most_runs)
-    with _noting_an_interruption(note, plan), stop_requests(lifeline=False) as stop:
+        swept.note("runs")
+    with swept.noting_an_interruption(), stop_requests(lifeline=False) as stop:
         if not was_complete:
-            with workers_for(StudyJob.of(study), workers, plan.most_runs, scheduler) as pool:
-                _run(plan, results_file, pool, stop)
+            with workers_for(swept.run_job(), workers, plan.most_runs, scheduler) as pool:
+                _run(swept, pool, stop)
         exit_if_interrupted(stop, len(plan.results), folder, console)
-        note("logs", len(plan.results))
-        kept = _keep(chosen(plan, keep, keep_most), study, folder, workers, stop)
+        swept.note("logs")
+        kept = _keep(swept, swept.worth_a_log(keep, keep_most), workers, stop)
         exit_if_interrupted(stop, len(plan.results), folder, console)
-    note("report", len(plan.results))
+    swept.note("report")
     agreement = live_beside_lockstep(plan, study, live, folder / "live", console) if live else []
     summary = ExperimentSummary.of(plan)
     if live or not is_reported(folder):
         write_report(plan, summary, kept, agreement, folder)
     elif was_complete:
         console.print(f"finished before: all {len(plan.results)} runs of {study.experiment.name} are in {folder}")
-    note("finished", len(plan.results))
+    swept.note("finished")
     show(summary, study.experiment, console)
     show_kept(kept, console)
     if agreement:
@@ -115,16 +106,6 @@ def experiment(
     console.print(f"page      {folder / 'report.html'}")
     broken = summary.errors or any(log.differing for log in kept) or not all(one.agrees for one in agreement)
     raise typer.Exit(1 if broken else 0)
-
-
-@contextmanager
-def _noting_an_interruption(note: Callable[[Stage, int], None], plan: Plan) -> Iterator[None]:
-    """Write down that a sweep was interrupted if the block does not end."""
-    try:
-        yield
-    except BaseException:
-        note("interrupted", plan.most_runs)
-        raise
 
 
 def _study(file: str, seeds: int | None, robot: str | None) -> Study:
@@ -138,9 +119,9 @@ def _study(file: str, seeds: int | None, robot: str | None) -> Study:
     return study.model_copy(update={"experiment": study.experiment.model_copy(update={"seeds": asked})})
 
 
-def _run(plan: Plan, results: ResultsFile[RunKey, RunResult], workers: Workers[Run, RunResult], stop: Stop) -> None:
-    """Run what the plan wants, write the results, and display the progress."""
-    errors = sum(bool(result.error) for result in plan.results.values())
+def _run(swept: StudySweep, workers: Workers[Run, RunResult], stop: Stop) -> None:
+    """Run what the sweep wants, and display the progress."""
+    plan, errors = swept.plan, swept.errors
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),
@@ -149,12 +130,11 @@ def _run(plan: Plan, results: ResultsFile[RunKey, RunResult], workers: Workers[R
         TimeElapsedColumn(),
         TimeRemainingColumn(),
     )
-    chunks = sweep(plan, workers, partial(chunk_size, workers=workers.count), stop.is_requested)
     with Progress(*columns, console=Console(stderr=True), speed_estimate_period=60) as bar:
         known = len(plan.results)
         text = plan.experiment.name
         task = bar.add_task(text, total=plan.most_runs, completed=known, errors=_error_text(errors))
-        for chunk in results.add(chunks):
+        for chunk in swept.run(workers, stop.is_requested):
             errors += sum(bool(result.error) for result in chunk)
             bar.update(task, advance=len(chunk), errors=_error_text(errors))
             if plan.experiment.bisected is not None:
@@ -165,25 +145,16 @@ def _error_text(errors: int) -> str:
     return f"[red]{errors} errors[/]" if errors else ""
 
 
-def _keep(wanted: list[RunResult], study: Study, folder: Path, workers: int, stop: Stop) -> list[KeptLog]:
-    """Write the logs of the wanted runs that have none yet; return those of all in the order of ``wanted``."""
-    if not wanted:
-        return []
-    job = LogJob.of(study, writable_folder(folder / "logs"))
-    known = KeptList(folder)
-    missing = [result for result in wanted if known.find(result) is None]
+def _keep(swept: StudySweep, wanted: list[RunResult], workers: int, stop: Stop) -> list[KeptLog]:
+    """Write the logs of the wanted runs that have none yet, display the progress, and return those of all."""
+    missing = swept.without_log(wanted)
     if missing:
-        _write_logs(missing, job, workers, stop, known)
-    return [log for result in wanted if (log := known.find(result)) is not None]
-
-
-def _write_logs(wanted: list[RunResult], job: LogJob, workers: int, stop: Stop, known: KeptList) -> None:
-    """Write logs in processes of this machine, display the progress, and note each log that is whole."""
-    with (
-        Progress(*Progress.get_default_columns()[:3], console=Console(stderr=True), transient=True) as bar,
-        workers_for(job, workers, len(wanted)) as pool,
-    ):
-        task = bar.add_task("logs", total=len(wanted))
-        for logs in sweep(FixedPlan(wanted), pool, lambda _: 1, stop.is_requested):
-            known.add(logs)
-            bar.advance(task, len(logs))
+        writable_folder(swept.log_job().folder)
+        with (
+            Progress(*Progress.get_default_columns()[:3], console=Console(stderr=True), transient=True) as bar,
+            workers_for(swept.log_job(), workers, len(missing)) as pool,
+        ):
+            task = bar.add_task("logs", total=len(missing))
+            for logs in swept.write_logs(missing, pool, stop.is_requested):
+                bar.advance(task, len(logs))
+    return swept.logs_of(wanted)

@@ -15,13 +15,7 @@ from passafe_services.tools.experiment.live_agreement import Agreement
 from passafe_services.tools.experiment.plan import Plan
 from passafe_services.tools.experiment.schema import Experiment
 from passafe_services.tools.experiment.summary import CellSummary, ExperimentSummary
-from passafe_services.tools.experiment.tables import (
-    agreement_table,
-    boundaries_table,
-    cells_table,
-    runs_table,
-    write_tables,
-)
+from passafe_services.tools.experiment.tables import write_summary
 
 MOST_ROWS: Final = 40
 """Most rows of a table in the terminal."""
@@ -33,13 +27,7 @@ def write_report(
     """Write tables, summary, page and, where an axis was bisected, the picture of its boundaries."""
     from passafe_dashboard.experiment_report import write_experiment_report  # noqa: PLC0415 - a second to import
 
-    tables = {"runs": runs_table(plan), "cells": cells_table(summary)}
-    if summary.boundaries:
-        tables["boundaries"] = boundaries_table(summary)
-    if agreement:
-        tables["agreement"] = agreement_table(agreement)
-    write_tables(tables, folder)
-    (folder / "summary.json").write_text(summary.model_dump_json(indent=2), encoding="utf-8")
+    write_summary(plan, summary, agreement, folder)
     write_experiment_report(plan, summary, kept, agreement, folder)
 
 

@@ -13,6 +13,7 @@ from passafe_services.scenarios.design import design_of, robot_of
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.check.assumption import assumption_findings
 from passafe_services.tools.check.decision_time import decision_time_finding
+from passafe_services.tools.check.errors import UnusableScenarioError
 from passafe_services.tools.check.fail_safe import fail_safe_findings
 
 WIDTH: Final = 3.0
@@ -35,6 +36,19 @@ def load_findings(scenario: Scenario) -> tuple[Finding, ...]:
         *_play_out(scenario),
         *assumption_findings(scenario, robot),
     )
+
+
+def load_warnings(scenario: Scenario) -> tuple[Finding, ...]:
+    """Return the warnings of a scenario that is about to be run.
+
+    Raises:
+        UnusableScenarioError: It cannot be used.
+    """
+    findings = load_findings(scenario)
+    for finding in findings:
+        if finding.severity is Severity.REFUSED:
+            raise UnusableScenarioError(scenario.name, finding)
+    return tuple(finding for finding in findings if finding.severity is Severity.WARNING)
 
 
 def scenario_findings(scenario: Scenario, samples: int, seed: int) -> tuple[Finding, ...]:

@@ -6,6 +6,7 @@ from pydantic import JsonValue
 
 from passafe_services.operator.sources.scenario_source import source_of
 from passafe_services.scenarios.design import design_of, robot_of
+from passafe_services.scenarios.schema import Scenario
 from passafe_services.simulation import CompiledScenario
 from passafe_services.tools.experiment.axes import BisectAxis, GridAxis
 from passafe_services.tools.experiment.cells import cells_of, run_of
@@ -23,15 +24,24 @@ def check(study: Study) -> None:
         SourceConfigError: A source of commands that does not fit the robot.
     """
     designed: set[str] = set()
+    for scenario in tried_scenarios(study):
+        key = CompiledScenario.key_of(scenario)
+        if key not in designed:
+            designed.add(key)
+            robot = robot_of(scenario)
+            design_of(scenario, robot)
+            source_of(scenario)
+
+
+def tried_scenarios(study: Study) -> Iterator[Scenario]:
+    """Yield the scenario of every variant with every value of every axis, the other axes at their first.
+
+    Raises:
+        ScenarioError: A value that a scenario may not hold.
+    """
     for variant in study.experiment.variants:
         for values in _one_by_one(study):
-            scenario = study.scenario_with(study.experiment.overrides_of(variant, values))
-            key = CompiledScenario.key_of(scenario)
-            if key not in designed:
-                designed.add(key)
-                robot = robot_of(scenario)
-                design_of(scenario, robot)
-                source_of(scenario)
+            yield study.scenario_with(study.experiment.overrides_of(variant, values))
 
 
 def _one_by_one(study: Study) -> Iterator[dict[str, JsonValue]]:

@@ -87,6 +87,17 @@ def write_tables(tables: Mapping[str, pa.Table], folder: Path) -> list[Path]:
     return written
 
 
+def write_summary(plan: Plan, summary: ExperimentSummary, agreement: Sequence[Agreement], folder: Path) -> None:
+    """Write all tables of an experiment, and its summary as JSON."""
+    tables = {"runs": runs_table(plan), "cells": cells_table(summary)}
+    if summary.boundaries:
+        tables["boundaries"] = boundaries_table(summary)
+    if agreement:
+        tables["agreement"] = agreement_table(agreement)
+    write_tables(tables, folder)
+    (folder / "summary.json").write_text(summary.model_dump_json(indent=2), encoding="utf-8")
+
+
 def _run_row(result: RunResult, plan: Plan) -> dict[str, Any]:
     run, metrics = result.run, result.metrics
     row: dict[str, Any] = {"variant": run.variant, **_plain(run.values), "seed": run.seed}
