@@ -141,6 +141,28 @@ class TooManyJobsError(PassafeError):
         super().__init__(f"jobs: {waiting} are waiting or running already; cancel one, or wait")
 
 
+class OneSweepError(TooManyJobsError):
+    """An experiment was started while another one runs."""
+
+    def __init__(self, running: str) -> None:
+        super().__init__(1)
+        self.args = (f"experiment {running} is running, and one runs at a time: stop it, or wait",)
+
+
+class SweepSizeError(NotAllowedError):
+    """An experiment that is too large for the page."""
+
+    def __init__(self, name: str, got: str, allowed: str) -> None:
+        super().__init__(f"experiment {name}", got, f"{allowed} in the page: ask for fewer, or use passafe experiment")
+
+
+class SweptAlreadyError(NotAllowedError):
+    """A folder in which another process writes results."""
+
+    def __init__(self, name: str, pid: int) -> None:
+        super().__init__(f"experiment {name}", f"one that process {pid} is running", "one that nothing runs")
+
+
 class JobNameError(NotAllowedError):
     """A job that there is not, or no more."""
 

@@ -20,6 +20,28 @@ EXPERIMENT = {
     "criteria": {"safe": {"metric": "h_min", "at_least": 5.0}, "quick": {"metric": "u_norm_max", "at_most": 7.0}},
 }
 
+EXPERIMENT_TOML = """
+schema_version = 2
+name = "small"
+title = "Two modes"
+scenario = "notomista-cai-2020"
+seeds = { count = 2 }
+overrides = { duration_s = 0.1 }
+
+[variants]
+off = { "filter.mode" = "off" }
+both = { "filter.mode" = "both" }
+
+[[axes]]
+name = "delay_s"
+keys = ["links.plant-to-filter.delay_s"]
+values = [0.0, 0.02]
+
+[criteria]
+safe = { metric = "h_min", at_least = 5.0 }
+"""
+"""Much the same as a file."""
+
 
 def small_study() -> Study:
     experiment = experiment_from(EXPERIMENT, "small")

@@ -256,18 +256,6 @@ def test_another_scenario_is_shown_without_reloading(watched: Watched) -> None:
     assert watched.complaints == [] or all("WebSocket" in text for text in watched.complaints)
 
 
-def axe_faults(page: Any) -> list[str]:  # noqa: ANN401 - playwright's
-    """Return the serious faults that axe finds."""
-    axe = pytest.importorskip("axe_playwright_python.sync_playwright")
-    found = axe.Axe().run(page).response["violations"]
-    return [
-        f"{fault['id']}: {node['html'][:200]}"
-        for fault in found
-        if fault["impact"] in ("serious", "critical")
-        for node in fault["nodes"]
-    ]
-
-
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("sheet", ["drive", "engineer"])
 def test_axe_finds_no_serious_fault(watched: Watched, served: ServedPage, sheet: str, scheme: str) -> None:
@@ -275,10 +263,10 @@ def test_axe_finds_no_serious_fault(watched: Watched, served: ServedPage, sheet:
     watched.page.goto(f"{served.url}/#{sheet}")
     watched.wait_for(LIVE)
     watched.wait_for("parseFloat(document.getElementById('plant-time').textContent) > 1")
-    assert axe_faults(watched.page) == []
+    assert watched.axe_faults() == []
     for tab in ("run", "processes") if sheet == "drive" else ():
         watched.page.click(f"#tab-{tab}")
-        assert axe_faults(watched.page) == []
+        assert watched.axe_faults() == []
 
 
 def test_page_is_accessible_to_screen_readers(watched: Watched, served: ServedPage) -> None:

@@ -117,3 +117,15 @@ def test_the_pages_fit_their_window(watched: Watched, archive: BrowsedArchive, p
     watched.page.set_viewport_size({"width": width, "height": 800})
     open_page(watched, archive, path)
     assert watched.page.evaluate("document.documentElement.scrollWidth") <= width
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("path", ["/logs", "/logs/circle%201.mcap", "/experiments", "/experiments/small"])
+def test_axe_finds_no_serious_fault(watched: Watched, archive: BrowsedArchive, path: str, scheme: str) -> None:
+    watched.page.emulate_media(color_scheme=scheme)
+    open_page(watched, archive, path)
+    if path == "/experiments":
+        watched.page.wait_for_selector("#start:not([hidden])")
+    if path.endswith("small"):
+        watched.page.locator("[data-cell='3']").press("Enter")
+    assert watched.axe_faults() == []

@@ -54,3 +54,14 @@ class Watched:
     def wait_for(self, condition: str) -> None:
         """Wait until a JavaScript expression is true."""
         self.page.wait_for_function(f"() => {condition}")
+
+    def axe_faults(self) -> list[str]:
+        """Return the serious faults that axe finds."""
+        axe = pytest.importorskip("axe_playwright_python.sync_playwright")
+        found = axe.Axe().run(self.page).response["violations"]
+        return [
+            f"{fault['id']}: {node['html'][:200]}"
+            for fault in found
+            if fault["impact"] in ("serious", "critical")
+            for node in fault["nodes"]
+        ]

@@ -4,13 +4,27 @@ import asyncio
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from passafe_dashboard.archive.experiment_models import ExperimentList, ExperimentView
+from passafe_dashboard.archive.experiment_models import (
+    ExperimentEntry,
+    ExperimentList,
+    ExperimentOffers,
+    ExperimentView,
+    SweepJob,
+)
 from passafe_dashboard.archive.log_list import LogEntry, LogList, LogLister
 from passafe_dashboard.archive.runs_folder import RunsFolder
+from passafe_dashboard.errors import ArchiveNameError
 from passafe_dashboard.jobs.job_board import JobBoard, PageJob
-from passafe_dashboard.jobs.job_request import AnyJobRequest, CellRunRequest, CompareRequest, WhatIfRequest
+from passafe_dashboard.jobs.job_request import (
+    AnyJobRequest,
+    CellRunRequest,
+    CompareRequest,
+    SweepRequest,
+    WhatIfRequest,
+)
 
 if TYPE_CHECKING:
+    from passafe_dashboard.archive.experiment_offers import OfferLister
     from passafe_dashboard.archive.experiments import Experiments
 
 
@@ -27,6 +41,7 @@ class Archive:
         self.board = JobBoard(self.folder, beside_robot=beside_robot)
         self._lister = LogLister(self.folder)
         self._experiments: Experiments | None = None
+        self._offers: OfferLister | None = None
         self._reading = asyncio.Lock()  # one look at the disk at a time, however many pages ask
 
     async def logs(self) -> LogList:
@@ -47,7 +62,8 @@ class Archive:
     async def experiments(self) -> ExperimentList:
         """Return the experiments, the newest first."""
         async with self._reading:
-            return await asyncio.to_thread(lambda: self._known_experiments().newest())
+            found = await asyncio.to_thread(lambda: self._known_experiments().newest())
+        return ExperimentList(experiments=tuple(map(self._with_job, found.experiments)))
 
     async def experiment(self, name: str) -> ExperimentView:
         """Return the map of an experiment, as far as it has come.
@@ -56,22 +72,50 @@ class Archive:
             ArchiveNameError: There is no such experiment in the folder, or its results cannot be read.
         """
         async with self._reading:
-            return await asyncio.to_thread(lambda: self._known_experiments().view(name))
+            found = await asyncio.to_thread(lambda: self._known_experiments().view(name))
+        return found.model_copy(update={"entry": self._with_job(found.entry)})
+
+    async def offers(self) -> ExperimentOffers:
+        """Return the experiments that can be started."""
+        async with self._reading:
+            return await asyncio.to_thread(lambda: self._known_offers().all())
 
     async def start(self, request: AnyJobRequest) -> PageJob:
         """Return the job for a request.
 
         Raises:
             ArchiveNameError: It names a log or experiment that there is not.
-            TooManyJobsError: Too many jobs are open.
+            TooManyJobsError: Too many jobs are open, or a sweep is asked for beside another.
         """
         if isinstance(request, CellRunRequest):
             await asyncio.to_thread(self.folder.experiment, request.experiment)
             return self.board.start(request, None)
+        if isinstance(request, SweepRequest):
+            return await self._start_sweep(request)
         names = request.logs if isinstance(request, CompareRequest) else (request.log,)
         entries = [await self.log(name) for name in names]
         stamp = None if isinstance(request, WhatIfRequest) else [each.stamp for each in entries]
         return self.board.start(request, stamp)
+
+    async def _start_sweep(self, request: SweepRequest) -> PageJob:
+        if request.source == "shipped":
+            shipped = [offer.experiment for offer in (await self.offers()).offers if offer.source == "shipped"]
+            if request.experiment not in shipped:
+                raise ArchiveNameError("experiment", request.experiment, f"one of {', '.join(shipped)}")
+        elif request.source == "file":
+            await asyncio.to_thread(self.folder.experiment_file, request.experiment)
+        else:
+            await asyncio.to_thread(self.folder.experiment, request.experiment)
+        job = self.board.start(request, None)
+        if request.source == "folder":
+            job.experiment = request.experiment
+        return job
+
+    def _with_job(self, entry: ExperimentEntry) -> ExperimentEntry:
+        """Return an entry with the job of this server that runs it, or ran it last."""
+        job = self.board.sweep_of(entry.name)
+        found = None if job is None else SweepJob(job=job.id, state=job.state, text=job.text)
+        return entry.model_copy(update={"job": found})
 
     def _judged(self, entry: LogEntry) -> LogEntry:
         """Return an entry with the verdict of its review, if there was one."""
@@ -83,6 +127,13 @@ class Archive:
 
             self._experiments = Experiments(self.folder)
         return self._experiments
+
+    def _known_offers(self) -> "OfferLister":
+        if self._offers is None:
+            from passafe_dashboard.archive.experiment_offers import OfferLister  # noqa: PLC0415 - likewise
+
+            self._offers = OfferLister(self.folder)
+        return self._offers
 
     async def close(self) -> None:
         """End all jobs."""

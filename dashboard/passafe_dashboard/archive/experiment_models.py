@@ -14,6 +14,20 @@ class _View(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
 
+class SweepJob(_View):
+    """The job of this server that runs an experiment, or ran it last.
+
+    Attributes:
+        job: Its id.
+        state: waiting, running, done, failed or cancelled.
+        text: What it does now, what is to be said of it, or why it failed.
+    """
+
+    job: str
+    state: str
+    text: str
+
+
 class ExperimentEntry(_View):
     """One experiment of the list.
 
@@ -25,6 +39,7 @@ class ExperimentEntry(_View):
         most_runs: Largest number of runs in all; ``None`` if it is not known.
         modified_s: Unix time of the last result, s.
         trouble: Why it cannot be read; empty if it can.
+        job: Job of this server that runs it, or ran it last; ``None`` if none did.
     """
 
     name: str
@@ -34,6 +49,7 @@ class ExperimentEntry(_View):
     most_runs: int | None
     modified_s: float
     trouble: str
+    job: SweepJob | None = None
 
 
 class ExperimentList(_View):
@@ -121,3 +137,37 @@ class ExperimentView(_View):
     seeds: int | None
     is_behind: bool
     cells: tuple[CellView, ...]
+
+
+class ExperimentOffer(_View):
+    """An experiment that can be started.
+
+    Attributes:
+        source: ``shipped``, or ``file``: in the runs folder.
+        experiment: Its name; of a file, that in the runs folder.
+        title: In words.
+        cells: Number of its cells.
+        seeds: Runs of every cell, or of every cell and value of a bisected axis.
+        most_runs: Largest number of runs in all with so many seeds.
+        trouble: Why it cannot be read; empty if it can.
+    """
+
+    source: Literal["shipped", "file"]
+    experiment: str
+    title: str
+    cells: int
+    seeds: int
+    most_runs: int
+    trouble: str
+
+
+class ExperimentOffers(_View):
+    """Experiments that can be started.
+
+    Attributes:
+        offers: The shipped ones, then those in the runs folder.
+        most_runs: Runs of the largest that the page starts.
+    """
+
+    offers: tuple[ExperimentOffer, ...]
+    most_runs: int

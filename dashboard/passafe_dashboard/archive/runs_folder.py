@@ -15,6 +15,7 @@ MOST_VISITED: Final = 50_000
 
 LONGEST_NAME: Final = 1024
 LOG_SUFFIX: Final = ".mcap"
+EXPERIMENT_SUFFIX: Final = ".toml"
 RESULTS: Final = "results.jsonl"
 """File by which the folder of an experiment is known."""
 
@@ -38,6 +39,10 @@ class RunsFolder:
         parents = (PurePosixPath(name).parent for name in self._files() if PurePosixPath(name).name == RESULTS)
         return [str(parent) for parent in parents if parent.name]
 
+    def toml_files(self) -> list[str]:
+        """Return the names of all files that may hold an experiment, in no order."""
+        return [name for name in self._files() if name.endswith(EXPERIMENT_SUFFIX)]
+
     def log(self, name: str) -> Path:
         """Return the path of a log.
 
@@ -59,6 +64,17 @@ class RunsFolder:
         if found is None or not found.is_file():
             raise ArchiveNameError("experiment", name, f"the name of a folder with {RESULTS} in {self.root}")
         return found.parent
+
+    def experiment_file(self, name: str) -> Path:
+        """Return the path of a file that may hold an experiment.
+
+        Raises:
+            ArchiveNameError: There is no such file in the folder.
+        """
+        found = self._inside(name) if name.endswith(EXPERIMENT_SUFFIX) else None
+        if found is None or not found.is_file():
+            raise ArchiveNameError("experiment", name, f"the name of a {EXPERIMENT_SUFFIX} file in {self.root}")
+        return found
 
     def name_of(self, path: Path) -> str:
         """Return the name of a path inside the folder."""
@@ -98,7 +114,7 @@ class RunsFolder:
                 if entry.is_dir(follow_symlinks=False):
                     if depth < DEEPEST:
                         waiting.append((f"{name}/", depth + 1))
-                elif entry.name.endswith((LOG_SUFFIX, RESULTS)) and self._is_file(entry, name):
+                elif entry.name.endswith((LOG_SUFFIX, RESULTS, EXPERIMENT_SUFFIX)) and self._is_file(entry, name):
                     yield name
 
     def _is_file(self, entry: os.DirEntry[str], name: str) -> bool:

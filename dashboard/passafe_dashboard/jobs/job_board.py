@@ -1,4 +1,4 @@
-"""Start, follow and end jobs: one process at a time, a bounded number that waits, results kept for a while."""
+"""Start, follow and end jobs: one at a time and one sweep, a bounded number that waits, results kept for a while."""
 
 import asyncio
 import os
@@ -7,7 +7,7 @@ import signal
 import sys
 from asyncio.subprocess import PIPE, Process
 from collections.abc import Mapping
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass, field
 from itertools import count
 from pathlib import Path
@@ -17,11 +17,13 @@ from typing import Final, Literal
 from passafe_services.loop.realtime import available_processors
 
 from passafe_dashboard.archive.runs_folder import RunsFolder
-from passafe_dashboard.errors import JobNameError, TooManyJobsError
+from passafe_dashboard.errors import JobNameError, OneSweepError, TooManyJobsError
 from passafe_dashboard.jobs.job_order import JobOrder, JobReport
-from passafe_dashboard.jobs.job_request import AnyJobRequest, ReviewRequest
+from passafe_dashboard.jobs.job_request import AnyJobRequest, ReviewRequest, SweepRequest
 
 MOST_AT_A_TIME: Final = 1
+"""Jobs other than a sweep that run: a sweep takes minutes, and reviews do not wait for it."""
+
 MOST_OPEN: Final = 8
 """Jobs that wait or run; more are refused."""
 
@@ -30,6 +32,9 @@ MOST_KEPT: Final = 24
 
 NICENESS: Final = 5
 """Niceness of jobs beside a robot: a third of the share of an ordinary process."""
+
+SWEEP_NICENESS: Final = 10
+"""The same of a sweep, which takes minutes: a tenth."""
 
 LONGEST_LINE_BYTES: Final = 1 << 20
 LONGEST_ERROR_BYTES: Final = 4096
@@ -54,6 +59,7 @@ class PageJob:
         text: What it does now, or why it failed.
         log: Log that it has written, by its name; empty for none.
         verdict: Verdict of the review that it was, in a few words; empty before it is done, and for other work.
+        experiment: Experiment that it runs, by the name of its folder; empty for none, and before it has one.
         unfinished: Folder to remove if its process does not end by itself.
         changes: How often any of these has changed.
         task: Follows its process.
@@ -69,6 +75,7 @@ class PageJob:
     text: str = "waiting for its turn"
     log: str = ""
     verdict: str = ""
+    experiment: str = ""
     unfinished: Path | None = None
     changes: int = 0
     task: asyncio.Task[None] | None = field(default=None, repr=False)
@@ -86,6 +93,7 @@ class PageJob:
         self.unfinished = report.unfinished or self.unfinished
         self.share = max(self.share, report.share)
         self.log, self.verdict = report.log or self.log, report.verdict
+        self.experiment = report.experiment or self.experiment
         states: dict[str, JobState] = {"done": "done", "refused": "failed"}
         self.become(states.get(report.event, "running"), report.text or self.text)
 
@@ -107,7 +115,7 @@ class JobBoard:
     def __init__(self, folder: RunsFolder, *, beside_robot: bool) -> None:
         self._folder = folder
         self._processors = 0 if beside_robot else available_processors()
-        self._niceness = NICENESS if beside_robot else 0
+        self._beside_robot = beside_robot
         self._jobs: dict[str, PageJob] = {}
         self._numbers = count(1)
         self._turn = asyncio.Semaphore(MOST_AT_A_TIME)
@@ -138,6 +146,7 @@ class JobBoard:
 
         Raises:
             TooManyJobsError: Too many are open, or the server is ending.
+            OneSweepError: It is a sweep, and another one is open.
         """
         if stamp is not None:
             for job in self._jobs.values():
@@ -146,6 +155,8 @@ class JobBoard:
         is_open = sum(job.state in OPEN for job in self._jobs.values())
         if is_open >= MOST_OPEN or self._is_closed:
             raise TooManyJobsError(is_open)
+        if isinstance(request, SweepRequest):
+            self._require_no_sweep()
         name = str(next(self._numbers))
         if self._results is None:
             self._results = TemporaryDirectory(prefix="passafe-page-", ignore_cleanup_errors=True)
@@ -165,6 +176,10 @@ class JobBoard:
         request = ReviewRequest(kind="review", log=log)
         reviews = (job for job in self._jobs.values() if (job.request, job.stamp) == (request, stamp))
         return next((job.verdict for job in reviews if job.verdict), "")
+
+    def sweep_of(self, experiment: str) -> PageJob | None:
+        """Return the newest job that ran an experiment, by the name of its folder; ``None`` if there is none."""
+        return next((job for job in reversed(self._jobs.values()) if job.experiment == experiment), None)
 
     async def cancel(self, name: str) -> PageJob:
         """End a job if it is not over; return it.
@@ -191,8 +206,9 @@ class JobBoard:
             self._results = None
 
     async def _run(self, job: PageJob) -> None:
+        turn = nullcontext() if isinstance(job.request, SweepRequest) else self._turn
         try:
-            async with self._turn:
+            async with turn:
                 job.become("running", "starting")
                 await self._follow(job)
         except asyncio.CancelledError:
@@ -204,7 +220,7 @@ class JobBoard:
         order = JobOrder(request=job.request, root=self._folder.root, result=job.result, processors=self._processors)
         process = await asyncio.create_subprocess_exec(
             *_COMMAND,
-            str(self._niceness),
+            str(self._niceness(job.request)),
             stdin=PIPE,
             stdout=PIPE,
             stderr=PIPE,
@@ -226,6 +242,16 @@ class JobBoard:
             code = process.returncode or 0
             reason = f"signal {-code}" if code < 0 else f"code {code}"
             job.become("failed", f"its process ended with {reason}: {last_words or 'out of memory?'}")
+
+    def _niceness(self, request: AnyJobRequest) -> int:
+        if not self._beside_robot:
+            return 0
+        return SWEEP_NICENESS if isinstance(request, SweepRequest) else NICENESS
+
+    def _require_no_sweep(self) -> None:
+        for job in self._jobs.values():
+            if isinstance(job.request, SweepRequest) and job.state in OPEN:
+                raise OneSweepError(job.experiment or job.request.experiment)
 
     def _forget_old(self) -> None:
         over = [job for job in self._jobs.values() if job.state not in OPEN]

@@ -35,6 +35,7 @@ class JobReport(BaseModel):
         text: What it does now, or why it cannot.
         log: Log that it has written, by its name in the runs folder.
         verdict: Verdict of the review that it was, in a few words.
+        experiment: Experiment that it runs, by the name of its folder.
         unfinished: Folder to remove should the job not end by itself.
     """
 
@@ -45,4 +46,5 @@ class JobReport(BaseModel):
     text: str = ""
     log: str = ""
     verdict: str = ""
+    experiment: str = ""
     unfinished: Path | None = None

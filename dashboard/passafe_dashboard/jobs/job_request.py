@@ -92,4 +92,23 @@ class CellRunRequest(JobRequest):
     seed: Annotated[int, Field(ge=0, lt=2**41)]
 
 
-AnyJobRequest = Annotated[ReviewRequest | CompareRequest | WhatIfRequest | CellRunRequest, Field(discriminator="kind")]
+class SweepRequest(JobRequest):
+    """A sweep of an experiment, begun or resumed.
+
+    Attributes:
+        kind: Tells the requests apart.
+        source: ``shipped``: an experiment that comes with passafe. ``file``: one in the runs folder. ``folder``: one
+            whose results are in the runs folder, and of which runs are missing.
+        experiment: Its name; of a file or folder, the name in the runs folder.
+        seeds: Runs of every cell; those of the experiment if not given.
+    """
+
+    kind: Literal["sweep"]
+    source: Literal["shipped", "file", "folder"]
+    experiment: NameText
+    seeds: Annotated[int, Field(ge=1, le=1_000_000)] | None = None
+
+
+AnyJobRequest = Annotated[
+    ReviewRequest | CompareRequest | WhatIfRequest | CellRunRequest | SweepRequest, Field(discriminator="kind")
+]

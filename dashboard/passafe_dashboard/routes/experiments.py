@@ -1,9 +1,12 @@
-"""Serve the experiments in the runs folder: ``GET /api/experiments``, and one with ``GET /api/experiments/{name}``."""
+"""Serve the experiments in the runs folder: ``GET /api/experiments``, and one with ``GET /api/experiments/{name}``.
+
+``GET /api/experiment-offers`` has those that can be started, by a job.
+"""
 
 from fastapi import APIRouter
 
 from passafe_dashboard.archive.archive import Archive
-from passafe_dashboard.archive.experiment_models import ExperimentList, ExperimentView
+from passafe_dashboard.archive.experiment_models import ExperimentList, ExperimentOffers, ExperimentView
 from passafe_dashboard.routes.answers import UNKNOWN_NAME
 
 
@@ -15,6 +18,11 @@ def experiment_routes(archive: Archive) -> APIRouter:
     async def experiments() -> ExperimentList:
         """List the experiments, the newest first."""
         return await archive.experiments()
+
+    @router.get("/api/experiment-offers")
+    async def offers() -> ExperimentOffers:
+        """List the experiments that a job of the kind ``sweep`` can start."""
+        return await archive.offers()
 
     @router.get("/api/experiments/{name:path}", responses=UNKNOWN_NAME)
     async def experiment(name: str) -> ExperimentView:

@@ -27,6 +27,7 @@ class JobView(BaseModel):
         text: What it does now, or why it failed.
         result: Address of its result; ``None`` before it is done.
         log: Log that it has written, by its name; empty for none.
+        experiment: Experiment that it runs, by the name of its folder; empty for none, and before it has one.
         changes: How often it has changed.
     """
 
@@ -39,6 +40,7 @@ class JobView(BaseModel):
     text: str
     result: str | None
     log: str
+    experiment: str
     changes: int
 
     @classmethod
@@ -53,6 +55,7 @@ class JobView(BaseModel):
             text=job.text,
             result=result,
             log=job.log,
+            experiment=job.experiment,
             changes=job.changes,
         )
 

@@ -6,6 +6,7 @@ import { test } from "node:test";
 const archive = "../../../dashboard/passafe_dashboard/static/archive";
 const { sizeText, timeAgo } = await import(`${archive}/page_parts.js`);
 const { pathOf } = await import(`${archive}/server.js`);
+const { sizeOf } = await import(`${archive}/start_experiment.js`);
 const { acrossOf, cellText, rowsOf, shareWord } = await import(`${archive}/sweep_map.js`);
 const { changesOf, numbersOf } = await import(`${archive}/what_if.js`);
 
@@ -67,4 +68,12 @@ test("a cell says how many runs break, and what is to come", () => {
   assert.equal(shareWord(none, "safe"), "unknown");
   assert.equal(cellText(none, "safe", map).main, "–");
   assert.equal(shareWord(cell(0, "off", [], [probe(3, 3, -1)]), "safe"), "all");
+});
+
+test("the size of an experiment is said in words", () => {
+  const offer = { source: "file", experiment: "x", title: "", cells: 4, seeds: 2, most_runs: 8, trouble: "" };
+  assert.equal(sizeOf(offer, 3, 100), "4 cells, 12 runs");
+  assert.equal(sizeOf({ ...offer, cells: 1, most_runs: 20 }, 1, 100), "1 cell, up to 10 runs");
+  assert.match(sizeOf(offer, 30, 100), /120 runs: more than the 100 of the page/);
+  assert.equal(sizeOf({ ...offer, trouble: "no metric" }, 1, 100), "no metric");
 });

@@ -3,6 +3,7 @@
 import { numberText } from "../report/number_text.js";
 import { element, reason, tableCell, tableHead } from "./page_parts.js";
 import { ask, followJob, pathOf, startJob } from "./server.js";
+import { offerControl, showControl } from "./sweep_control.js";
 import { acrossOf, cellText, rowsOf, shareWord } from "./sweep_map.js";
 
 const REFRESH_MS = 1000;
@@ -28,6 +29,7 @@ function showProgress(entry) {
   const bar = /** @type {HTMLProgressElement} */ (element("share"));
   bar.hidden = !entry.most_runs || !RUNNING.includes(entry.stage);
   bar.value = entry.most_runs ? entry.runs / entry.most_runs : 0;
+  showControl(entry);
 }
 
 function offerCriteria() {
@@ -140,7 +142,7 @@ async function repeat(button, request) {
   }
 }
 
-async function refresh() {
+async function look() {
   const trouble = element("trouble");
   try {
     view = await ask(`/api/experiments/${pathOf(name)}`);
@@ -159,6 +161,10 @@ async function refresh() {
     /** @type {HTMLElement} */ (trouble.firstElementChild).textContent = reason(error);
     document.body.dataset.ready = "trouble";
   }
+}
+
+async function refresh() {
+  await look();
   const runs = RUNNING.includes(view?.entry.stage) || view?.is_behind;
   setTimeout(refresh, runs ? REFRESH_MS : RESTING_MS);
 }
@@ -172,4 +178,5 @@ element("map").addEventListener("click", (event) => {
   showCell();
   element("cell").scrollIntoView({ block: "nearest" });
 });
+offerControl(name, () => view.entry, look);
 refresh();

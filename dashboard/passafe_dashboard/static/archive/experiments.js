@@ -2,6 +2,7 @@
 
 import { element, reason, tableCell, timeAgo } from "./page_parts.js";
 import { ask, pathOf } from "./server.js";
+import { offerExperiments } from "./start_experiment.js";
 
 const REFRESH_MS = 2000;
 let shown = "";
@@ -41,3 +42,6 @@ async function refresh() {
 }
 
 refresh();
+offerExperiments().catch((error) => {
+  element("none").textContent = reason(error);
+});

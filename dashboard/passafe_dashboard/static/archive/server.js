@@ -38,16 +38,17 @@ export function startJob(request) {
   return ask("/api/jobs", { method: "POST", headers, body: JSON.stringify(request) });
 }
 
-/** Follows a job until it is over.
+/** Follows a job until it is over, or as far as it is waited for.
  * @param {string} id
  * @param {(job: any) => void} onChange
- * @returns {Promise<any>} the job when it is over */
-export async function followJob(id, onChange) {
+ * @param {(job: any) => boolean} isFarEnough
+ * @returns {Promise<any>} the job then */
+export async function followJob(id, onChange, isFarEnough = () => false) {
   let seen = -1;
   for (;;) {
     const job = await ask(`/api/jobs/${encodeURIComponent(id)}?seen=${seen}`);
     onChange(job);
-    if (!["waiting", "running"].includes(job.state)) return job;
+    if (!["waiting", "running"].includes(job.state) || isFarEnough(job)) return job;
     seen = job.changes;
   }
 }

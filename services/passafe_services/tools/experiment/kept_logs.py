@@ -107,12 +107,16 @@ def log_name_of(key: RunKey) -> str:
 
 
 def write_log(runner: StudyRunner, result: RunResult, folder: Path) -> KeptLog:
-    """Repeat a run with a recorder, and compare the metrics of its log with those of the sweep."""
+    """Repeat a run with a recorder, and compare the metrics of its log with those of the sweep.
+
+    The log has its name when it is whole: a worker that is killed leaves none that looks like one.
+    """
     scenario = runner.scenario_of(result.run)
     path = folder / log_name_of(result.run.key)
+    unfinished = path.with_name(f".unfinished-{path.name}")
     metadata = run_metadata(scenario_json=scenario.model_dump_json(), versions=versions(), driver="lockstep")
-    with LogWriter(path, metadata) as log:
+    with LogWriter(unfinished, metadata) as log:
         runner.trace(scenario, LockstepLog(log))
-    verdict = Verdict.of(RunLog.read(path), CoreEvaluator(scenario))
+    verdict = Verdict.of(RunLog.read(unfinished), CoreEvaluator(scenario))
     differing = tuple(name for name in REVIEWED if getattr(result.metrics, name) != getattr(verdict, name))
-    return KeptLog(result, path, differing)
+    return KeptLog(result, unfinished.replace(path), differing)
