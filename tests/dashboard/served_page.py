@@ -7,6 +7,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from queue import SimpleQueue
 from typing import Any
 
@@ -16,6 +17,7 @@ from closed_form import ClosedFormRun
 from fastapi import FastAPI
 from msgspec import structs
 from passafe_dashboard.address import listening_socket
+from passafe_dashboard.archive.archive import Archive
 from passafe_dashboard.live.broadcast import Broadcast
 from passafe_dashboard.live.drive_requests import DriveRequests
 from passafe_dashboard.live.feed import Feed
@@ -41,6 +43,7 @@ class FastRun:
         latch: Emergency stop that answers.
         stop_requests: Requests to it.
         steered: What was published of who drives.
+        runs: Folder of logs to show besides, if any.
     """
 
     def __init__(self, feed: Feed, *, speed: float = 5.0, frame_hz: float = 100.0) -> None:
@@ -53,6 +56,7 @@ class FastRun:
         self.latch = StopLatch()
         self.stop_requests: list[EmergencyStop | StopClear] = []
         self.steered: SimpleQueue[Steer] = SimpleQueue()
+        self.runs: Path | None = None
         self._before_ns: int | None = None
         self._run_ns = 0.0
         self._run = ClosedFormRun(period_ms=10, scenario=feed.scenario)
@@ -62,7 +66,8 @@ class FastRun:
         links = LinkRequests(self.broadcast, self.links.request, answer_s=answer_s)
         stops = StopRequests(self.broadcast, self.request_stop, epoch=1, answer_s=answer_s)
         drives = DriveRequests(self.broadcast, self.steer, lambda now_ns: (1, now_ns, 0))
-        return create_app(self.broadcast, links, stops, drives, access=access)
+        archive = None if self.runs is None else Archive(self.runs, beside_robot=True)
+        return create_app(self.broadcast, links, stops, drives, access=access, archive=archive)
 
     def steer(self, body: Steer, _now_ns: int) -> None:
         """Keep what is published."""

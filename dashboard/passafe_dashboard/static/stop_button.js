@@ -50,16 +50,6 @@ export class StopButton {
     this.page.body.toggleAttribute("data-stopped", Boolean(stop.id));
   }
 
-  /** Asks the server which stop is latched, for pages that get no frames. */
-  async follow() {
-    try {
-      const response = await fetch("/api/status");
-      if (response.ok) this.show((await response.json()).stop);
-    } catch {
-      // The page of a log may be served without a running system.
-    }
-  }
-
   /** @param {string} path
    * @param {string} doing */
   async request(path, doing) {
