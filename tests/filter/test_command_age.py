@@ -106,7 +106,7 @@ def test_resumption_ramps_from_where_the_fade_is() -> None:
     assert later.u_h == pytest.approx((0.4 * -3.0 + 0.6 * 0.2,))
     assert later.u_h_rate == pytest.approx((0.6 * -20.0 + (-3.0 - 0.2) / 0.15,))
     assert later.share == pytest.approx(0.4)
-    assert at(request, 380) == ((-3.0,), (0.0,), 160 * MS, CommandState.COUNTS, 1.0)
+    assert at(request, 380) == OperatorRequest((-3.0,), (0.0,), 160 * MS, CommandState.COUNTS, 1.0)
 
 
 def test_short_stretch_does_not_cut_a_ramp_short() -> None:

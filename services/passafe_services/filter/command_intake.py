@@ -1,5 +1,8 @@
 """Intake of operator commands: lease, gate of the emergency stop and request, with their events and reports."""
 
+from typing import Final
+
+from msgspec.structs import replace
 from passafe_protocol.messages import CommandState, Header, OperatorCommand, PlantState, Received
 from passafe_protocol.topics import EVENT, LEASE
 
@@ -8,6 +11,8 @@ from passafe_services.filter.operator_lease import LeaseAnswer, OperatorLeases
 from passafe_services.filter.operator_request import OperatorRequest, PassThroughRequest
 from passafe_services.filter.stop_gate import StopGate
 from passafe_services.node import Outgoing
+
+_HOLDS: Final = LeaseAnswer.HOLDS
 
 
 class CommandIntake:
@@ -50,9 +55,9 @@ class CommandIntake:
             command: Its body.
         """
         admission = self._leases.admit(received, command)
-        if admission is LeaseAnswer.REFUSED:
-            return
-        if admission is LeaseAnswer.GRANTED:
+        if admission is not _HOLDS:
+            if admission is LeaseAnswer.REFUSED:
+                return
             self._request.begin_session()
         if self.stop.opens(command):
             self._request.begin()
@@ -67,7 +72,7 @@ class CommandIntake:
         request = self._request.at(now_ns)
         if self.stop.is_open or request.is_stale:
             return request
-        return request._replace(state=CommandState.STOPPED)
+        return replace(request, state=CommandState.STOPPED)
 
     def reports(self, now_ns: int) -> list[Outgoing]:
         """Return the lease and its events, if there is something to report.
@@ -77,7 +82,9 @@ class CommandIntake:
         """
         outgoing: list[Outgoing] = [(EVENT, event) for event in self._leases.pop_events()]
         lease = self._leases.report(now_ns)
-        return outgoing if lease is None else [*outgoing, (LEASE, lease)]
+        if lease is not None:
+            outgoing.append((LEASE, lease))
+        return outgoing
 
     def event(self, now_ns: int, request: OperatorRequest) -> list[Outgoing]:
         """Return an event if there is something new to say about the request at a tick."""

@@ -109,7 +109,10 @@ class DecisionLoop:
             path: Prediction and sequencing of the node.
         """
         self._read(inbox, path)
-        outgoing = [*self._scenario_info(), *self._commands.reports(now_ns)]
+        outgoing = self._commands.reports(now_ns)
+        if self._info is not None:
+            outgoing.insert(0, (SCENARIO, self._info))
+            self._info = None
         state, state_age_ns = self._newest.state, self._newest.age_ns(now_ns)
         silence = self._silence(now_ns)
         effective = () if state is None or silence is not None else self._due(now_ns, state, path)
@@ -130,9 +133,11 @@ class DecisionLoop:
         last = self._last
         if last is None:
             return outgoing
-        outgoing += self._model_event(now_ns)
+        if self._watch is not None:
+            outgoing += self._model_event(now_ns)
         status = last.status if silence is None else silence
-        outgoing += self._status_event(now_ns, status)
+        if status is not self._status_events.settled:
+            outgoing += self._status_event(now_ns, status)
         if not effective:  # the last decision remains in force
             self._last = last = last.for_step(status, inbox, state_age_ns, request)
             outgoing.append((TICK, last))
@@ -233,15 +238,9 @@ class DecisionLoop:
             outgoing.append((EVENT, event))
 
     def _status_event(self, now_ns: int, status: FilterStatus) -> list[Outgoing]:
-        if status is self._status_events.settled:
-            return []
         event = self._status_events.event(now_ns, status)
         return [] if event is None else [(EVENT, event)]
 
     def _model_event(self, now_ns: int) -> list[Outgoing]:
         event = None if self._watch is None else self._watch.event(now_ns)
         return [] if event is None else [(EVENT, event)]
-
-    def _scenario_info(self) -> list[Outgoing]:
-        info, self._info = self._info, None
-        return [] if info is None else [(SCENARIO, info)]

@@ -1,6 +1,7 @@
 """Newest operator command that counts: one that was not stale when it arrived."""
 
 from enum import Enum
+from typing import Final
 
 from msgspec.structs import replace
 from passafe_protocol.messages import CommandState, OperatorCommand, Received
@@ -26,10 +27,14 @@ class Reception(Enum):
     @property
     def ramps_in(self) -> bool:
         """True if the request ramps in with it."""
-        return self in _RAMPS_IN
+        return self is _RESUMES or self is _BEGINS
 
 
-_RAMPS_IN = frozenset({Reception.RESUMES, Reception.BEGINS})
+# Members by names of their own: to hash one, or to reach it through its class, takes as long as a call.
+_RESUMES: Final = Reception.RESUMES
+_BEGINS: Final = Reception.BEGINS
+_IN_FORCE: Final = Reception.COUNTS
+_COUNTS: Final = CommandState.COUNTS
 
 
 class NewestCommand:
@@ -99,8 +104,8 @@ class NewestCommand:
             return Reception.LATE
         if self._begins and command.enabled:
             self._begins = False
-            return Reception.BEGINS
-        return Reception.RESUMES if was_missed else Reception.COUNTS
+            return _BEGINS
+        return _RESUMES if was_missed else _IN_FORCE
 
     def is_recent(self, delay_ns: int) -> bool:
         """Check that a command is not stale already when it arrives so long after it was sent, ns."""
@@ -124,4 +129,4 @@ class NewestCommand:
             return CommandState.NONE
         if self.body is None or now_ns > self.expires_ns:
             return CommandState.DELAYED if self._is_late else CommandState.SILENT
-        return CommandState.COUNTS if self.body.enabled else CommandState.RELEASED
+        return _COUNTS if self.body.enabled else CommandState.RELEASED

@@ -31,6 +31,9 @@ class LeaseAnswer(Enum):
     """Another session holds the lease."""
 
 
+_HOLDS: Final = LeaseAnswer.HOLDS
+
+
 class OperatorLeases:
     """Grants the lease to one operator session at a time.
 
@@ -65,7 +68,7 @@ class OperatorLeases:
             self._renewed_ns = max(now_ns, self._renewed_ns)
             if command.device != self._device:  # a page took the place of the script, or the other way round
                 self._device, self._report_ns = command.device, 0
-            return LeaseAnswer.HOLDS
+            return _HOLDS
         if self._is_held(now_ns) and not 0 < command.take_over == self._number:
             self._refuse(epoch, command.device, now_ns)
             return LeaseAnswer.REFUSED

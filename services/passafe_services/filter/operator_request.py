@@ -1,8 +1,9 @@
 """Operator's request at a tick, from the newest command or an estimate between commands, with fade and ramp."""
 
 from math import isfinite
-from typing import Final, NamedTuple
+from typing import Final
 
+from msgspec import Struct
 from passafe_protocol.messages import CommandState, OperatorCommand, Received, Vector
 
 from passafe.human_input import HumanInputEstimator
@@ -12,10 +13,11 @@ from passafe_services.filter.resume_ramp import ResumeRamp
 from passafe_services.filter.sender_clock import SenderClock
 
 _STALE: Final = frozenset({CommandState.NONE, CommandState.SILENT, CommandState.DELAYED})
+_COUNTS: Final = CommandState.COUNTS
 
 
-class OperatorRequest(NamedTuple):
-    """The operator's request at a tick.
+class OperatorRequest(Struct, frozen=True, gc=False):
+    """The operator's request at a tick; a struct, because every step makes one.
 
     Attributes:
         u_h: m numbers, units of u.
@@ -102,7 +104,7 @@ class PassThroughRequest:
         age_ns, state, command = newest.age_ns(now_ns), newest.state(now_ns), newest.body
         if command is None:
             return OperatorRequest(self._zero, self._zero, age_ns, state, 0.0)
-        if state is not CommandState.COUNTS:
+        if state is not _COUNTS:
             released_ns = newest.expires_ns if command.enabled else self._dead_man.released_ns
             return OperatorRequest(*self._dead_man.at(now_ns - released_ns), age_ns, state, 0.0)
         u_h, u_h_rate = self._requested(now_ns, command)
@@ -135,7 +137,7 @@ class PassThroughRequest:
     def _is_valid(self, command: OperatorCommand) -> bool:
         """Check that a command has the filter's shape and only finite numbers."""
         u_h, rate = command.u_h, command.u_h_rate
-        return len(u_h) == self._m and len(rate) in {0, self._m} and isfinite(sum(u_h + rate))
+        return len(u_h) == self._m and len(rate) in {0, self._m} and isfinite(sum(rate, sum(u_h)))
 
 
 class EstimatedRequest(PassThroughRequest):

@@ -2,9 +2,10 @@
 
 from collections.abc import Iterator
 from itertools import accumulate
-from typing import Final, NamedTuple, TypeAlias, cast
+from typing import Final, TypeAlias, cast
 
 import numpy as np
+from msgspec import Struct
 from passafe_protocol.messages import FilterTick
 from passafe_protocol.topics import TICK
 
@@ -25,7 +26,7 @@ ConsumedMessage: TypeAlias = tuple[MessageKey, int, int]
 collector lets them be."""
 
 
-class LoggedStep(NamedTuple):
+class LoggedStep(Struct, frozen=True, gc=False):
     """Ticks of one step of the filter.
 
     Attributes:

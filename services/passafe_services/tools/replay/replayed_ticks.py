@@ -4,7 +4,7 @@ A message for each of them, to be compared with a decoded one, would take ten ti
 holds these columns against the messages; and where they differ from the log, the messages decide.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from itertools import chain
 from typing import Any
 
@@ -47,9 +47,9 @@ class ReplayedTicks:
 
     def columns(self, records: Sequence[TickRecord]) -> Columns:
         """Return the columns of every field of a tick's message but its header's, by path."""
-        blocks = np.stack([record.decision.block for record in records])
+        blocks = np.concatenate([record.decision.block for record in records]).reshape(len(records), -1)
         explanation = self._explainer.explain(blocks)
-        is_plain = _each(records, lambda record: record.decision.status is Status.PASSED, np.bool_)
+        is_plain = _numbers([record.decision.status is Status.PASSED for record in records], np.bool_)
         is_plain &= ~explanation.change.any(axis=1)
         return {
             **_of_records(records),
@@ -133,50 +133,50 @@ class ReplayedTicks:
 
 def _of_records(records: Sequence[TickRecord]) -> Columns:
     return {
-        "tick": _each(records, lambda record: record.tick, np.uint64),
-        "status": _each(records, lambda record: record.status, np.int64),
-        "effective_plant_ns": _each(records, lambda record: record.effective_plant_ns, np.int64),
-        "tank_j": _each(records, lambda record: record.tank_j, np.float64),
-        "slack": _each(records, lambda record: record.decision.slack, np.float64),
-        "state_age_ns": _each(records, lambda record: record.state_age_ns, np.int64),
-        "command_age_ns": _each(records, lambda record: record.request.age_ns, np.int64),
-        "horizon_ns": _each(records, lambda record: record.horizon_ns, np.int64),
+        "tick": _numbers([record.tick for record in records], np.uint64),
+        "status": _numbers([record.status for record in records], np.int64),
+        "effective_plant_ns": _numbers([record.effective_plant_ns for record in records], np.int64),
+        "tank_j": _numbers([record.tank_j for record in records], np.float64),
+        "slack": _numbers([record.decision.slack for record in records], np.float64),
+        "state_age_ns": _numbers([record.state_age_ns for record in records], np.int64),
+        "command_age_ns": _numbers([record.request.age_ns for record in records], np.int64),
+        "horizon_ns": _numbers([record.horizon_ns for record in records], np.int64),
         "command_state": _texts([record.request.state.value for record in records]),
-        "command_share": _each(records, lambda record: record.request.share, np.float64),
+        "command_share": _numbers([record.request.share for record in records], np.float64),
         "residual": Ragged(
             np.array([*chain.from_iterable(record.residual for record in records)], dtype=np.float64),
-            _each(records, lambda record: len(record.residual), np.int64),
+            _numbers([len(record.residual) for record in records], np.int64),
         ),
-        f"residual.{LENGTH}": _each(records, lambda record: len(record.residual), np.int64),
+        f"residual.{LENGTH}": _numbers([len(record.residual) for record in records], np.int64),
     }
 
 
 def _of_certificate(records: Sequence[TickRecord]) -> Columns:
     return {
         "certificate.solver": _texts([record.decision.solver for record in records]),
-        "certificate.accepted": _each(records, lambda record: record.decision.status.is_certified, np.bool_),
-        "certificate.primal_residual": _each(records, lambda record: record.decision.primal_residual, np.float64),
-        "certificate.dual_residual": _each(records, lambda record: record.decision.dual_residual, np.float64),
-        "certificate.gap": _each(records, lambda record: record.decision.gap, np.float64),
+        "certificate.accepted": _numbers([record.decision.status.is_certified for record in records], np.bool_),
+        "certificate.primal_residual": _numbers([record.decision.primal_residual for record in records], np.float64),
+        "certificate.dual_residual": _numbers([record.decision.dual_residual for record in records], np.float64),
+        "certificate.gap": _numbers([record.decision.gap for record in records], np.float64),
     }
 
 
 def _of_consumed(records: Sequence[TickRecord]) -> Columns:
-    counts = _each(records, lambda record: len(record.inbox), np.int64)
+    counts = _numbers([len(record.inbox) for record in records], np.int64)
     found = [received for record in records for received in record.inbox]
     topics, words = _coded([TOPIC_OF_BODY[type(received.body)].name for received in found])
     return {
         f"consumed.{LENGTH}": counts,
         "consumed.topic": Texts(Ragged(topics, counts), words),
-        "consumed.sequence": Ragged(_each(found, lambda received: received.header.sequence, np.uint64), counts),
-        "consumed.received_ns": Ragged(_each(found, lambda received: received.received_ns, np.int64), counts),
-        "consumed.epoch": Ragged(_each(found, lambda received: received.header.epoch, np.uint64), counts),
-        "consumed.term": Ragged(_each(found, lambda received: received.term, np.uint64), counts),
+        "consumed.sequence": Ragged(_numbers([received.header.sequence for received in found], np.uint64), counts),
+        "consumed.received_ns": Ragged(_numbers([received.received_ns for received in found], np.int64), counts),
+        "consumed.epoch": Ragged(_numbers([received.header.epoch for received in found], np.uint64), counts),
+        "consumed.term": Ragged(_numbers([received.term for received in found], np.uint64), counts),
     }
 
 
-def _each(items: Sequence[Any], value: Callable[[Any], object], dtype: type[np.generic]) -> NDArray[Any]:
-    return np.array([value(item) for item in items], dtype=dtype)
+def _numbers(values: Sequence[object], dtype: type[np.generic]) -> NDArray[Any]:
+    return np.fromiter(values, dtype, len(values))
 
 
 def _vectors(path: str, rows: Array) -> Columns:
@@ -199,4 +199,4 @@ def _coded(found: Sequence[str]) -> tuple[NDArray[np.int32], tuple[str, ...]]:
     """Return the numbers of texts, and the texts that they number."""
     words = tuple(dict.fromkeys(found))
     number_of = {word: number for number, word in enumerate(words)}
-    return np.array([number_of[text] for text in found], dtype=np.int32), words
+    return _numbers([number_of[text] for text in found], np.int32), words
