@@ -8,7 +8,7 @@ GENERATE := $(BIN)/python -m grpc_tools.protoc -I protocol
 DEMO ?=
 FUZZ_S ?= 60
 PYTHONS ?= python3.12 python3.13
-QUIET := not live and not browser and not campaign and not container
+QUIET := not live and not browser and not alone and not campaign and not container
 LIVE := live or browser
 # Test files in which a mark stands, $(call OF_MARK,live|browser): the others need not be imported.
 OF_MARK = $(shell grep -rlE 'mark\.($(1))' --include='test_*.py' tests)

@@ -27,6 +27,7 @@ BENCHMARKS: Final = {
     "filter_step": "one filter step beside other libraries, all of them solving the same program, answers compared",
     "filter_rows": "one filter step with 20 rows",
     "uncertain_step": "one filter step with rows for sets beside one for the model alone",
+    "gatekeeper_step": "one filter step with a gatekeeper, rollouts interpreted and as machine code, answers compared",
     "prediction_cost": "prediction in a filter step, for a plant that is its model and for one that is not",
     "lockstep_speed": "one period of the loop in virtual time, CPU time",
     "replay_speed": "the replay of a log beside the loop that it repeats, processor time",

@@ -15,7 +15,7 @@ through h and ḣ at both ends of a period. By the bound, standing still would s
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import reduce
-from math import inf, isnan
+from math import inf, isfinite
 from typing import Final, NamedTuple
 
 import casadi as ca
@@ -23,12 +23,13 @@ import numpy as np
 
 from passafe.barrier_chain import BarrierChain
 from passafe.course import CHUNK, Course
+from passafe.course_record import ChunkSummary, CourseRecord
 from passafe.design import FilterDesign
 from passafe.enclosure import enclose
 from passafe.reachable_tube import reachable_tube
 from passafe.sampled_plant import held_flow
 from passafe.settling import Settling
-from passafe.workspace import Array, BlockLayout, Workspace, dense_function
+from passafe.workspace import Array, BlockLayout, Compiler, Workspace, dense_function, interpreted
 
 LONGEST: Final = 2048
 """Periods after which a rollout ends where the robot has not come to rest."""
@@ -36,37 +37,29 @@ LONGEST: Final = 2048
 AT_REST: Final = 1e-9
 """Change of the state over a chunk, relative to 1 + |x|, below which the robot counts as at rest."""
 
-SMALL_ERROR: Final = 1e-6
-"""Sum of the estimated integration errors that is neglected; by what is beyond, h counts as smaller."""
-
-LARGEST_ERROR: Final = 1e-3
-"""Sum of the estimated integration errors from which on a rollout proves nothing."""
-
 
 class BackupRollout:
     """Rolls the backup law out from any state."""
 
-    def __init__(self, design: FilterDesign, chains: Sequence[BarrierChain]) -> None:
+    def __init__(self, design: FilterDesign, chains: Sequence[BarrierChain], compiler: Compiler = interpreted) -> None:
         """Derive the step.
 
         Args:
             design: The filter's.
             chains: Chains of the barriers that are to be kept.
+            compiler: Compiles what takes the time.
         """
         self._n = design.system.n
         step, law = _step(design, chains)
         self._settling = Settling(design, chains, step, law)
-        roll = step.mapaccum("roll", CHUNK)
-        stages: dict[str, int | tuple[int, ...]] = {
-            "state": roll.size1_in(0),
-            "held": CHUNK,
-            "states": (roll.size1_in(0), CHUNK),
-            "seen": (5, CHUNK),
-        }
-        space = Workspace(BlockLayout.of(stages))
-        self._state, self._states = space.part("state"), space.view("states")
-        self._held, self._seen = space.part("held"), space.view("seen")
-        self._roll = space.bind(roll, ("state", "held"), ("states", "seen"))
+        roll = compiler(_chunk(step))
+        sizes: dict[str, int | tuple[int, ...]] = {"state": roll.size1_in(0), "held": CHUNK, "after": roll.size1_in(0)}
+        sizes |= {"seen": (5, CHUNK), **dict.fromkeys(ChunkSummary.names(), 1)}
+        space = Workspace(BlockLayout.of(sizes))
+        self._state, self._held = space.part("state"), space.part("held")
+        self._seen, self._read_after = space.view("seen"), space.reader("after")
+        self._read_summary = space.scalar_reader(ChunkSummary[float])
+        self._roll = space.bind(roll, ("state", "held"), ("after", "seen", *ChunkSummary.names()))
         self._space = space  # holds what the call above writes to
 
     def course(
@@ -97,98 +90,47 @@ class BackupRollout:
             law_held: Number of periods for which each input of the law is held: more than one where those between
                 are lost. Once the state is known to settle, none is.
         """
-        state, record, rests = self._state, _CourseRecord(), False
-        state[:] = (*x, t_s, *u)
+        state, record, rests = self._state, CourseRecord(), False
+        state[:] = before = (*x, t_s, *u)
         look = held_periods
         for begins in range(0, max(until, held_periods + CHUNK), CHUNK):
-            since = np.arange(begins, begins + CHUNK) - held_periods
-            self._held[:] = (since < 0) | (since % law_held != 0)
+            self._held[:] = _held(begins - held_periods, law_held)
             self._roll()
-            record.add(self._seen)
-            after = self._states[:, -1]
-            change = np.abs(after[: self._n] - state[: self._n])
-            state[:] = after
-            if than is not None and not record.course(rests=False).is_no_worse_than(than):
+            state[:] = now = self._read_after()
+            is_worse = record.add(self._seen, self._read_summary())
+            if is_worse and than is not None and not record.course(rests=False).is_no_worse_than(than):
                 break
-            if to_prove and not record.is_kept:
+            is_kept = record.is_kept
+            if (to_prove and not is_kept) or not isfinite(sum(now)):
                 break
-            if not np.isfinite(state).all():
-                break
-            is_still = begins >= held_periods and (change <= AT_REST * (1 + np.abs(state[: self._n]))).all()
-            rests = bool(is_still) and self._settling.is_static
-            if self._settling.may_tell and (is_still or begins >= look) and record.is_kept:
+            is_still = begins >= held_periods and _is_still(before[: self._n], now)
+            rests = is_still and self._settling.is_static
+            if self._settling.may_tell and (is_still or begins >= look) and is_kept:
                 look = begins + max(CHUNK, (begins - held_periods) // 2)
-                rests = record.settles(self._settling.lowest(state)) or rests
+                may_rest = self._settling.may_keep(state)
+                rests = (may_rest and record.settles(self._settling.lowest(state))) or rests
             if rests or is_still:
                 break
+            before = now
         return record.course(rests=rests)
 
 
-class _CourseRecord:
-    """Record of a course as far as it was followed."""
+def _held(since: int, law_held: int) -> Array | float:
+    """Return in which periods of a chunk the input is held, 1, or the law's is sent, 0.
 
-    def __init__(self) -> None:
-        self._periods = 0
-        self._kept_periods, self._lowest, self._lowest_at = inf, inf, 0
-        self._soon = self._proven = inf
-        self._errors, self._is_known = 0.0, True
+    Args:
+        since: First period, counted from the first input of the law.
+        law_held: Number of periods for which each input of the law is held.
+    """
+    if since >= 0 and law_held == 1:
+        return 0.0
+    periods = np.arange(since, since + CHUNK)
+    return np.asarray((periods < 0) | (periods % law_held != 0), dtype=float)
 
-    def add(self, seen: Array) -> None:
-        """Take the next periods into account.
 
-        Args:
-            seen: Least h by estimate, its lower bound, largest slope of an h, estimated integration error and whether
-                the bound is known, shape (5, CHUNK).
-        """
-        estimates, bounds, slopes, errors, known = seen
-        sums = self._errors + errors.cumsum()
-        if sums[-1] > SMALL_ERROR:
-            lost = slopes * np.maximum(sums - SMALL_ERROR, 0.0)
-            estimates, bounds = estimates - lost, bounds - lost
-        place = int(estimates.argmin())  # that of the first NaN, if there is one
-        lowest = _or_nothing(estimates[place])
-        if not lowest >= 0.0 and self._kept_periods == inf:
-            self._kept_periods = float(self._periods + np.argmin(estimates >= 0.0))
-        if self._periods < self._kept_periods + CHUNK:
-            self._soon = min(self._soon, lowest)
-        if lowest < self._lowest:
-            self._lowest, self._lowest_at = lowest, self._periods + place
-        self._proven = min(self._proven, _or_nothing(bounds.min()))
-        self._errors = float(sums[-1])
-        self._is_known = self._is_known and bool((known > 0).all())
-        self._periods += CHUNK
-
-    @property
-    def is_kept(self) -> bool:
-        """True if every barrier is proven to be kept so far."""
-        return self.course(rests=True).is_safe
-
-    def settles(self, lowest: float) -> bool:
-        """Take the rest of the course into account, and return whether every barrier is kept on it.
-
-        Args:
-            lowest: Lower bound of every h on it.
-        """
-        if lowest < 0:
-            return False
-        self._lowest, self._proven = min(self._lowest, lowest), min(self._proven, lowest)
-        return True
-
-    def course(self, *, rests: bool) -> Course:
-        """Return the course so far.
-
-        Args:
-            rests: Whether the state has settled.
-        """
-        return Course(
-            kept_periods=self._kept_periods,
-            lowest=self._lowest,
-            proven=self._proven,
-            soon=self._soon,
-            lowest_at=self._lowest_at,
-            is_proven=self._is_known and self._errors <= LARGEST_ERROR,
-            comes_to_rest=rests,
-        )
+def _is_still(before: tuple[float, ...], now: tuple[float, ...]) -> bool:
+    """Return whether a state has not changed but by ``AT_REST``."""
+    return all(abs(after - was) <= AT_REST * (1 + abs(after)) for was, after in zip(before, now, strict=False))
 
 
 def _step(design: FilterDesign, chains: Sequence[BarrierChain]) -> tuple[ca.Function, ca.SX]:
@@ -209,6 +151,21 @@ def _step(design: FilterDesign, chains: Sequence[BarrierChain]) -> tuple[ca.Func
     state, held = ca.vertcat(system.x, system.t, system.u), ca.SX.sym("held")
     after, observed = period(state[: -system.m], ca.if_else(held, system.u, law))
     return dense_function("step", [state, held], [after, observed]), law
+
+
+def _chunk(step: ca.Function) -> ca.Function:
+    """Return ``CHUNK`` periods at once: from a state and whether the input is held, to the last and what is seen."""
+    state, held = ca.MX.sym("state", step.size1_in(0)), ca.MX.sym("held", 1, CHUNK)
+    states, seen = step.mapaccum("periods", CHUNK)(state, held)
+    estimates, bounds, _, errors, known = ca.vertsplit(seen)
+    summary = ChunkSummary(
+        lowest=ca.mmin(estimates),
+        bound=ca.mmin(bounds),
+        error=ca.sum2(errors),
+        known=ca.mmin(known),
+        total=ca.sum2(ca.sum1(seen)),
+    )
+    return ca.Function("roll", [state, held], [states[:, -1], seen, *summary.fields().values()])
 
 
 class _LeastH(NamedTuple):
@@ -247,11 +204,6 @@ def _least_h(design: FilterDesign, chains: Sequence[BarrierChain], x_next: ca.SX
             known *= is_known
         estimate, bound = ca.fmin(estimate, reduce(ca.fmax, estimates)), ca.fmin(bound, reduce(ca.fmax, bounds))
     return _LeastH(estimate, bound, known)
-
-
-def _or_nothing(value: float) -> float:
-    """Return a value, or −∞ for no number."""
-    return -inf if isnan(value) else float(value)
 
 
 def least_of_cubic(begin: ca.SX, end: ca.SX, begin_slope: ca.SX, end_slope: ca.SX) -> ca.SX:

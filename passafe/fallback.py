@@ -19,7 +19,7 @@ from passafe.backup_rollout import LONGEST, BackupRollout
 from passafe.barrier_chain import BarrierChain
 from passafe.course import CHUNK, KEPT, Course
 from passafe.design import FilterDesign
-from passafe.workspace import Array
+from passafe.workspace import Array, Compiler, interpreted
 
 PARTS: Final = (0.5, 0.25, 0.125, 0.0625, 0.03125)
 """Parts of the way from the backup's input to a candidate that are tried."""
@@ -49,14 +49,15 @@ class Fallback:
         has_gatekeeper: Whether the design has one.
     """
 
-    def __init__(self, design: FilterDesign, chains: Sequence[BarrierChain]) -> None:
+    def __init__(self, design: FilterDesign, chains: Sequence[BarrierChain], compiler: Compiler = interpreted) -> None:
         """Derive the rollout.
 
         Args:
             design: The filter's.
             chains: Chains of the enforced barriers.
+            compiler: Compiles the rollout.
         """
-        self.rollout = BackupRollout(design, chains)
+        self.rollout = BackupRollout(design, chains, compiler)
         self.has_gatekeeper = design.gatekeeper
         self._held_periods = design.held_periods
 

@@ -33,7 +33,7 @@ from passafe.quadratic_program import QuadraticProgram
 from passafe.replaced_answer import ReplacedAnswer
 from passafe.resolution import Resolution
 from passafe.symbolic.evaluation import UNPROTECTED
-from passafe.workspace import BlockLayout
+from passafe.workspace import BlockLayout, Compiler, interpreted
 
 _PLAIN: Final = (tuple, list)
 
@@ -49,8 +49,13 @@ class SafetyPassivityFilter:
         rollout: Rolls the fail-safe law out; ``None`` without enforced barriers or the sampled law.
     """
 
-    def __init__(self, design: FilterDesign) -> None:
+    def __init__(self, design: FilterDesign, *, compiler: Compiler = interpreted) -> None:
         """Derive and compile everything.
+
+        Args:
+            design: The design.
+            compiler: Compiles what courses are rolled out with, which takes most of a decision's time where there is a
+                gatekeeper; what it returns must give the same numbers to the last bit.
 
         Raises:
             DesignError: Some part of the design cannot be used.
@@ -73,7 +78,7 @@ class SafetyPassivityFilter:
         search = None if derivation.is_affine else InputSearch(enforced)
         deepest = DeepestInputs(block, DistanceToInfeasibility(design.limits, derivation.rows.hard), search)
         has_rollout = bool(enforced.chains) and design.law is Law.SAMPLED
-        fallback = Fallback(design, enforced.chains) if has_rollout else None
+        fallback = Fallback(design, enforced.chains, compiler) if has_rollout else None
         self.rollout = None if fallback is None else fallback.rollout
         compares = enforced.has_margins and family is None
         self._choice = CourseChoice(block, replaced, deepest, fallback, compares=compares)

@@ -18,37 +18,19 @@ A and B are taken where the course settles, where it is now and halfway between,
 of the map elsewhere is not looked at. Radii are twice as wide to cover what lies between samples.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import reduce
 from typing import Final, NamedTuple
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
 from passafe.barrier_chain import BarrierChain
 from passafe.design import FilterDesign
 from passafe.enclosure import enclose
-from passafe.fixed_order import (
-    balancing,
-    cholesky,
-    largest_gain,
-    least_squares,
-    length,
-    product,
-    solution,
-    spectral_radius,
-)
-from passafe.system import System
+from passafe.fixed_order import largest_gain
+from passafe.rest_point import Coordinates, RestPoint, depends, rest_point
 from passafe.workspace import Array, BlockLayout, Workspace, dense_function
-
-SLOWEST: Final = 1 - 1e-7
-"""Largest contraction in a period that counts as one."""
-
-STILL: Final = 1e-11
-"""Drift in a period, relative to 1 + |q|, that counts as none."""
-
-SMALLEST: Final = 1e-12
-"""Deviation from rest, relative to 1 + |r|, below which all are alike: rounding."""
 
 WIDER: Final = 2.0
 """Factor on all radii, for what lies between samples and for what the map is not linear in."""
@@ -56,35 +38,14 @@ WIDER: Final = 2.0
 ANYWHERE: Final = 1e9
 """Radius of a coordinate that may drift wherever it goes."""
 
-NEWTON_STEPS: Final = 8
-
-
-Flags = NDArray[np.bool_]
-"""Array of booleans."""
-
-
-class _RestPoint(NamedTuple):
-    """State in which r settles, and the norm in which it does: the same from wherever the course comes.
-
-    Attributes:
-        r: Settled coordinates, shape (k,).
-        scale: Unit of each of them, shape (k,).
-        slope: Of the period's map there, by r in these units, shape (n + 1 + m, k).
-        root: R with P = RᵀR.
-        inverse_root: R⁻¹.
-        drifts: Where a coordinate drifts, booleans, shape (n + 1 + m,).
-    """
-
-    r: Array
-    scale: Array
-    slope: Array
-    root: Array
-    inverse_root: Array
-    drifts: Flags
-
 
 class Settling:
-    """Judge of whether a course of the backup law keeps every barrier from a state on."""
+    """Judge of whether a course of the backup law keeps every barrier from a state on.
+
+    Attributes:
+        may_tell: Whether there is a state to settle in where no barrier drifts or falls.
+        is_static: Whether no barrier moves by itself.
+    """
 
     def __init__(self, design: FilterDesign, chains: Sequence[BarrierChain], step: ca.Function, law: ca.SX) -> None:
         """Derive the slope of the period's map, and the bounds of every barrier around a state.
@@ -97,54 +58,33 @@ class Settling:
         """
         system = design.system
         state = ca.vertcat(system.x, system.t, system.u)
-        self._n = system.n
-        free, shallow = _ignorable(system, law)
-        self._ignorable = np.array([*free, True, *[False] * system.m])
-        self._q, self._r = np.flatnonzero(self._ignorable), np.flatnonzero(~self._ignorable)
-        self._is_bounded = np.array([*shallow, False, *[True] * system.m])
-        self._members = [len(chain.branches) for chain in chains]
-        branches = [branch.psi[0] for chain in chains for branch in chain.branches]
         after = step(state, 0)[0]
-        slope = ca.jacobian(after, state)
-        radius, wherever = ca.SX.sym("radius", state.numel()), ca.SX.sym("wherever", state.numel())
-        bounds = _bounds(branches, [system.rate(h) for h in branches], state, radius, wherever)
-        self._moves_with = np.array([_depends(ca.vertcat(h), state) for h in branches]).reshape(-1, state.numel())
-        size = int(state.numel())
-        space = Workspace(
-            BlockLayout.of(
-                {
-                    "state": size,
-                    "radius": size,
-                    "wherever": size,
-                    "after": size,
-                    "slope": (size, size),
-                    "bounds": (3, len(branches)),
-                    "map": (len(self._r), len(self._r)),
-                    "gain": 1,
-                }
-            )
+        linearize = dense_function("linearize", [state], [after, ca.jacobian(after, state)])
+        branches = [[_Branch.of(design, branch.psi[0], state) for branch in chain.branches] for chain in chains]
+        self.is_static = not any(branch.moves_with[system.n] for each in branches for branch in each)
+        coordinates = Coordinates.of(system, law)
+        rest = rest_point(linearize, coordinates)
+        space = self._space = Workspace(BlockLayout.of({"state": state.numel(), "lowest": 1}))
+        self._state, self._lowest = space.part("state"), space.part("lowest")
+        self.may_tell = rest is not None and all(
+            any(branch.may_stay(state, rest) for branch in chain) for chain in branches
         )
-        self._state, self._after = space.part("state"), space.part("after")
-        self._radius, self._wherever = space.part("radius"), space.part("wherever")
-        self._slope, self._bounds = space.view("slope"), space.view("bounds")
-        linearize = dense_function("linearize", [state], [after, slope])
-        self._linearize = space.bind(linearize, ("state",), ("after", "slope"))
-        bound = dense_function("bound", [state, radius, wherever], [bounds])
-        self._bound = space.bind(bound, ("state", "radius", "wherever"), ("bounds",))
-        self._map, self._gain = space.view("map"), space.part("gain")
-        self._write_gain = space.bind(largest_gain(len(self._r)), ("map",), ("gain",))
-        self._space = space  # holds what the calls above write to
-        self._rest = self._rest_point()
+        if rest is None or not self.may_tell:
+            return
+        lowest = _lowest_within(branches, state, rest)
+        as_at_rest, everywhere = (_judge(rest, coordinates, linearize, lowest, nearby=each) for each in (False, True))
+        self._judge_as_at_rest = space.bind(as_at_rest, ("state",), ("lowest",))
+        self._judge = space.bind(everywhere, ("state",), ("lowest",))
 
-    @property
-    def is_static(self) -> bool:
-        """True if no barrier moves by itself."""
-        return not self._moves_with[:, self._n].any()
+    def may_keep(self, state: Array) -> bool:
+        """Return whether every barrier would be kept for ever if the map were nowhere steeper than at rest.
 
-    @property
-    def may_tell(self) -> bool:
-        """True if there is a state to settle in where no barrier drifts or falls."""
-        return self._rest is not None
+        Where it is not, ``lowest`` is negative, too; this takes a fifth of the time.
+
+        Args:
+            state: x, t and the u in force, shape (n + 1 + m,).
+        """
+        return self.may_tell and self._lowest_by(self._judge_as_at_rest, state) >= 0
 
     def lowest(self, state: Array) -> float:
         """Return a lower bound of every h from here on for ever; −∞ where none is known.
@@ -152,145 +92,88 @@ class Settling:
         Args:
             state: x, t and the u in force, shape (n + 1 + m,).
         """
-        radius = None if self._rest is None else self._radius_towards(self._rest, state)
-        if self._rest is None or radius is None:
-            return -np.inf
-        now, nearby, slope = self._bounds_around(self._rest, state, radius)
-        stays = np.where(self._drifts(self._rest), -np.inf, nearby)
-        rises = np.where(slope >= 0, now, -np.inf)
-        return self._lowest_of_chains(np.maximum(stays, rises))
+        return self._lowest_by(self._judge, state) if self.may_tell else -np.inf
 
-    def _drifts(self, rest: _RestPoint) -> Flags:
-        """Return which branches depend on a coordinate that drifts, booleans."""
-        return np.asarray((self._moves_with & rest.drifts).any(axis=1), dtype=bool)
-
-    def _bounds_around(self, rest: _RestPoint, state: Array, radius: Array) -> Array:
-        """Return h now, the least h within the radius, and the least ḣ wherever others drift, shape (3, branches)."""
-        self._state[:], self._radius[:] = state, radius
-        self._wherever[:] = np.where(rest.drifts, ANYWHERE, radius)
-        self._bound()
-        return self._bounds
-
-    def _lowest_of_chains(self, branches: Array) -> float:
-        """Return the least over all chains of their largest branch; ∞ without a chain."""
-        parts = np.split(branches, np.cumsum(self._members)[:-1]) if self._members else []
-        return min((float(part.max()) for part in parts), default=np.inf)
-
-    def _radius_towards(self, rest: _RestPoint, state: Array) -> Array | None:
-        """Return how far the state may still move, shape (n + 1 + m,); ``None`` where the map does not contract.
-
-        Drifting coordinates have any radius.
-        """
-        deviation = (state[self._r] - rest.r) / rest.scale
-        halfway = state.copy()
-        halfway[self._r] = (state[self._r] + rest.r) / 2
-        nearby = [self._slope_at(each)[:, self._r] * rest.scale for each in (halfway, state)]
-        slopes = product(np.stack([rest.slope, *nearby]), rest.inverse_root)
-        maps = product(rest.root, slopes[:, self._r] / rest.scale[:, None])
-        contraction = max(self._largest_gain(each) for each in maps)
-        if contraction >= 1:
-            return None
-        size = length(product(rest.root, deviation))
-        travel = np.linalg.norm(slopes[:, self._q], axis=2).max(axis=0)
-        radius = np.zeros(len(state))
-        reach = np.abs(deviation) + np.linalg.norm(rest.inverse_root, axis=1) * size
-        radius[self._r] = WIDER * rest.scale * reach
-        radius[self._q] = WIDER * travel * size / (1 - contraction)
-        return radius
-
-    def _rest_point(self) -> _RestPoint | None:
-        """Return where courses settle; ``None`` if they do not, or if a barrier cannot stay there."""
-        end = self._fixed_point(np.zeros(len(self._state)))
-        if end is None:
-            return None
-        q, r = self._q, self._r
-        slope, drift = self._slope_at(end)[:, r], (self._after - end)[q]
-        rate = _spectral_radius(slope[r])
-        if rate >= SLOWEST:
-            return None
-        scale = balancing(slope[r])
-        slope = slope * scale
-        root = _root(slope[r] / scale[:, None] / ((1 + rate) / 2))
-        drifts = np.zeros(len(end), dtype=bool)
-        drifts[q] = ~self._is_bounded[q] | (np.abs(drift) > STILL * (1 + np.abs(end[q])))
-        inverse_root = least_squares(root, np.eye(len(root)))
-        rest = _RestPoint(end[r], scale, slope, root, inverse_root, drifts)
-        slope_of_h = self._bounds_around(rest, end, np.zeros(len(end)))[2]
-        can_stay = np.where(self._drifts(rest), slope_of_h, np.inf)
-        return rest if self._lowest_of_chains(can_stay) >= 0 else None
-
-    def _fixed_point(self, state: Array) -> Array | None:
-        """Return where r settles by Newton's method, shape (n + 1 + m,); ``None`` where it does not."""
-        r = self._r
-        end = state.copy()
-        for _ in range(NEWTON_STEPS):
-            slope = self._slope_at(end)[np.ix_(r, r)]
-            change = (self._after - end)[r]
-            if not (np.isfinite(slope).all() and np.isfinite(change).all()):
-                return None
-            step = solution(np.eye(len(r)) - slope, change)
-            if step is None:  # rests side by side: no single point
-                return None
-            end[r] += step
-            if (np.abs(step) <= SMALLEST * (1 + np.abs(end[r]))).all():
-                return end
-        return None
-
-    def _largest_gain(self, A: Array) -> float:
-        """Return ‖A‖₂; infinite where it is not finite."""
-        if not np.isfinite(A).all():
-            return np.inf
-        self._map[:] = A
-        self._write_gain()
-        return float(self._gain[0])
-
-    def _slope_at(self, state: Array) -> Array:
+    def _lowest_by(self, judge: Callable[[], None], state: Array) -> float:
         self._state[:] = state
-        self._linearize()
-        return self._slope.copy()
+        judge()
+        return float(self._lowest[0])
 
 
-def _spectral_radius(A: Array) -> float:
-    """Return the largest magnitude of an eigenvalue; infinite where A is not finite."""
-    return spectral_radius(A) if np.isfinite(A).all() else np.inf
+class _Branch(NamedTuple):
+    """One h: its value and slope over time, and which coordinates of (x, t, u) it depends on."""
+
+    h: ca.SX
+    rate: ca.SX
+    moves_with: list[bool]
+
+    @classmethod
+    def of(cls, design: FilterDesign, h: ca.SX, state: ca.SX) -> "_Branch":
+        return cls(h, design.system.rate(h), depends(ca.vertcat(h), state))
+
+    def drifts(self, rest: RestPoint) -> bool:
+        """Return whether it depends on a coordinate that drifts."""
+        return bool((self.moves_with & rest.drifts).any())
+
+    def may_stay(self, state: ca.SX, rest: RestPoint) -> bool:
+        """Return whether it stays as it is at rest, or does not fall while others drift."""
+        if not self.drifts(rest):
+            return True
+        rate = self.least_rate(state, rest, ca.SX.zeros(state.numel()))
+        return float(ca.Function("rate", [state], [rate])(rest.state)) >= 0
+
+    def least_rate(self, state: ca.SX, rest: RestPoint, radius: ca.SX) -> ca.SX:
+        """Return the least ḣ within the radius, and wherever others drift."""
+        wherever = [ANYWHERE if drifts else radius[i] for i, drifts in enumerate(rest.drifts)]
+        return _least(self.rate, state, ca.vertcat(*wherever))
 
 
-def _root(A: Array) -> Array:
-    """Return an upper triangular R with RᵀR = P = Σ (Aᵏ)ᵀAᵏ, the solution of AᵀPA = P − I, for a radius below one."""
-    P, power = np.eye(len(A)), A
-    while np.abs(power).max(initial=0.0) >= SMALLEST:
-        P = P + product(power.T, product(P, power))
-        power = product(power, power)
-    return cholesky(P)
-
-
-def _ignorable(system: System, law: ca.SX) -> tuple[Flags, Flags]:
-    """Return which coordinates of x are ignorable, and which depend on no ignorable one; booleans, shape (n,).
-
-    One that only ignorable ones depend on, such as a speed that nothing brakes, is ignorable, too.
-    """
-    uses = np.array([_depends(row, system.x) for row in ca.vertsplit(ca.vertcat(system.f, law))])
-    rates, inputs = uses[: system.n], uses[system.n :].any(axis=0)
-    free = np.zeros(system.n, dtype=bool)
-    for _ in range(system.n):
-        free = ~inputs & ~rates[~free].any(axis=0) & ~rates.diagonal()
-    return free, np.logical_not(rates[:, free].any(axis=1))
-
-
-def _depends(expression: ca.SX, symbols: ca.SX) -> list[bool]:
-    """Return which symbols an expression depends on."""
-    return [bool(each) for each in ca.which_depends(expression, symbols, 1, False)] if symbols.numel() else []
-
-
-def _bounds(branches: Sequence[ca.SX], rates: Sequence[ca.SX], state: ca.SX, near: ca.SX, wherever: ca.SX) -> ca.SX:
-    """Return h now, the least h nearby and the least ḣ wherever others drift, by branch; −∞ where not known."""
-    columns = [
-        ca.vertcat(h, _lowest(h, state, near), _lowest(rate, state, wherever))
-        for h, rate in zip(branches, rates, strict=True)
-    ]
-    return ca.horzcat(*columns) if columns else ca.SX(3, 0)
-
-
-def _lowest(expression: ca.SX, state: ca.SX, radius: ca.SX) -> ca.SX:
+def _least(expression: ca.SX, state: ca.SX, radius: ca.SX) -> ca.SX:
     ball = enclose(ca.vertcat(expression), state, radius)
     return ca.if_else(ball.known, ball.centre - ball.radius, -ca.inf)
+
+
+def _lowest_within(chains: Sequence[Sequence[_Branch]], state: ca.SX, rest: RestPoint) -> ca.Function:
+    """Return the function from state and radius to the least over all chains of their largest branch."""
+    radius, lowest = ca.SX.sym("radius", state.numel()), ca.SX(ca.inf)
+    for chain in chains:
+        kept = [ca.if_else(each.least_rate(state, rest, radius) >= 0, each.h, -ca.inf) for each in chain]
+        kept += [_least(each.h, state, radius) for each in chain if not each.drifts(rest)]
+        lowest = ca.fmin(lowest, reduce(ca.fmax, kept))
+    return dense_function("lowest", [state, radius], [lowest])
+
+
+def _judge(
+    rest: RestPoint, place: Coordinates, linearize: ca.Function, lowest: ca.Function, *, nearby: bool
+) -> ca.Function:
+    """Return the function from a state to the lower bound of every h from there on; −∞ where the map does not contract.
+
+    Args:
+        rest: Where courses settle.
+        place: Of the coordinates.
+        linearize: Gives the slope of the map.
+        lowest: From a state and how far each coordinate may still move, to the least h.
+        nearby: Whether slopes count where the course is now and halfway to rest, besides those at rest.
+    """
+    state = ca.MX.sym("state", len(rest.state))
+    q, r = place.q.tolist(), place.r.tolist()
+    settled = ca.DM(rest.state[place.r])
+    halfway = ca.MX(state)
+    halfway[r] = (state[r] + settled) / 2
+    slopes: list[ca.DM | ca.MX] = [ca.DM(rest.slope)]
+    if nearby:
+        slopes += [ca.mtimes(linearize(each)[1][:, r], ca.diag(ca.DM(rest.scale))) for each in (halfway, state)]
+    in_norm = [slope @ ca.DM(rest.inverse_root) for slope in slopes]
+    gain = largest_gain(len(r))
+    gains = [gain(ca.DM(rest.root) @ (each[r, :] / ca.repmat(ca.DM(rest.scale), 1, len(r)))) for each in in_norm]
+    contracts = reduce(ca.logic_and, (each < 1 for each in gains))  # a NaN does not
+    contraction = reduce(ca.fmax, gains)
+    travel = reduce(ca.fmax, (ca.sqrt(ca.sum2(each[q, :] ** 2)) for each in in_norm))
+    deviation = (state[r] - settled) / ca.DM(rest.scale)
+    size = ca.norm_2(ca.DM(rest.root) @ deviation)
+    reach = ca.fabs(deviation) + ca.DM(np.linalg.norm(rest.inverse_root, axis=1)) * size
+    radius = ca.MX.zeros(len(rest.state))
+    radius[r] = WIDER * ca.DM(rest.scale) * reach
+    radius[q] = WIDER * travel * size / (1 - contraction)
+    found = ca.if_else(ca.MX(contracts), lowest(state, radius), -ca.inf)
+    return ca.Function("judge", [state], [ca.densify(found)])

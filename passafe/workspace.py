@@ -20,6 +20,9 @@ Array = NDArray[np.float64]
 Writer: TypeAlias = Callable[..., None]
 """Writes a part; its arguments are the part's numbers, as many as it has."""
 
+Compiler: TypeAlias = Callable[[ca.Function], ca.Function]
+"""Returns the same function in another form, such as machine code."""
+
 Scalars = TypeVar("Scalars", bound=Stage[float])
 
 
@@ -177,6 +180,11 @@ class Workspace:
             wanted = f"a dense part of {sparsity.numel()}"
             raise ValueError(f"{function.name()} {name}: got {array.size} numbers, allowed {wanted}")
         return array.data
+
+
+def interpreted(function: ca.Function) -> ca.Function:
+    """Return a function as it is, run by CasADi's virtual machine."""
+    return function
 
 
 def dense_function(name: str, arguments: Sequence[ca.SX], results: Sequence[ca.SX]) -> ca.Function:

@@ -18,6 +18,7 @@ OTHERS = (
     "experiment_speed",
     "filter_rows",
     "filter_step",
+    "gatekeeper_step",
     "uncertain_step",
     "human_input",
     "lockstep_kills",

@@ -53,6 +53,7 @@ def test_nothing_is_warned_of_at_the_load_of_shipped_scenarios(name: str) -> Non
     assert warnings({}, name) == {}
 
 
+@pytest.mark.alone  # one of the notes is that decisions fit into the period
 @pytest.mark.parametrize("name", ["notomista-cai-2020", "moving-disk"])
 def test_shipped_scenarios_have_notes_only(name: str) -> None:
     assert {one.severity for one in scenario_findings(load_scenario(name), 40, 1)} == {Severity.NOTE}

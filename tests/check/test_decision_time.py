@@ -28,6 +28,7 @@ def test_decisions_longer_than_the_period_warn(core: SafetyPassivityFilter, shar
     assert bool(found.advice) is (severity is Severity.WARNING)
 
 
+@pytest.mark.alone
 def test_the_reference_scenario_fits_many_times(core: SafetyPassivityFilter) -> None:
     found = decision_time_finding(core, SCENARIO.plant.x0, 1)
 

@@ -52,6 +52,13 @@ def point(*, wall: float = 1.0) -> FilterDesign:
     return design_of(System(x=x, u=u, f=ca.vertcat(x[1], u), y=x[1]), -RATE_PER_S * x[1], wall - x[0])
 
 
+def saturated(*, wall: float) -> FilterDesign:
+    """Return the same with a law that saturates smoothly at 1 m/s²."""
+    x, u = ca.SX.sym("x", 2), ca.SX.sym("u")
+    law = -ca.tanh(RATE_PER_S * x[1])
+    return design_of(System(x=x, u=u, f=ca.vertcat(x[1], u), y=x[1]), law, wall - x[0])
+
+
 def follower(other: float) -> FilterDesign:
     """Return a car behind one whose speed tends slowly to another one: gap, speed, speed of the other."""
     x, u = ca.SX.sym("x", 3), ca.SX.sym("u")
@@ -180,9 +187,23 @@ def test_bound_holds_along_a_long_rollout(seed: int) -> None:
     assert given
 
 
-def test_a_map_that_is_not_finite_has_no_bounded_gain() -> None:
-    found = settling(point())
-    size = found._map.shape
+def test_a_map_without_a_slope_settles_nowhere() -> None:
+    """The spring is √(1 + x₀) − 1, which is no number where x₀ < −1, nor halfway from −3 to its rest."""
+    x, u = ca.SX.sym("x", 2), ca.SX.sym("u")
+    system = System(x=x, u=u, f=ca.vertcat(x[1], 1 - ca.sqrt(1 + x[0]) + u), y=x[1])
+    found = settling(design_of(system, -RATE_PER_S * x[1], 30 - x[0]))
 
-    assert found._largest_gain(np.full(size, np.nan)) == np.inf
-    assert found._largest_gain(np.zeros(size)) == 0.0
+    assert found.lowest(np.array([-0.1, 0.0, 0.0, 0.0])) > 0
+    assert found.lowest(np.array([-3.0, 0.0, 0.0, 0.0])) == -np.inf
+
+
+@pytest.mark.parametrize("distance", [0.1, 1.0, 10.0])
+def test_what_may_be_kept_is_known_without_slopes(distance: float) -> None:
+    """A linear map is nowhere steeper than at rest: both judge alike. A saturated law brakes less than it promises."""
+    near, far = settling(point(wall=distance)), settling(saturated(wall=distance))
+    speeds = np.linspace(-3.0, 3.0, 61)
+    states = [np.array([0.0, v, 0.0, -RATE_PER_S * v]) for v in speeds]
+
+    assert [near.may_keep(state) for state in states] == [near.lowest(state) >= 0 for state in states]
+    assert all(far.may_keep(state) for state in states if far.lowest(state) >= 0)
+    assert sum(far.may_keep(state) for state in states) >= sum(far.lowest(state) >= 0 for state in states)

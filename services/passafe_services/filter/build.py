@@ -11,6 +11,7 @@ from passafe.human_input import HandModel, HumanInputEstimator
 from passafe.models.robot import Robot
 from passafe.override import Explainer
 from passafe.state_set import ErrorGrowth
+from passafe.workspace import Compiler, interpreted
 from passafe_services.filter.command_events import CommandEventEmitter
 from passafe_services.filter.command_intake import CommandIntake
 from passafe_services.filter.command_send_time import CommandSendTime
@@ -55,13 +56,19 @@ class CompiledFilter:
     growth: ErrorGrowth | None = None
 
     @classmethod
-    def of(cls, scenario: Scenario, robot: Robot) -> Self:
+    def of(cls, scenario: Scenario, robot: Robot, compiler: Compiler = interpreted) -> Self:
         """Compile the filter of a scenario.
+
+        Args:
+            scenario: The scenario.
+            robot: Its robot.
+            compiler: Compiles what a gatekeeper rolls out.
 
         Raises:
             DesignError: A part of the design is not valid.
         """
-        core = SafetyPassivityFilter(design_of(scenario, robot))
+        design = design_of(scenario, robot)
+        core = SafetyPassivityFilter(design, compiler=compiler if design.gatekeeper else interpreted)
         sets = uncertainty_of(scenario, robot)
         return cls(
             core=core,

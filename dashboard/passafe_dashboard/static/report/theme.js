@@ -1,7 +1,6 @@
 // Colours and dashes of plots, from the style sheet, so that light and dark pages differ in one place only.
 
 export const LINES = 5;
-/** @type {number[][]} */
 const DASHES = [[], [7, 4], [8, 3, 2, 3], [2, 3], [10, 3, 2, 3, 2, 3]];
 
 /** @typedef {{ink: string, quiet: string, paper: string, grid: string, unsafe: string, lines: string[]}} Theme */
@@ -9,7 +8,7 @@ const DASHES = [[], [7, 4], [8, 3, 2, 3], [2, 3], [10, 3, 2, 3, 2, 3]];
 /** @returns {Theme} */
 export function readTheme() {
   const style = getComputedStyle(document.documentElement);
-  const colour = (/** @type {string} */ name) => style.getPropertyValue(`--${name}`).trim();
+  const colour = (name) => style.getPropertyValue(`--${name}`).trim();
   return {
     ink: colour("ink"),
     quiet: colour("quiet"),
@@ -21,9 +20,8 @@ export function readTheme() {
 }
 
 /** Returns the dash of a line: for what was asked, for lines that cross one another, and where colours repeat.
- * @param {Pick<import("./payload.js").ChartPlan, "choices">} plan
- * @param {Pick<import("./payload.js").PlannedLine, "dash" | "style">} line
- * @returns {number[]} */
+ * @param {any} plan
+ * @param {any} line */
 export function lineDash(plan, line) {
   if (line.dash) return [5, 4];
   const round = Math.floor(line.style / LINES);

@@ -9,6 +9,8 @@ from passafe.errors import DesignError
 from passafe.filter import SafetyPassivityFilter
 from passafe.finding import Finding, Severity
 from passafe.row_share import StateBox, row_findings
+from passafe.workspace import interpreted
+from passafe_services.loop.machine_code import machine_code
 from passafe_services.scenarios.design import design_of, robot_of
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.check.assumption import assumption_findings
@@ -65,7 +67,8 @@ def scenario_findings(scenario: Scenario, samples: int, seed: int) -> tuple[Find
         return (_unmade(error),)
     if any(finding.severity is Severity.REFUSED for finding in findings):
         return findings
-    core = SafetyPassivityFilter(design_of(scenario, robot_of(scenario)))
+    design = design_of(scenario, robot_of(scenario))
+    core = SafetyPassivityFilter(design, compiler=machine_code if design.gatekeeper else interpreted)
     plant, n = scenario.plant, core.design.system.n
     low, high = plant.start_low or (-WIDTH,) * n, plant.start_high or (WIDTH,) * n
     of_rows = row_findings(core, StateBox(x0=plant.x0, low=low, high=high), samples, seed)

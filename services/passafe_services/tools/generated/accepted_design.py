@@ -12,6 +12,7 @@ from passafe.errors import IntegrationError
 from passafe.filter import SafetyPassivityFilter
 from passafe.finding import Finding, Severity
 from passafe.row_share import StateBox
+from passafe_services.loop.machine_code import machine_code
 from passafe_services.tools.generated.generated_design import GeneratedDesign
 from passafe_services.tools.generated.protected_set import ProtectedSet
 
@@ -46,7 +47,7 @@ def built(design: GeneratedDesign, x0: Sequence[float] | None) -> SafetyPassivit
     Raises:
         DesignError: The core refuses a part of it.
     """
-    core = SafetyPassivityFilter(design.filter_design())
+    core = SafetyPassivityFilter(design.filter_design(), compiler=machine_code)
     return (guarded(design, core, x0) or core) if design.gatekeeper else core
 
 
@@ -65,7 +66,7 @@ def guarded(
     """
     if x0 is None or not is_kept_from(core, x0):
         return None
-    return SafetyPassivityFilter(design.filter_design(gatekeeper=True))
+    return SafetyPassivityFilter(design.filter_design(gatekeeper=True), compiler=machine_code)
 
 
 def check_warnings(

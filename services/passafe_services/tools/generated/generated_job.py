@@ -19,7 +19,7 @@ from passafe_services.tools.generated.accepted_design import (
     start_of_check,
     start_warning,
 )
-from passafe_services.tools.generated.closed_loop import ClosedLoop
+from passafe_services.tools.generated.closed_loop import ClosedLoop, LoopTrace
 from passafe_services.tools.generated.generated_design import GeneratedDesign
 from passafe_services.tools.generated.loop_plan import LoopPlan
 from passafe_services.tools.generated.loop_result import ROUNDING, LoopResult
@@ -111,23 +111,38 @@ def loops_of(design: GeneratedDesign, seeds: Sequence[int]) -> list[LoopResult]:
 
 
 def _result(known: LoopResult, design: GeneratedDesign, loop: ClosedLoop, protected: ProtectedSet) -> LoopResult:
+    """Return the result of one loop.
+
+    The check of its own start takes longer than the loop, and could only leave it out of those that count: it is made
+    where something went wrong, or where the loop would go on.
+    """
     plan = LoopPlan.of(known.seed, design, protected)
-    is_promised = known.is_accepted and plan.started_inside
-    warning = start_warning(loop.core, plan.x.tolist(), known.seed) if is_promised else ""
-    trace = loop.run(plan, None if is_promised and not warning else MOST_FALLBACKS)
+    trace = loop.run(plan, MOST_FALLBACKS)
+    result = _judged(known, design, loop, plan, trace, protected.least_h(plan.x))
+    went_well = result.is_safe and result.is_solvent and not result.braking_better
+    if not (known.is_accepted and plan.started_inside) or (went_well and len(trace.lowest) == len(plan.arrives)):
+        return result
+    warning = start_warning(loop.core, plan.x.tolist(), known.seed)
+    if not warning and result.fallback_ticks >= MOST_FALLBACKS:
+        result = _judged(known, design, loop, plan, loop.run(plan), protected.least_h(plan.x))
+    return result.model_copy(update={"start_warning": warning})
+
+
+def _judged(
+    known: LoopResult, design: GeneratedDesign, loop: ClosedLoop, plan: LoopPlan, trace: LoopTrace, h_start: float
+) -> LoopResult:
     entries, lowest = trace.entries(), trace.lowest
     better = [first for first in entries[:COMPARED] if keeps_longer(loop.brake(plan, trace, first), trace.h(first))]
     tank, reserve_j = design.tank, design.tank.reserve_j if design.tank else 0.0
     return known.model_copy(
         update={
             "started_inside": plan.started_inside,
-            "start_warning": warning,
             "operator": plan.operator_name,
             "lost": int((~plan.arrives[: len(lowest)]).sum()),
             "ticks": len(lowest),
             "statuses": dict(Counter(status.name for status in trace.statuses)),
-            "h_start": protected.least_h(plan.x),
-            "h_min": min((each.h for each in lowest), default=protected.least_h(plan.x)),
+            "h_start": h_start,
+            "h_min": min((each.h for each in lowest), default=h_start),
             "psi_min": min((each.psi for each in lowest), default=0.0),
             "tank_min_j": min((each.tank_j for each in lowest), default=tank.initial_j) if tank else None,
             "tank_start_j": tank.initial_j if tank else 0.0,

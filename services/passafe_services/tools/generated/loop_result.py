@@ -31,7 +31,8 @@ class LoopResult(SweepRecord):
         gatekeeper_advised: Whether it was drawn without and has one because its check warned: with it, the check is
             clean.
         started_inside: Whether the start was in the protected set.
-        start_warning: What a check of this very start found; empty if it was clean, or not asked for.
+        start_warning: What a check of this very start found; empty if it was clean, or not made because nothing went
+            wrong.
         operator: Name of the operator.
         lost: Inputs that did not arrive.
         ticks: Decisions taken.

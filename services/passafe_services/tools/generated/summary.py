@@ -21,7 +21,8 @@ class FamilySummary(SweepRecord):
         family: Name.
         loops: How many.
         counted: Those of accepted designs that started in the protected set, from where the check was clean.
-        start_warned: Those of accepted designs that started in the protected set, but where the check was not.
+        start_warned: Those of accepted designs that started in the protected set, but where the check was not; it is
+            made where something went wrong.
         safe: Of these, those with h ≥ 0 at and between samples.
         unsafe_seeds: The others, those without a fallback first.
         unsafe_without_fallback: How many of the others never entered a fallback.
