@@ -38,6 +38,8 @@
             * ``PagePortInUseError``: another program listens on its port
         * ``ArchiveNameError``: a log or experiment that the folder of a page does not hold
         * ``JobNameError``: a job that the page does not know
+        * ``SweepSizeError``: an experiment that is too large for the page
+        * ``SweptAlreadyError``: a folder in which another process writes results
         * ``TooLargeLogError``: a log that is too large for what keeps it in memory
         * ``PageAccessError``: options of access to the page that do not go together
         * ``SeriesError``: a series for the report that does not fit together
@@ -85,6 +87,7 @@
     * ``PlantSilentError``: no plant acknowledged a press of the emergency stop, or its clear
     * ``StopPressedAgainError``: the emergency stop was pressed again while it was being cleared
     * ``TooManyJobsError``: more work than the page accepts at a time
+        * ``OneSweepError``: a sweep while another one runs
     * ``StopAnswerError``: no plant acknowledged a press or a clear that the page asked for
     * ``NothingToStopError``: the emergency stop was pressed while no run is going on
     * ``NoSessionError``: runs that no demo supervises

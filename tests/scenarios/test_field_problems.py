@@ -49,6 +49,7 @@ PROBLEMS = [
     "filter.barriers.0.class_k.0.gain: got -1, allowed above 0",
     "filter.barriers.0.motion.kind: got 'swingg', allowed travel, swing, circle; did you mean swing?",
     "filter.barriers.0.centre: got nothing, allowed a value: this key is required",
+    "filter.barriers.0.radius: got true, allowed a number",
     "filter.barriers.0.center: got an unknown key, allowed kind, name, class_k, … ; did you mean centre?",
     "filter.barriers.1.kind: got nothing, allowed disk-keep-out, …",
     "filter.mod: got an unknown key, allowed law, mode, … ; did you mean mode?",
@@ -127,3 +128,37 @@ def test_name_unlike_all_others_gets_no_suggestion(tmp_path: Path) -> None:
     with pytest.raises(UnknownScenarioError) as refused:
         load_scenario(str(tmp_path / "none.toml"))
     assert "did you mean" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "problem"),
+    [
+        ("schema_version", True, "schema_version: got true, allowed a whole number"),
+        ("filter.k_i", True, "filter.k_i: got true, allowed a number"),
+        ("filter.k_i", "60", "filter.k_i: got '60', allowed a number"),
+        ("filter.k_i", 10**400, f"filter.k_i: got 1{'0' * 58}…, allowed a number"),
+        ("plant.x0", [0, True, "1", 0.5], "plant.x0.1: got true, allowed a number"),
+        ("links.plant-to-filter.queue", 2.0, "links.plant-to-filter.queue: got 2.0, allowed a whole number"),
+        ("filter.prediction", 1, "filter.prediction: got 1, allowed true or false"),
+        ("operator.source", [["a"] * 3] * 100, "operator.source: got [['a', 'a', 'a'],"),
+    ],
+)
+def test_nothing_is_converted(key: str, value: object, problem: str) -> None:
+    with pytest.raises(ScenarioError) as caught:
+        load_scenario("notomista-cai-2020", {key: value})
+
+    assert problem in str(caught.value)
+
+
+def test_whole_numbers_are_numbers() -> None:
+    scenario = load_scenario("notomista-cai-2020", {"filter.k_i": 60, "plant.x0": [-3, 0, 0, 0]})
+
+    assert (scenario.filter.k_i, scenario.plant.x0) == (60.0, (-3.0, 0.0, 0.0, 0.0))
+
+
+def test_lists_without_end_are_refused() -> None:
+    deep: object = 0.0
+    for _ in range(500):
+        deep = [deep]
+    with pytest.raises(ScenarioError):
+        load_scenario("notomista-cai-2020", {"plant.x0": deep})

@@ -78,7 +78,7 @@ def test_values_are_toml_or_text() -> None:
         "filter.prediction": False,
         "filter.barriers.disk.radius": 1.5,
         "name": "abc",
-        "links.plant-to-filter.delay_s": "0.1",
+        "links.plant-to-filter.delay_s": 0.1,
         "filter.mode": "off",
         "operator.source": {"kind": "constant", "value": [1, 0]},
     }

@@ -37,11 +37,13 @@ LINK_KEYS: Final = {
 }
 """Field behind each key."""
 
+_TEXTS: Final = frozenset({"distribution", "network", "trace"})
+_FLAGS: Final = {"true": True, "false": False}
 _BETWEEN: Final = "+"
 
 
 def link_fields(parts: Iterable[str], where: str) -> dict[str, Any]:
-    """Return the fields of a link's settings that ``KEY=VALUE`` texts set, values still as text where they are one.
+    """Return the fields of a link's settings that ``KEY=VALUE`` texts set; what is no number stays a text.
 
     Several outages are joined by ``+`` (``outage=2:2.5+5:6``), quantiles too (``quantiles=0.01+0.02+0.1``).
 
@@ -127,8 +129,21 @@ def _text(key: str, value: object) -> str:
 
 
 def _value(key: str, text: str) -> object:
+    if key in _TEXTS:
+        return text
     if key == "outage":
-        return [span.split(":") for span in text.split(_BETWEEN)] if text else []
+        return [[_plain(end) for end in span.split(":")] for span in text.split(_BETWEEN)] if text else []
     if key == "quantiles":
-        return text.split(_BETWEEN) if text else []
+        return [_plain(each) for each in text.split(_BETWEEN)] if text else []
+    return _plain(text)
+
+
+def _plain(text: str) -> bool | int | float | str:
+    if text in _FLAGS:
+        return _FLAGS[text]
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
     return text

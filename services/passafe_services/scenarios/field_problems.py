@@ -1,7 +1,6 @@
 """Turns what pydantic refuses into words: every field, what it holds, what is allowed."""
 
 import re
-import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 from types import UnionType
@@ -41,6 +40,10 @@ _WORDS: Final = {
     "tuple_type": "a list",
 }
 """What is allowed, by pydantic's type of error; of the others, pydantic's own words are kept."""
+
+
+LONGEST: Final = 60
+"""Characters of a value that are shown, at most."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,8 +87,17 @@ def problems_of(error: ValidationError, model: type[BaseModel]) -> tuple[FieldPr
 
 
 def shown(value: object) -> str:
-    """Return a value as Python writes it, shortened to 60 characters."""
-    return textwrap.shorten(repr(value), width=60, placeholder="…")
+    """Return a value as files write it, in one line, shortened to 60 characters."""
+    text = " ".join(_written(value).split())
+    return text if len(text) <= LONGEST else f"{text[: LONGEST - 1].rstrip()}…"
+
+
+def _written(value: object) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, tuple):
+        return f"[{', '.join(map(_written, value))}]"
+    return repr(value)
 
 
 def _problem(details: ErrorDetails, model: type[BaseModel]) -> FieldProblem:

@@ -85,7 +85,7 @@ def scenario_from(
     if runs_code:
         _put_robot(data, robot)
     try:
-        scenario = Scenario.model_validate(data)
+        scenario = Scenario.of_file(data)
     except ValidationError as error:
         first, *more = problems_of(error, Scenario)
         raise ScenarioError(source, first.field, first.got, first.allowed, *more) from error

@@ -3,14 +3,14 @@
 from functools import partial
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
 
 from passafe.human_input import PROPORTIONS
 from passafe_services.scenarios.barrier_kinds.barrier_kind import SingleBarrier
 from passafe_services.scenarios.barrier_kinds.registry import AnyBarrier
 from passafe_services.scenarios.class_k import ClassKConfig
 from passafe_services.scenarios.driver_schema import DriverConfig, ModelDriverConfig
-from passafe_services.scenarios.fields import Config, NonNegative, Positive, Vector
+from passafe_services.scenarios.fields import Config, NonNegative, Positive, Vector, no_flag
 from passafe_services.scenarios.limits_schema import InputLimitsConfig
 from passafe_services.scenarios.link_schema import LinkChangeConfig, LinkName, ScenarioLink, changed_links
 from passafe_services.scenarios.robot_models import ROBOT_MODELS, RobotModel
@@ -235,7 +235,7 @@ class Scenario(Config):
         link_changes: Planned changes of links.
     """
 
-    schema_version: Literal[1]
+    schema_version: Annotated[Literal[1], BeforeValidator(no_flag)]
     name: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]{0,59}$")]
     title: str
     description: str = ""

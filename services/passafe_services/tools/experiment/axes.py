@@ -7,9 +7,9 @@ from zlib import crc32
 import numpy as np
 from pydantic import Discriminator, Field, JsonValue, Tag, model_validator
 
-from passafe_services.scenarios.fields import Config, Finite, Positive
+from passafe_services.scenarios.fields import AnyValue, Config, Finite, Positive
 
-Overrides: TypeAlias = dict[str, JsonValue]
+Overrides: TypeAlias = dict[str, AnyValue]
 """Values of a scenario by dotted name, as ``load_scenario`` takes them."""
 
 NAME: Final = r"^[A-Za-z][A-Za-z0-9_.-]{0,79}$"
@@ -67,7 +67,7 @@ class GridAxis(Axis):
     """Takes each of its values in turn; every combination with the other grid axes is a cell."""
 
     kind: Literal["grid"] = "grid"
-    values: Annotated[tuple[JsonValue, ...], Field(min_length=_LEAST_VALUES, max_length=1000)]
+    values: Annotated[tuple[AnyValue, ...], Field(min_length=_LEAST_VALUES, max_length=1000)]
 
     @model_validator(mode="after")
     def _values_differ_and_scale(self) -> Self:
@@ -131,7 +131,7 @@ class ChoiceAxis(RandomAxis):
     """One of its values, each as likely."""
 
     kind: Literal["choice"]
-    values: Annotated[tuple[JsonValue, ...], Field(min_length=_LEAST_VALUES, max_length=1000)]
+    values: Annotated[tuple[AnyValue, ...], Field(min_length=_LEAST_VALUES, max_length=1000)]
 
     def _draw(self, rng: np.random.Generator) -> JsonValue:
         return self.values[int(rng.integers(len(self.values)))]

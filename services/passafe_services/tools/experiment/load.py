@@ -96,7 +96,7 @@ def experiment_from(data: Any, source: str) -> Experiment:  # noqa: ANN401 - TOM
     if isinstance(data, dict) and data.get("schema_version") == 1:
         raise ExperimentError(source, "schema_version", 1, "2, whose criteria say `metric` instead of `figure`")
     try:
-        return Experiment.model_validate(data)
+        return Experiment.of_file(data)
     except ValidationError as error:
         first, *more = problems_of(error, Experiment)
         raise ExperimentError(source, first.field, first.got, first.allowed, *more) from error

@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from typing import Annotated, Any, Final, Literal, Self
 
-from pydantic import Field, JsonValue, field_validator, model_validator
+from pydantic import BeforeValidator, Field, JsonValue, field_validator, model_validator
 
-from passafe_services.scenarios.fields import Config, Finite
+from passafe_services.scenarios.fields import Config, Finite, no_flag
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.suggestion import suggestion
 from passafe_services.tools.experiment.axes import NAME, AnyAxis, BisectAxis, GridAxis, Overrides, RandomAxis
@@ -87,7 +87,7 @@ class Experiment(Config):
         worst_by: Name of the criterion by whose metric the worst run of a cell is chosen.
     """
 
-    schema_version: Literal[2]
+    schema_version: Annotated[Literal[2], BeforeValidator(no_flag)]
     name: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]{0,59}$")]
     title: str
     description: str = ""

@@ -117,7 +117,7 @@ def load_contract(path: Path) -> LogContract:
     except (OSError, ValueError, RecursionError) as error:
         raise ContractError(str(path), "file", str(error), "a readable TOML file") from error
     try:
-        return LogContract.model_validate(data)
+        return LogContract.of_file(data)
     except ValidationError as error:
         first, *more = problems_of(error, LogContract)
         raise ContractError(str(path), first.field, first.got, first.allowed, *more) from error
