@@ -1,8 +1,9 @@
 """Measures what pages cost, and how fast they drive: ``python benchmarks/live_page.py``.
 
 One demo runs with a page that drives all the time, 60 commands a second, each in the other direction than the one
-before. By turns nobody and ten pages watch. From the log: lateness and missed ticks of the filter's loop with and
-without them, and the time from the send of a command in the page's client to the first of the operator that follows it.
+before. By turns nobody and ten pages watch; ``--pages 1``: one. From the log: lateness and missed ticks of the filter's
+loop with and without them, and the time from the send of a command in the page's client to the first of the operator
+that follows it.
 """
 
 import json
@@ -36,13 +37,13 @@ Span = tuple[int, int]
 """Begin and end of a stretch of time, monotonic, ns."""
 
 
-def watch(host: str, wanted: Event, ended: Event) -> None:
-    """Be ten pages that watch whenever wanted."""
+def watch(host: str, count: int, wanted: Event, ended: Event) -> None:
+    """Be pages that watch whenever wanted."""
     while not ended.is_set():
         if not wanted.wait(0.1):
             continue
         with ExitStack() as stack:
-            pages = [stack.enter_context(connect(f"ws://{host}/live", compression=None)) for _ in range(PAGES)]
+            pages = [stack.enter_context(connect(f"ws://{host}/live", compression=None)) for _ in range(count)]
             while wanted.is_set() and not ended.is_set():
                 for page in pages:
                     page.recv(timeout=10.0)
@@ -67,7 +68,7 @@ class Driver:
             steer = {"number": len(self.sent), "shares": [sign * 0.3, 0.0], "engaged": engaged}
             self.sent.append((time.monotonic_ns(), sign if engaged else 0.0))
             self._send("steer", **steer, echo_ms=self._clock_ms, held_ms=held_ms)
-            due_s += STEER_S
+            due_s = max(due_s + STEER_S, time.monotonic())  # a browser that was held up sends no more for it
 
     def wait_for_clock(self) -> None:
         """Take the wheel and wait for a clock message."""
@@ -101,10 +102,10 @@ def free_port() -> int:
 
 
 @contextmanager
-def demo(folder: Path, rate_hz: float, seconds: float) -> Iterator[str]:
+def demo(folder: Path, scenario: str, rate_hz: float, seconds: float) -> Iterator[str]:
     """Run a demo; yield where its page is, and wait for its end."""
     port = free_port()
-    command = [sys.executable, "-P", "-m", "passafe_services.cli", "demo", "--scenario", "walls-and-disks"]
+    command = [sys.executable, "-P", "-m", "passafe_services.cli", "demo", "--scenario", scenario]
     command += ["--rate", str(rate_hz), "--duration", str(seconds), "--out", str(folder), "--port", str(port)]
     command += ["--router-port", str(free_port())]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:  # noqa: S603 - ours
@@ -118,14 +119,16 @@ def demo(folder: Path, rate_hz: float, seconds: float) -> Iterator[str]:
             process.terminate()
 
 
-def measure(folder: Path, rate_hz: float, rounds: int, span_s: float) -> tuple[list[Span], list[Span], Driver]:
+def measure(
+    folder: Path, scenario: str, rate_hz: float, rounds: int, span_s: float, pages: int
+) -> tuple[list[Span], list[Span], Driver]:
     """Return the stretches without and with pages, and who drove."""
     context = multiprocessing.get_context("spawn")
     wanted, ended = context.Event(), context.Event()
     alone: list[Span] = []
     watched: list[Span] = []
-    with demo(folder, rate_hz, rounds * 2 * span_s + 6.0) as host:
-        watcher = context.Process(target=watch, args=(host, wanted, ended))
+    with demo(folder, scenario, rate_hz, rounds * 2 * span_s + 20.0) as host:
+        watcher = context.Process(target=watch, args=(host, pages, wanted, ended))
         watcher.start()
         driver = Driver(host)
         driver.wait_for_clock()
@@ -168,6 +171,8 @@ def ways_ms(log: RunLog, driver: Driver, spans: list[Span]) -> Times:
 def main(
     rate: Annotated[float, typer.Option(min=10.0, help="Ticks a second.")] = 500.0,
     rounds: Annotated[int, typer.Option(min=1, help="Stretches without and with pages.")] = 4,
+    pages: Annotated[int, typer.Option(min=1, max=30, help="Pages that watch.")] = PAGES,
+    scenario: Annotated[str, typer.Option(help="Scenario that is driven.")] = "walls-and-disks",
     smallest: Smallest = False,
     as_json: AsJson = False,
 ) -> None:
@@ -176,14 +181,17 @@ def main(
     if smallest:
         rate, rounds, span_s = 200.0, 1, 1.0
     with TemporaryDirectory() as folder:
-        alone, watched, driver = measure(Path(folder), rate, rounds, span_s)
+        alone, watched, driver = measure(Path(folder), scenario, rate, rounds, span_s, pages)
         [path] = Path(folder).glob("*.mcap")
         log = RunLog.read(path)
     report = Report(
         title=f"Pages, {rounds} × {span_s:g} s each at {rate:g} Hz", columns=("what", "p50", "p99", "most", "missed")
     )
     medians = []
-    for name, spans in (("nobody watches", alone), (f"{PAGES} pages watch", watched)):
+    for name, spans in (
+        ("nobody watches", alone),
+        (f"{pages} {'page watches' if pages == 1 else 'pages watch'}", watched),
+    ):
         loops = [loop_of(log, span, 1e9 / rate) for span in spans]
         medians.append([float(np.median(late_us)) for late_us, _ in loops])
         late_us, missed = np.concatenate([each for each, _ in loops]), sum(count for _, count in loops)
@@ -197,7 +205,8 @@ def main(
         p50, p99 = np.percentile(ways, [50, 99])
         row = (f"page to operator, {name} ({ways.size})", f"{p50:.1f} ms", f"{p99:.1f} ms", f"{ways.max():.1f} ms")
         report.rows.append((*row, ""))
-    of, over = "median lateness of the filter's loop beside ten pages", "beside none"
+    many = "ten" if pages == PAGES else str(pages)
+    of, over = f"median lateness of the filter's loop beside {many} pages", "beside none"
     report.ratios.append(Ratio.of_rounds(of, medians[1], over, medians[0]))
     report.finish(as_json=as_json)
 
