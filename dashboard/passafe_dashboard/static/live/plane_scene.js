@@ -2,7 +2,7 @@
 
 import { ageText } from "./delays_panel.js";
 import { multiples, roundStep, tickText } from "../report/axis.js";
-import { line } from "../report/scene.js";
+import { line } from "../report/drawing.js";
 import { Camera, MARGIN_PX } from "./camera.js";
 import { DialScale, askedAndAllowed, cuts, decisionInForce, drawArrow, drawCuts } from "./input_dial.js";
 

@@ -42,7 +42,8 @@ export class LinearAxis {
     const lacking = Math.max(plan.least_span, 1e-12 * Math.max(Math.abs(a), Math.abs(b))) - (b - a);
     if (lacking > 0) [a, b] = [a - lacking / 2, b + lacking / 2];
     const margin = 0.06 * (b - a);
-    [this.low, this.high] = [a - margin, b + margin];
+    this.low = a - margin;
+    this.high = b + margin;
   }
 
   /** Returns the share of the axis below a value.
@@ -51,7 +52,8 @@ export class LinearAxis {
     return (value - this.low) / (this.high - this.low);
   }
 
-  /** @param {number} count */
+  /** @param {number} count
+   * @returns {[number, string][]} */
   ticks(count) {
     const step = roundStep(this.high - this.low, count);
     return multiples(this.low, this.high, step).map((value) => [value, tickText(value, step)]);
@@ -69,7 +71,8 @@ export class SignedLogAxis {
     const [a, b] = Number.isFinite(low) ? [Math.min(low, 0), Math.max(high, 0)] : [0, 0];
     const [below, above] = [Math.asinh(a / this.linear), Math.asinh(b / this.linear)];
     const margin = 0.06 * Math.max(above - below, 1);
-    [this.low, this.high] = [below - margin, above + margin];
+    this.low = below - margin;
+    this.high = above + margin;
   }
 
   /** @param {number} value */
@@ -77,7 +80,8 @@ export class SignedLogAxis {
     return (Math.asinh(value / this.linear) - this.low) / (this.high - this.low);
   }
 
-  /** @param {number} count */
+  /** @param {number} count
+   * @returns {[number, string][]} */
   ticks(count) {
     const found = [0];
     const decades = Math.max(Math.abs(this.low), Math.abs(this.high)) / Math.LN10;

@@ -1,7 +1,7 @@
 // Draws bands over time: the worst status of each pixel, or where a row of the filter's program was active.
 
 /** Calls back for every stretch of equal, known values in view, with the highest value of each pixel.
- * @param {import("./signal_table.js").SignalTable} table
+ * @param {import("./payload.js").Table} table
  * @param {string} column
  * @param {import("./line_plot.js").Box} box
  * @param {import("./time_view.js").TimeView} view

@@ -5,48 +5,56 @@ import { eachStretch, haloText } from "./band_plot.js";
 import { Legend } from "./legend.js";
 import { drawStroke, extent } from "./line_plot.js";
 import { timeText } from "./number_text.js";
-import { lineDash, LINES } from "./theme.js";
+import { lineDash, LINES, readTheme } from "./theme.js";
 
 const LEFT = 62;
 const RIGHT = 10;
 const TOP = 8;
 const BOTTOM = 22;
 const ROW = 22;
-const HEIGHTS = { lines: 170, status: 0, rows: 0 };
+const LINES_HEIGHT = 170;
 const LEAST_DRAG = 5;
 const SECOND_RUN = 0.5;
 
+/** @typedef {import("./payload.js").DrawnRun} Run */
+
+/** @typedef {CanvasRenderingContext2D} Pen */
+
 export class ChartPanel {
-  /** @param {any} plan run_record/chart_plan.py
-   * @param {any[]} runs unpacked runs
+  /** @param {import("./payload.js").ChartPlan} plan
+   * @param {Run[]} runs unpacked runs
    * @param {import("./time_view.js").TimeView} view
-   * @param {any} bands colours and names of statuses and phases
+   * @param {import("./payload.js").Bands} bands colours and names of statuses and phases
    * @param {string} description for readers who cannot see it */
   constructor(plan, runs, view, bands, description) {
     this.plan = plan;
     this.runs = runs;
     this.view = view;
     this.bands = bands;
+    this.theme = readTheme();
+    /** @type {import("./line_plot.js").Box} */
+    this.box = { left: LEFT, top: TOP, width: 1, height: 1 };
     this.legend = new Legend(plan, () => this.draw());
+    this.element = document.createElement("section");
+    this.plot = Object.assign(document.createElement("div"), { className: "plot" });
+    this.canvas = document.createElement("canvas");
+    this.cursor = Object.assign(document.createElement("div"), { className: "cursor" });
+    this.selection = Object.assign(document.createElement("div"), { className: "selection", hidden: true });
     this.build(description);
     new ResizeObserver(() => this.draw()).observe(this.canvas);
   }
 
+  /** @param {string} description */
   build(description) {
     const { plan } = this;
-    this.element = document.createElement("section");
     this.element.className = "panel";
     this.element.id = `chart-${plan.key}`;
     const heading = document.createElement("h3");
     heading.textContent = plan.title;
     if (plan.unit) heading.append(Object.assign(document.createElement("small"), { textContent: ` ${plan.unit}` }));
     const note = Object.assign(document.createElement("p"), { className: "note", textContent: plan.note });
-    this.plot = Object.assign(document.createElement("div"), { className: "plot" });
-    this.canvas = document.createElement("canvas");
     this.canvas.setAttribute("role", "img");
     this.canvas.setAttribute("aria-label", description);
-    this.cursor = Object.assign(document.createElement("div"), { className: "cursor" });
-    this.selection = Object.assign(document.createElement("div"), { className: "selection", hidden: true });
     this.plot.append(this.canvas, this.cursor, this.selection);
     this.element.append(heading, this.legend.element, this.plot);
     if (plan.note) this.element.append(note);
@@ -54,6 +62,7 @@ export class ChartPanel {
   }
 
   listen() {
+    /** @type {{x: number, drags: boolean} | null} */
     let pressed = null;
     this.canvas.addEventListener("pointerdown", (event) => {
       pressed = { x: event.offsetX, drags: event.pointerType === "mouse" };
@@ -84,12 +93,15 @@ export class ChartPanel {
     });
   }
 
+  /** @param {number} from
+   * @param {number} to */
   select(from, to) {
     this.selection.hidden = Math.abs(to - from) < LEAST_DRAG;
     this.selection.style.left = `${Math.min(from, to)}px`;
     this.selection.style.width = `${Math.abs(to - from)}px`;
   }
 
+  /** @param {number} x */
   timeAt(x) {
     return this.view.from + ((x - LEFT) / this.box.width) * (this.view.to - this.view.from);
   }
@@ -103,13 +115,13 @@ export class ChartPanel {
   draw() {
     const width = this.plot.clientWidth;
     const rows = this.plan.kind === "lines" ? 0 : Math.max(this.drawn.length, 1);
-    const height = rows ? rows * ROW + TOP + BOTTOM : HEIGHTS.lines;
+    const height = rows ? rows * ROW + TOP + BOTTOM : LINES_HEIGHT;
     this.box = { left: LEFT, top: TOP, width: Math.max(width - LEFT - RIGHT, 1), height: height - TOP - BOTTOM };
     const ratio = window.devicePixelRatio || 1;
     const size = [Math.round(width * ratio), Math.round(height * ratio)];
     if (this.canvas.width !== size[0] || this.canvas.height !== size[1]) [this.canvas.width, this.canvas.height] = size;
     this.canvas.style.height = `${height}px`;
-    const pen = this.canvas.getContext("2d");
+    const pen = /** @type {Pen} */ (this.canvas.getContext("2d"));
     pen.setTransform(ratio, 0, 0, ratio, 0, 0);
     pen.clearRect(0, 0, width, height);
     pen.font = "11px system-ui, sans-serif";
@@ -119,6 +131,7 @@ export class ChartPanel {
     this.readCursor();
   }
 
+  /** @param {Pen} pen */
   drawTimes(pen) {
     const { box, view, theme } = this;
     const step = roundStep(view.to - view.from, box.width / 90);
@@ -139,6 +152,7 @@ export class ChartPanel {
     }
   }
 
+  /** @param {Pen} pen */
   drawLines(pen) {
     const { box, view, theme, plan } = this;
     const strokes = this.drawn.map(({ line, run, number }) => {
@@ -162,6 +176,8 @@ export class ChartPanel {
     pen.restore();
   }
 
+  /** @param {Pen} pen
+   * @param {LinearAxis | SignedLogAxis} axis */
   drawValues(pen, axis) {
     const { box, theme, plan } = this;
     pen.textAlign = "right";
@@ -180,6 +196,7 @@ export class ChartPanel {
     }
   }
 
+  /** @param {Pen} pen */
   drawBands(pen) {
     const { box, view, theme, plan } = this;
     this.drawn.forEach(({ line, run, number }, row) => {
@@ -204,7 +221,6 @@ export class ChartPanel {
 
   readCursor() {
     const { view, box } = this;
-    if (!box) return;
     const share = (view.cursor - view.from) / (view.to - view.from);
     this.cursor.hidden = share < 0 || share > 1;
     this.cursor.style.transform = `translateX(${box.left + share * box.width}px)`;

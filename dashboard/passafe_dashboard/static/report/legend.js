@@ -5,8 +5,14 @@ import { lineDash, LINES } from "./theme.js";
 
 const NAMESPACE = "http://www.w3.org/2000/svg";
 
+/** @typedef {import("./payload.js").PlannedLine} Line */
+
+/** @typedef {import("./payload.js").DrawnRun} Run */
+
+/** @typedef {{line: Line, button: HTMLButtonElement, value: HTMLSpanElement, on: boolean}} Entry */
+
 export class Legend {
-  /** @param {any} plan
+  /** @param {import("./payload.js").ChartPlan} plan
    * @param {() => void} changed */
   constructor(plan, changed) {
     this.plan = plan;
@@ -14,6 +20,7 @@ export class Legend {
     this.choice = plan.choices[0] ?? "";
     this.element = Object.assign(document.createElement("div"), { className: "legend" });
     if (plan.choices.length) this.element.append(this.select());
+    /** @type {Entry[]} */
     this.entries = plan.kind === "rows" ? [] : plan.lines.map((line) => this.entry(line));
     this.summary = Object.assign(document.createElement("output"), { className: "value" });
     if (plan.kind === "rows") this.element.append(this.summary);
@@ -27,6 +34,7 @@ export class Legend {
     return this.entries.filter((entry) => entry.on && this.offers(entry.line)).map((entry) => entry.line);
   }
 
+  /** @param {Line} line */
   offers(line) {
     return line.choice === "" || line.choice === this.choice;
   }
@@ -43,6 +51,8 @@ export class Legend {
     return box;
   }
 
+  /** @param {Line} line
+   * @returns {Entry} */
   entry(line) {
     const button = Object.assign(document.createElement("button"), { type: "button", className: "key" });
     const value = Object.assign(document.createElement("span"), { className: "value" });
@@ -57,6 +67,7 @@ export class Legend {
     return entry;
   }
 
+  /** @param {Line} line */
   swatch(line) {
     const picture = document.createElementNS(NAMESPACE, "svg");
     picture.setAttribute("width", "22");
@@ -79,9 +90,9 @@ export class Legend {
   }
 
   /** Writes the values at a time.
-   * @param {any[]} runs
+   * @param {Run[]} runs
    * @param {number} time
-   * @param {any} bands */
+   * @param {import("./payload.js").Bands} bands */
   read(runs, time, bands) {
     if (this.plan.kind === "rows") {
       this.summary.textContent = runs.map((run) => this.activeRows(run, time)).join(" | ");
@@ -94,11 +105,17 @@ export class Legend {
     }
   }
 
+  /** @param {Run} run
+   * @param {number} time */
   activeRows(run, time) {
     const active = this.plan.lines.filter((line) => (run.tables[line.table].range(line.column, time)?.[1] ?? 0) > 0);
     return active.length ? `active: ${active.map((line) => line.label).join(", ")}` : "none active";
   }
 
+  /** @param {import("./payload.js").Table} table
+   * @param {Line} line
+   * @param {number} time
+   * @param {import("./payload.js").Bands} bands */
   text(table, line, time, bands) {
     const range = table.has(line.column) ? table.range(line.column, time) : null;
     const styles = bands[line.column];

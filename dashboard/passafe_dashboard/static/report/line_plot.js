@@ -3,7 +3,7 @@
 /** Place of a plot in its canvas, CSS pixels.
  * @typedef {{left: number, top: number, width: number, height: number}} Box */
 
-/** @typedef {{table: import("./signal_table.js").SignalTable, column: string, colour: string, dash: number[],
+/** @typedef {{table: import("./payload.js").Table, column: string, colour: string, dash: number[],
  *   width: number, alpha: number}} Stroke */
 
 const WIDE = 3;
@@ -34,8 +34,8 @@ export function drawStroke(pen, box, view, axis, stroke) {
   const { table, column } = stroke;
   const { low, high } = table.envelope(column);
   const scale = box.width / (view.to - view.from);
-  const x = (time) => box.left + (time - view.from) * scale;
-  const y = (value) => box.top + box.height * (1 - Math.min(Math.max(axis.share(value), -0.5), 1.5));
+  const x = (/** @type {number} */ time) => box.left + (time - view.from) * scale;
+  const y = (/** @type {number} */ value) => box.top + box.height * (1 - Math.min(Math.max(axis.share(value), -0.5), 1.5));
   const last = Math.min(table.at(view.to) + 1, low.length - 1);
   pen.strokeStyle = stroke.colour;
   pen.fillStyle = stroke.colour;
@@ -68,7 +68,13 @@ export function drawStroke(pen, box, view, axis, stroke) {
   pen.globalAlpha = 1;
 }
 
-/** Shades a bucket that is wide in view, of which only lowest and highest value are known. */
+/** Shades a bucket that is wide in view, of which only lowest and highest value are known.
+ * @param {CanvasRenderingContext2D} pen
+ * @param {number} left
+ * @param {number} top
+ * @param {number} width
+ * @param {number} height
+ * @param {number} alpha */
 function shade(pen, left, top, width, height, alpha) {
   pen.globalAlpha = 0.3 * alpha;
   pen.fillRect(left, top, width, height);

@@ -6,8 +6,8 @@ const MOST = 5;
 
 export class NearestBarriers {
   /** @param {HTMLElement} list
-   * @param {any} plan of the chart of barriers
-   * @param {any} run */
+   * @param {import("./payload.js").ChartPlan} plan of the chart of barriers
+   * @param {import("./payload.js").Run} run */
   constructor(list, plan, run) {
     this.list = list;
     this.lines = plan.lines;
@@ -28,9 +28,13 @@ export class NearestBarriers {
     return { item, name, fill, value };
   }
 
+  /** @param {number} time */
   read(time) {
-    const now = this.lines.map((line, i) => ({ line, range: this.table.range(line.column, time), scale: this.scale[i] }));
-    const known = now.filter(({ range }) => range).sort((a, b) => a.range[0] - b.range[0]);
+    const known = this.lines.flatMap((line, i) => {
+      const range = this.table.range(line.column, time);
+      return range ? [{ line, range, scale: this.scale[i] }] : [];
+    });
+    known.sort((a, b) => a.range[0] - b.range[0]);
     this.rows.forEach((row, i) => {
       const found = known[i];
       row.item.hidden = !found;
@@ -44,6 +48,7 @@ export class NearestBarriers {
   }
 }
 
+/** @param {Float32Array} values */
 function largest(values) {
   let most = 1e-9;
   for (const value of values) if (value > most) most = value;

@@ -3,6 +3,9 @@
 /** @typedef {{start_s: number, count: number, times: number, width_s?: number, low?: Object<string, number>,
  *   high?: Object<string, number>, first?: Object<string, number>, columns?: Object<string, number>}} Piece */
 
+/** A bucket or sample: the piece that it is of, its number there, when it begins and ends.
+ * @typedef {{piece: number, index: number, start: number, end: number}} Place */
+
 /** A signal: its lowest and highest value at each place of the table's time axis.
  * @typedef {{low: Float32Array, high: Float32Array}} Envelope */
 
@@ -16,15 +19,19 @@ export class SignalTable {
     this.width = payload.overview?.width_s ?? 0;
     /** @type {Map<string, Envelope>} */
     this.envelopes = new Map();
-    this.layOut(payload.blocks, offset);
+    this.places = this.placesOf(payload.blocks, offset);
+    this.start = Float64Array.from(this.places, (place) => place.start);
+    this.end = Float64Array.from(this.places, (place) => place.end);
+    this.gap = 8 * this.usualStep() + this.width;
   }
 
-  /** Puts buckets and samples in order of time; buckets that samples cover are left out.
+  /** Returns buckets and samples in order of time; buckets that samples cover are left out.
    * @param {Piece[]} blocks
    * @param {number} offset */
-  layOut(blocks, offset) {
+  placesOf(blocks, offset) {
+    /** @type {[number, number][]} */
     const spans = [];
-    /** @type {{piece: number, index: number, start: number, end: number}[]} */
+    /** @type {Place[]} */
     const places = [];
     this.pieces.forEach((piece, number) => {
       const times = this.arrays.times(piece.times, piece.count, piece.start_s + offset);
@@ -32,11 +39,8 @@ export class SignalTable {
       if (blocks.includes(piece)) spans.push([times[0], times[times.length - 1]]);
       times.forEach((start, index) => places.push({ piece: number, index, start, end: start + width }));
     });
-    const covered = (place) => place.end > place.start && spans.some(([a, b]) => a <= place.start && place.end <= b);
-    this.places = places.filter((place) => !covered(place)).sort((a, b) => a.start - b.start);
-    this.start = Float64Array.from(this.places, (place) => place.start);
-    this.end = Float64Array.from(this.places, (place) => place.end);
-    this.gap = 8 * this.usualStep() + this.width;
+    const covered = (/** @type {Place} */ place) => place.end > place.start && spans.some(([a, b]) => a <= place.start && place.end <= b);
+    return places.filter((place) => !covered(place)).sort((a, b) => a.start - b.start);
   }
 
   usualStep() {
@@ -73,11 +77,12 @@ export class SignalTable {
       const values = this.arrays.floats(one, piece.count);
       return { low: values, high: values };
     }
-    if (piece.low?.[column] === undefined) {
+    const [low, high] = [piece.low?.[column], piece.high?.[column]];
+    if (low === undefined || high === undefined) {
       const nothing = new Float32Array(piece.count).fill(Number.NaN);
       return { low: nothing, high: nothing };
     }
-    return { low: this.arrays.floats(piece.low[column], piece.count), high: this.arrays.floats(piece.high[column], piece.count) };
+    return { low: this.arrays.floats(low, piece.count), high: this.arrays.floats(high, piece.count) };
   }
 
   /** Returns the place of the last sample or bucket that began at or before `time`; −1 before all.

@@ -1,6 +1,7 @@
 // Colours and dashes of plots, from the style sheet, so that light and dark pages differ in one place only.
 
 export const LINES = 5;
+/** @type {number[][]} */
 const DASHES = [[], [7, 4], [8, 3, 2, 3], [2, 3], [10, 3, 2, 3, 2, 3]];
 
 /** @typedef {{ink: string, quiet: string, paper: string, grid: string, unsafe: string, lines: string[]}} Theme */
@@ -8,7 +9,7 @@ const DASHES = [[], [7, 4], [8, 3, 2, 3], [2, 3], [10, 3, 2, 3, 2, 3]];
 /** @returns {Theme} */
 export function readTheme() {
   const style = getComputedStyle(document.documentElement);
-  const colour = (name) => style.getPropertyValue(`--${name}`).trim();
+  const colour = (/** @type {string} */ name) => style.getPropertyValue(`--${name}`).trim();
   return {
     ink: colour("ink"),
     quiet: colour("quiet"),
@@ -20,8 +21,9 @@ export function readTheme() {
 }
 
 /** Returns the dash of a line: for what was asked, for lines that cross one another, and where colours repeat.
- * @param {any} plan
- * @param {any} line */
+ * @param {Pick<import("./payload.js").ChartPlan, "choices">} plan
+ * @param {Pick<import("./payload.js").PlannedLine, "dash" | "style">} line
+ * @returns {number[]} */
 export function lineDash(plan, line) {
   if (line.dash) return [5, 4];
   const round = Math.floor(line.style / LINES);

@@ -5,21 +5,31 @@ import { timeText } from "./number_text.js";
 const SLIDER_STEPS = 10_000;
 const PLAY_S = 15;
 
+/** @typedef {HTMLElement & {value?: string}} Part */
+
 export class Toolbar {
   /** @param {HTMLElement} element
    * @param {import("./time_view.js").TimeView} view */
   constructor(element, view) {
     this.view = view;
-    const part = (name) => element.querySelector(`[data-part="${name}"]`);
-    [this.slider, this.time, this.play, this.stretch] = ["slider", "time", "play", "stretch"].map(part);
+    /** @type {(name: string) => Part | null} */
+    const found = (name) => element.querySelector(`[data-part="${name}"]`);
+    const part = (/** @type {string} */ name) => /** @type {HTMLElement} */ (found(name));
+    this.slider = /** @type {HTMLInputElement} */ (part("slider"));
+    this.time = part("time");
+    this.play = part("play");
+    this.stretch = part("stretch");
+    this.playing = false;
+    this.last = 0;
     this.slider.max = String(SLIDER_STEPS);
     this.slider.addEventListener("input", () => this.slide());
     this.play.addEventListener("click", () => this.toggle());
     const actions = { in: () => view.zoom(0.5), out: () => view.zoom(2), all: () => view.showAll() };
     for (const [name, action] of Object.entries(actions)) part(name).addEventListener("click", action);
-    this.speed = part("speed");
-    this.parts = part;
-    for (const [name, way] of [["previous", -1], ["next", 1]]) part(name)?.addEventListener("click", () => this.toEvent(way));
+    this.speed = found("speed");
+    this.parts = found;
+    found("previous")?.addEventListener("click", () => this.toEvent(-1));
+    found("next")?.addEventListener("click", () => this.toEvent(1));
     document.addEventListener("keydown", (event) => this.press(event));
     this.read();
   }
@@ -37,10 +47,13 @@ export class Toolbar {
     if (view.cursor < view.from || view.cursor > view.to) view.show(view.cursor - span / 2, view.cursor + span / 2);
   }
 
+  /** @param {KeyboardEvent} event */
   press(event) {
     const { view } = this;
-    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest?.("select, textarea, input:not([type=range])")) return;
+    const target = /** @type {Element | null} */ (event.target);
+    if (event.ctrlKey || event.metaKey || event.altKey || target?.closest?.("select, textarea, input:not([type=range])")) return;
     const step = (view.to - view.from) / 200;
+    /** @type {Record<string, () => void>} */
     const actions = {
       "+": () => view.zoom(0.5),
       "-": () => view.zoom(2),
@@ -65,10 +78,13 @@ export class Toolbar {
    * @param {1 | -1} way */
   toEvent(way) {
     const { view } = this;
-    const buttons = [...document.querySelectorAll("[data-jump]:not([data-part])")];
-    const apart = (button) => way * (Number(button.dataset.jump) - view.cursor);
+    /** @type {HTMLElement[]} */
+    const buttons = [...document.querySelectorAll(/** @type {"button"} */ ("[data-jump]:not([data-part])"))];
+    const apart = (/** @type {HTMLElement} */ button) => way * (Number(button.dataset.jump) - view.cursor);
     const ahead = buttons.filter((button) => apart(button) > 1e-6);
-    const nearest = ahead.reduce((best, button) => (best && apart(best) <= apart(button) ? best : button), null);
+    /** @type {HTMLElement | null} */
+    let nearest = null;
+    for (const button of ahead) if (!nearest || apart(button) < apart(nearest)) nearest = button;
     nearest?.click();
     nearest?.scrollIntoView({ block: "nearest" });
   }
@@ -84,7 +100,8 @@ export class Toolbar {
     requestAnimationFrame((now) => this.advance(now));
   }
 
-  /** Plays at the speed that is chosen; fitting is that of the run, or what is in view in `PLAY_S` seconds if faster. */
+  /** Plays at the speed that is chosen; fitting is that of the run, or what is in view in `PLAY_S` seconds if faster.
+   * @param {number} now */
   advance(now) {
     if (!this.playing) return;
     const { view } = this;

@@ -1,11 +1,10 @@
-// The scene at the cursor: robot, trail, obstacles and walls in the plane, or joints between their limits.
+// The scene at the cursor: robot, trail, obstacles and walls in the plane.
 
 import { multiples, roundStep, tickText } from "./axis.js";
-import { numberText } from "./number_text.js";
+import { line, prepare } from "./drawing.js";
 
 const MARGIN = 30;
 const ARROW_PX = 60;
-const JOINT = 30;
 const LEAST_STEP = 1e-3;
 
 /** Returns the places of a point of the robot over the run, without those where it hardly moved.
@@ -35,15 +34,28 @@ function reach(values) {
   return high > low ? high - low : 0;
 }
 
+/** @typedef {import("./payload.js").Pair} Pair */
+
+/** @typedef {import("./payload.js").Run} Run */
+
+/** @typedef {import("./theme.js").Theme} Theme */
+
+/** @typedef {CanvasRenderingContext2D} Pen */
+
+/** @typedef {{time: number, x: number, y: number}} Step */
+
 export class PlaneScene {
   /** @param {HTMLCanvasElement} canvas
-   * @param {any[]} runs
+   * @param {Run[]} runs
    * @param {import("./time_view.js").TimeView} view */
   constructor(canvas, runs, view) {
     this.canvas = canvas;
     this.runs = runs;
     this.view = view;
-    this.scene = runs[0].scene;
+    this.scene = /** @type {import("./payload.js").PlanePicture} */ (runs[0].scene);
+    /** @type {(x: number, y: number) => Pair} */
+    this.place = (x, y) => [x, y];
+    this.time = 0;
     this.trails = runs.map((run) => Array.from({ length: this.scene.points }, (_, point) => trail(run.tables.states, point)));
     this.bounds = this.findBounds();
     this.largest = this.largestInput();
@@ -51,6 +63,7 @@ export class PlaneScene {
 
   /** Returns the rectangle that holds trails and bounded outlines, wherever they move. */
   findBounds() {
+    /** @type {Pair[]} */
     const places = this.trails.flat(2).map(({ x, y }) => [x, y]);
     for (const outline of this.scene.outlines) {
       if (!outline.closed) continue;
@@ -68,10 +81,14 @@ export class PlaneScene {
     return { low: low.map((value) => value - 0.05 * span), high: high.map((value) => value + 0.05 * span) };
   }
 
+  /** Returns the places of an outline that moves, of which not all are needed.
+   * @param {import("./payload.js").Outline} outline
+   * @returns {Pair[]} */
   displacements(outline) {
     if (outline.moving === null) return [[0, 0]];
     const [dx, dy] = [0, 1].map((axis) => this.runs[0].tables.states.envelope(`d_${outline.moving}_${axis}`).low);
     const stride = Math.max(1, Math.floor(dx.length / 500));
+    /** @type {Pair[]} */
     const found = [];
     const reach = this.reach();
     for (let i = 0; i < dx.length; i += stride) if (Math.hypot(dx[i], dy[i]) < reach) found.push([dx[i], dy[i]]);
@@ -91,11 +108,13 @@ export class PlaneScene {
     return most;
   }
 
+  /** @param {Run} run */
   inputs(run) {
     const columns = ["asked", "sent"].flatMap((kind) => [0, 1].map((axis) => `${kind}_${axis}`));
     return { table: run.tables.ticks, columns: columns.filter((name) => run.tables.ticks.has(name)) };
   }
 
+  /** @param {Theme} theme */
   draw(theme) {
     const { canvas, bounds, view } = this;
     const width = canvas.clientWidth;
@@ -112,6 +131,12 @@ export class PlaneScene {
     this.time = view.cursor;
   }
 
+  /** @param {Pen} pen
+   * @param {Theme} theme
+   * @param {number} width
+   * @param {number} height
+   * @param {number} scale
+   * @param {number[]} centre */
   drawGrid(pen, theme, width, height, scale, centre) {
     const step = roundStep(width / scale, 6);
     pen.font = "11px system-ui, sans-serif";
@@ -131,12 +156,15 @@ export class PlaneScene {
     }
   }
 
+  /** @param {Pen} pen
+   * @param {import("./payload.js").Outline} outline
+   * @param {Theme} theme */
   drawOutline(pen, outline, theme) {
     const states = this.runs[0].tables.states;
     const moved = [0, 1].map((axis) =>
       outline.moving === null ? 0 : (states.value(`d_${outline.moving}_${axis}`, this.view.cursor) ?? 0),
     );
-    const path = (places) => places.map(([x, y]) => this.place(x + moved[0], y + moved[1]));
+    const path = (/** @type {Pair[]} */ places) => places.map(([x, y]) => this.place(x + moved[0], y + moved[1]));
     pen.beginPath();
     for (const [x, y] of path(outline.unsafe)) pen.lineTo(x, y);
     pen.globalAlpha = 0.2;
@@ -146,6 +174,10 @@ export class PlaneScene {
     line(pen, path(outline.border), theme.unsafe, 1.8);
   }
 
+  /** @param {Pen} pen
+   * @param {Run} run
+   * @param {number} number
+   * @param {Theme} theme */
   drawRun(pen, run, number, theme) {
     const states = run.tables.states;
     this.drawLinks(pen, states, theme);
@@ -155,17 +187,17 @@ export class PlaneScene {
       const all = this.trails[number][point];
       const done = all.filter(({ time }) => time <= this.view.cursor);
       pen.globalAlpha = 0.3;
-      line(pen, all.map(({ x, y }) => this.place(x, y)), colour, 1.4, dash);
+      line(pen, all.map((step) => this.place(step.x, step.y)), colour, 1.4, dash);
       pen.globalAlpha = number ? 0.6 : 1;
-      const here = [0, 1].map((axis) => states.value(`q_${2 * point + axis}`, this.view.cursor));
-      if (here[0] === null || here[1] === null) continue;
-      const now = this.place(here[0], here[1]);
-      line(pen, [...done.map(({ x, y }) => this.place(x, y)), now], colour, 2.2, dash);
+      const [x, y] = [0, 1].map((axis) => states.value(`q_${2 * point + axis}`, this.view.cursor));
+      if (x === null || y === null) continue;
+      const now = this.place(x, y);
+      line(pen, [...done.map((step) => this.place(step.x, step.y)), now], colour, 2.2, dash);
       if (this.scene.arrows !== false) this.drawArrows(pen, run, point, now, theme);
       const heading = point === 0 && this.scene.heading ? states.value(this.scene.heading, this.view.cursor) : null;
       pen.beginPath();
       if (heading === null) pen.arc(now[0], now[1], 6, 0, 2 * Math.PI);
-      else for (const corner of this.body(here, heading)) pen.lineTo(...this.place(...corner));
+      else for (const corner of this.body([x, y], heading)) pen.lineTo(...this.place(...corner));
       pen.closePath();
       pen.fillStyle = colour;
       pen.fill();
@@ -176,108 +208,47 @@ export class PlaneScene {
     }
   }
 
-  /** Returns the corners of the robot's body at a place, turned by its heading. */
+  /** Returns the corners of the robot's body at a place, turned by its heading.
+   * @param {Pair} place
+   * @param {number} heading
+   * @returns {Pair[]} */
   body([x, y], heading) {
     const [c, s] = [Math.cos(heading), Math.sin(heading)];
-    return this.scene.outline.map(([forward, left]) => [x + c * forward - s * left, y + s * forward + c * left]);
+    return (this.scene.outline ?? []).map(([forward, left]) => [x + c * forward - s * left, y + s * forward + c * left]);
   }
 
+  /** @param {Pen} pen
+   * @param {import("./signal_table.js").SignalTable} states
+   * @param {Theme} theme */
   drawLinks(pen, states, theme) {
-    const at = (point) => [0, 1].map((axis) => states.value(`q_${2 * point + axis}`, this.view.cursor));
+    const at = (/** @type {number} */ point) => {
+      const [x, y] = [0, 1].map((axis) => states.value(`q_${2 * point + axis}`, this.view.cursor));
+      return x === null || y === null ? [] : [this.place(x, y)];
+    };
     for (const link of this.scene.links ?? []) {
-      const ends = link.map(at).filter(([x, y]) => x !== null && y !== null);
-      line(pen, ends.map(([x, y]) => this.place(x, y)), theme.quiet, 4);
+      line(pen, link.flatMap(at), theme.quiet, 4);
     }
   }
 
+  /** @param {Pen} pen
+   * @param {Run} run
+   * @param {number} point
+   * @param {Pair} from
+   * @param {Theme} theme */
   drawArrows(pen, run, point, from, theme) {
-    for (const [kind, dash] of [["asked", [4, 3]], ["sent", []]]) {
+    for (const { kind, dash } of [{ kind: "asked", dash: [4, 3] }, { kind: "sent", dash: [] }]) {
       const names = [0, 1].map((axis) => `${kind}_${2 * point + axis}`);
       if (!names.every((name) => run.tables.ticks.has(name))) continue;
       const u = names.map((name) => run.tables.ticks.range(name, this.view.cursor)?.[1] ?? 0);
       const [dx, dy] = [(u[0] / this.largest) * ARROW_PX, (-u[1] / this.largest) * ARROW_PX];
       if (Math.hypot(dx, dy) < 3) continue;
+      /** @type {Pair} */
       const tip = [from[0] + dx, from[1] + dy];
       line(pen, [from, tip], theme.ink, 1.5, dash);
       const angle = Math.atan2(dy, dx);
+      /** @type {(turn: number) => Pair} */
       const barb = (turn) => [tip[0] - 7 * Math.cos(angle + turn), tip[1] - 7 * Math.sin(angle + turn)];
       line(pen, [barb(0.4), tip, barb(-0.4)], theme.ink, 1.5);
     }
   }
-}
-
-export class JointScene {
-  /** @param {HTMLCanvasElement} canvas
-   * @param {any[]} runs
-   * @param {import("./time_view.js").TimeView} view */
-  constructor(canvas, runs, view) {
-    this.canvas = canvas;
-    this.runs = runs;
-    this.view = view;
-    this.joints = runs[0].scene.joints.map((joint) => ({ ...joint, ...this.reach(joint) }));
-  }
-
-  /** Returns lowest and highest angle to show: the limits and what the run reached. */
-  reach(joint) {
-    const values = this.runs.flatMap((run) => [...run.tables.states.envelope(joint.column).low]);
-    const known = [joint.low, joint.high, ...values].filter((value) => value !== null && !Number.isNaN(value));
-    const from = known.reduce((least, value) => Math.min(least, value), Infinity);
-    const to = known.reduce((most, value) => Math.max(most, value), -Infinity);
-    const margin = Math.max(0.05 * (to - from), 0.01);
-    return { from: from - margin, to: to + margin };
-  }
-
-  draw(theme) {
-    const width = this.canvas.clientWidth;
-    const height = this.joints.length * JOINT + 14;
-    const pen = prepare(this.canvas, width, height);
-    pen.font = "11px system-ui, sans-serif";
-    this.joints.forEach((joint, row) => this.drawJoint(pen, joint, 7 + row * JOINT, width, theme));
-  }
-
-  drawJoint(pen, joint, top, width, theme) {
-    const [left, right] = [56, width - 64];
-    const middle = top + JOINT / 2;
-    const x = (value) => left + ((value - joint.from) / (joint.to - joint.from)) * (right - left);
-    pen.textBaseline = "middle";
-    pen.textAlign = "left";
-    pen.fillStyle = theme.quiet;
-    pen.fillText(joint.name, 4, middle);
-    line(pen, [[left, middle], [right, middle]], theme.grid, 6);
-    for (const bound of [joint.low, joint.high]) {
-      if (bound !== null) line(pen, [[x(bound), top + 4], [x(bound), top + JOINT - 4]], theme.unsafe, 2);
-    }
-    this.runs.forEach((run, number) => {
-      const value = run.tables.states.value(joint.column, this.view.cursor);
-      if (value === null) return;
-      pen.globalAlpha = number ? 0.5 : 1;
-      pen.fillStyle = theme.lines[0];
-      pen.beginPath();
-      pen.arc(x(value), middle, 6, 0, 2 * Math.PI);
-      pen.fill();
-      pen.globalAlpha = 1;
-      pen.fillStyle = theme.ink;
-      if (!number) pen.fillText(numberText(value), right + 10, middle);
-    });
-  }
-}
-
-function prepare(canvas, width, height) {
-  const ratio = window.devicePixelRatio || 1;
-  canvas.width = Math.round(width * ratio);
-  canvas.height = Math.round(height * ratio);
-  canvas.style.height = `${height}px`;
-  const pen = canvas.getContext("2d");
-  pen.setTransform(ratio, 0, 0, ratio, 0, 0);
-  return pen;
-}
-
-export function line(pen, places, colour, width = 1, dash = []) {
-  pen.beginPath();
-  for (const [x, y] of places) pen.lineTo(x, y);
-  pen.strokeStyle = colour;
-  pen.lineWidth = width;
-  pen.setLineDash(dash);
-  pen.stroke();
-  pen.setLineDash([]);
 }
