@@ -78,6 +78,14 @@ def test_words_for_a_situation(of_tick: dict[str, Any], of_state: dict[str, Any]
     assert detail in said.detail
 
 
+def test_the_way_is_not_free_where_the_robot_touches() -> None:
+    beside = {"x": (1.0005, 0.0, 0.0, 0.0)}
+    said = words({"override": FREE, "x_hat": beside["x"]}, beside)
+
+    assert said.headline == "Nothing is held back"
+    assert said.detail == "Nearest: “disk” on the left, touching it."
+
+
 def test_silence_is_said_before_anything_that_was_so() -> None:
     said = words({}, later_ms=1_200)
     assert said.headline == "Nothing new arrives"

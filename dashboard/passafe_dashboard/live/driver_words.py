@@ -191,11 +191,15 @@ def _row_words(name: str) -> str:
 
 
 def _with_distance(now: Situation, gap: Gap) -> str:
-    if gap.unit == "m" and abs(gap.distance) < TOUCHING_M:
+    if _touches(gap):
         return f"{_named(now, gap)}, touching it"
     where = "away" if gap.unit in ("m", "rad") else "left"
     past = " beyond" if gap.distance < 0 else f" {where}"
     return f"{_named(now, gap)}, {distance_text(gap.distance, gap.unit)}{past}"
+
+
+def _touches(gap: Gap) -> bool:
+    return gap.unit == "m" and abs(gap.distance) < TOUCHING_M
 
 
 def _named(now: Situation, gap: Gap) -> str:
@@ -215,7 +219,8 @@ def _free(now: Situation) -> DriverWords:
         return DriverWords("held", f"Passivity gives way by {tick.slack:.2g} W", near)
     if tick.mode == "off":
         return DriverWords("held", "The filter is off", f"Nothing is held back. {near}".strip())
-    return DriverWords("free", "The way is free", near)
+    is_free = nearest is None or not _touches(nearest)
+    return DriverWords("free", "The way is free" if is_free else "Nothing is held back", near)
 
 
 _RULES: Final[tuple[Callable[[Situation], DriverWords | None], ...]] = (
