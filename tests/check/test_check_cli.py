@@ -53,10 +53,14 @@ def test_nothing_is_warned_of_at_the_load_of_shipped_scenarios(name: str) -> Non
     assert warnings({}, name) == {}
 
 
-@pytest.mark.alone  # one of the notes is that decisions fit into the period
 @pytest.mark.parametrize("name", ["notomista-cai-2020", "moving-disk"])
 def test_shipped_scenarios_have_notes_only(name: str) -> None:
-    assert {one.severity for one in scenario_findings(load_scenario(name), 40, 1)} == {Severity.NOTE}
+    """Whether decisions fit into the period depends on the machine, and is said for each."""
+    found = scenario_findings(load_scenario(name), 40, 1)
+    of_machine = [one for one in found if one.subject == "decisions"]
+
+    assert len(of_machine) == 1
+    assert {one.severity for one in found if one not in of_machine} == {Severity.NOTE}
 
 
 def test_help_says_what_is_looked_at(passafe: Passafe) -> None:

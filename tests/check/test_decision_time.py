@@ -1,5 +1,6 @@
 """The time of decisions against the period, with a clock of the test's own."""
 
+import re
 from itertools import count
 
 import pytest
@@ -28,9 +29,9 @@ def test_decisions_longer_than_the_period_warn(core: SafetyPassivityFilter, shar
     assert bool(found.advice) is (severity is Severity.WARNING)
 
 
-@pytest.mark.alone
-def test_the_reference_scenario_fits_many_times(core: SafetyPassivityFilter) -> None:
-    found = decision_time_finding(core, SCENARIO.plant.x0, 1)
+def test_time_is_that_of_this_processor(core: SafetyPassivityFilter) -> None:
+    found = decision_time_finding(core, SCENARIO.plant.x0, 1).found
 
-    assert found.severity is Severity.NOTE
-    assert found.found.endswith("the period has 1 ms")
+    most_ms, longest_ms = (float(each) for each in re.findall(r"([0-9.e-]+) ms", found)[:2])
+    assert 1e-3 < most_ms <= longest_ms < 1e4  # a decision takes some microseconds at the least
+    assert found.endswith("the period has 1 ms")

@@ -66,7 +66,8 @@ def test_header_has_due_and_start_time_of_the_step(start: Callable, port: int, l
         assert body.u_h == (float(sequence), float(header.scheduled_ns))
         assert header.scheduled_ns < header.started_ns < header.sent_ns
         assert (header.scheduled_ns - first) % 1_000_000 == 0
-        assert header.started_ns - header.scheduled_ns < 1_000_000  # else the tick would have been skipped
+    # Later ones would have been skipped; but the clock is read again once the inlets are drained.
+    assert sum(header.started_ns - header.scheduled_ns >= 1_000_000 for header, _ in logged) <= 3
 
 
 def test_a_message_is_received_when_its_step_begins(start: Callable, port: int, log: Log) -> None:
