@@ -35,7 +35,7 @@ export async function offerExperiments() {
   choice.replaceChildren(...GROUPS.flatMap(({ source, label }) => groupOf(offers, source, label)));
   const chosen = () => offers[Number(choice.value)];
   const describe = () => {
-    element("offer-title").textContent = chosen().title;
+    element("offer-title").textContent = chosen().title && `${chosen().title}.`;
     element("offer-size").textContent = sizeOf(chosen(), seeds.valueAsNumber || chosen().seeds, most_runs);
   };
   const choose = () => {
