@@ -55,7 +55,7 @@ def test_nothing_is_warned_of_at_the_load_of_shipped_scenarios(name: str) -> Non
 
 @pytest.mark.parametrize("name", ["notomista-cai-2020", "moving-disk"])
 def test_shipped_scenarios_have_notes_only(name: str) -> None:
-    """Whether decisions fit into the period depends on the machine, and is said for each."""
+    """The machine decides whether decisions fit into the period: one finding says so."""
     found = scenario_findings(load_scenario(name), 40, 1)
     of_machine = [one for one in found if one.subject == "decisions"]
 
