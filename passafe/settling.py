@@ -79,7 +79,7 @@ class Settling:
     def may_keep(self, state: Array) -> bool:
         """Return whether every barrier would be kept for ever if the map were nowhere steeper than at rest.
 
-        Where it is not, ``lowest`` is negative, too; this takes a fifth of the time.
+        Where it is not, ``lowest`` is negative, too; this takes no slopes.
 
         Args:
             state: x, t and the u in force, shape (n + 1 + m,).

@@ -49,10 +49,7 @@ class RunsFolder:
         Raises:
             ArchiveNameError: There is no such log in the folder.
         """
-        found = self._inside(name) if name.endswith(LOG_SUFFIX) else None
-        if found is None or not found.is_file():
-            raise ArchiveNameError("log", name, f"the name of an {LOG_SUFFIX} file in {self.root}")
-        return found
+        return self._file("log", name, LOG_SUFFIX)
 
     def experiment(self, name: str) -> Path:
         """Return the path of an experiment's folder.
@@ -71,9 +68,12 @@ class RunsFolder:
         Raises:
             ArchiveNameError: There is no such file in the folder.
         """
-        found = self._inside(name) if name.endswith(EXPERIMENT_SUFFIX) else None
+        return self._file("experiment", name, EXPERIMENT_SUFFIX)
+
+    def _file(self, kind: str, name: str, suffix: str) -> Path:
+        found = self._inside(name) if name.endswith(suffix) else None
         if found is None or not found.is_file():
-            raise ArchiveNameError("experiment", name, f"the name of a {EXPERIMENT_SUFFIX} file in {self.root}")
+            raise ArchiveNameError(kind, name, f"the name of a file in {self.root} that ends in {suffix}")
         return found
 
     def name_of(self, path: Path) -> str:
