@@ -1,5 +1,6 @@
 """A sweep of two modes and two gains, two seeds each, of a tenth of a second: with real results in a folder."""
 
+import tomllib
 from pathlib import Path
 
 from passafe_services.scenarios.load import load_scenario
@@ -7,18 +8,6 @@ from passafe_services.tools.experiment.load import Study, experiment_from
 from passafe_services.tools.experiment.plan import Plan
 from passafe_services.tools.experiment.run_result import RunResult, experiment_results
 from passafe_services.tools.experiment.runner import StudyRunner
-
-EXPERIMENT = {
-    "schema_version": 2,
-    "name": "small",
-    "title": "Two modes",
-    "scenario": "notomista-cai-2020",
-    "seeds": {"count": 2},
-    "overrides": {"duration_s": 0.1},
-    "variants": {"off": {"filter.mode": "off"}, "both": {"filter.mode": "both"}},
-    "axes": [{"name": "delay_s", "keys": ["links.plant-to-filter.delay_s"], "values": [0.0, 0.02]}],
-    "criteria": {"safe": {"metric": "h_min", "at_least": 5.0}, "quick": {"metric": "u_norm_max", "at_most": 7.0}},
-}
 
 EXPERIMENT_TOML = """
 schema_version = 2
@@ -39,8 +28,11 @@ values = [0.0, 0.02]
 
 [criteria]
 safe = { metric = "h_min", at_least = 5.0 }
+quick = { metric = "u_norm_max", at_most = 7.0 }
 """
-"""Much the same as a file."""
+"""The experiment as a file."""
+
+EXPERIMENT = tomllib.loads(EXPERIMENT_TOML)
 
 
 def small_study() -> Study:
