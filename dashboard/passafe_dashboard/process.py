@@ -19,6 +19,7 @@ from passafe_services.loop.health_report import HealthReporter
 from passafe_services.loop.outlet import Outlet
 from passafe_services.loop.process_options import ProcessOptions
 from passafe_services.loop.readiness import announce_ready
+from passafe_services.loop.receipts import Receipts
 from passafe_services.loop.router_endpoint import LOOPBACK, RouterEndpoint
 from passafe_services.loop.stop import Stop, StopReason, stop_requests
 from passafe_services.scenarios.schema import Scenario
@@ -91,6 +92,7 @@ def serve(
         feed = Feed(scenario)
         with open_bus(endpoint, robot=robot) as bus:
             outlet = Outlet(bus, NAME, time.time_ns() if epoch is None else epoch, health)
+            receipts = Receipts(bus)
             reader = BusReader(bus, feed, outlet)
             broadcast = Broadcast(feed, read=reader.read, clock=time.monotonic_ns, frame_hz=frame_hz)
             links = LinkRequests(broadcast, partial(_request_settings, outlet))
@@ -113,6 +115,7 @@ def serve(
             with shown_certificate(access, [host, *names]) as shown:
                 server = page_server(app, shown)
             asyncio.run(_run(app, server, broadcast, listener, stop, partial(_print_address, listener, access, shown)))
+            receipts.wait_for(outlet)
     return stop.reason
 
 

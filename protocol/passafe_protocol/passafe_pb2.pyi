@@ -541,6 +541,28 @@ class TopicHealth(_message.Message):
     refused: int
     def __init__(self, topic: _Optional[str] = ..., received: _Optional[int] = ..., gaps: _Optional[int] = ..., refused: _Optional[int] = ...) -> None: ...
 
+class Receipt(_message.Message):
+    __slots__ = ("header", "sessions", "checksum")
+    HEADER_FIELD_NUMBER: _ClassVar[int]
+    SESSIONS_FIELD_NUMBER: _ClassVar[int]
+    CHECKSUM_FIELD_NUMBER: _ClassVar[int]
+    header: Header
+    sessions: _containers.RepeatedCompositeFieldContainer[RecordedSession]
+    checksum: int
+    def __init__(self, header: _Optional[_Union[Header, _Mapping]] = ..., sessions: _Optional[_Iterable[_Union[RecordedSession, _Mapping]]] = ..., checksum: _Optional[int] = ...) -> None: ...
+
+class RecordedSession(_message.Message):
+    __slots__ = ("source", "topic", "epoch", "newest")
+    SOURCE_FIELD_NUMBER: _ClassVar[int]
+    TOPIC_FIELD_NUMBER: _ClassVar[int]
+    EPOCH_FIELD_NUMBER: _ClassVar[int]
+    NEWEST_FIELD_NUMBER: _ClassVar[int]
+    source: str
+    topic: str
+    epoch: int
+    newest: int
+    def __init__(self, source: _Optional[str] = ..., topic: _Optional[str] = ..., epoch: _Optional[int] = ..., newest: _Optional[int] = ...) -> None: ...
+
 class Event(_message.Message):
     __slots__ = ("header", "severity", "text", "kind", "number", "axis", "factor", "checksum")
     HEADER_FIELD_NUMBER: _ClassVar[int]

@@ -63,7 +63,7 @@ def shape_of(record_type: RecordType) -> Shape:
         record_type=record_type,
         names=tuple(hints),
         make=record_type,
-        read=attrgetter(*hints),
+        read=_reader(tuple(hints)),
         plain=tuple(plain),
         floats=tuple(floats),
         enums=tuple(enums),
@@ -71,6 +71,14 @@ def shape_of(record_type: RecordType) -> Shape:
         parts=tuple(parts),
         lists=tuple(lists),
     )
+
+
+def _reader(names: tuple[str, ...]) -> Callable[[object], tuple[Any, ...]]:
+    """Return a function that reads these fields of an object; ``attrgetter`` returns no tuple of a single one."""
+    if len(names) > 1:
+        return attrgetter(*names)
+    [name] = names
+    return lambda record: (getattr(record, name),)
 
 
 def as_dict(record: Record) -> dict[str, Any]:

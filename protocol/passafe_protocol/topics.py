@@ -19,6 +19,7 @@ from passafe_protocol.messages import (
     OperatorLease,
     PlantInput,
     PlantState,
+    Receipt,
     ScenarioInfo,
     Steer,
     StopClear,
@@ -161,6 +162,9 @@ LINK_STATE: Final = Topic(
     queue=64,
 )
 HEALTH: Final = Topic(name="health", body=Health, publishers=PROCESSES, rate_hz=1.0, deadline_s=3.0, queue=64)
+RECEIPT: Final = Topic(
+    name="receipt", body=Receipt, publishers=("recorder",), rate_hz=10.0, deadline_s=3.0, queue=1, recorded=False
+)
 EVENT: Final = Topic(name="event", body=Event, publishers=PROCESSES, rate_hz=0.0, congestion=Congestion.BLOCK, queue=64)
 SCENARIO: Final = Topic(
     name="scenario", body=ScenarioInfo, publishers=("filter",), rate_hz=0.0, congestion=Congestion.BLOCK, queue=4
@@ -179,6 +183,7 @@ TOPICS: Final = (
     LINK_EVENT,
     LINK_STATE,
     HEALTH,
+    RECEIPT,
     EVENT,
     SCENARIO,
 )

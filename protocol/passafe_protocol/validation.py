@@ -36,7 +36,9 @@ from passafe_protocol.messages import (
     OverrideReport,
     PlantInput,
     PlantState,
+    Receipt,
     Record,
+    RecordedSession,
     RowReport,
     ScenarioInfo,
     Steer,
@@ -202,6 +204,8 @@ RULES: Final[dict[RecordType, tuple[Rule, ...]]] = {
     ),
     TopicHealth: (_text("topic"),),
     Health: (_not_negative("rate_hz"), _not_negative("late_us_max")),
+    RecordedSession: (_text("source"), _text("topic")),
+    Receipt: (),
     Event: (
         _one_of("severity", "info", "warning", "error"),
         _text("text"),

@@ -27,6 +27,8 @@ from passafe_protocol.messages import (
     PlantInput,
     PlantPhase,
     PlantState,
+    Receipt,
+    RecordedSession,
     RowReport,
     ScenarioInfo,
     Steer,
@@ -188,6 +190,7 @@ MESSAGES: dict[type, st.SearchStrategy[Any]] = {
         late_us_max=positive,
         topics=tuple_of(st.builds(TopicHealth, name, count, count, count)),
     ),
+    Receipt: st.builds(Receipt, sessions=tuple_of(st.builds(RecordedSession, name, name, count, count))),
     Event: st.builds(Event, severity=st.sampled_from(["info", "warning", "error"]), text=name),
     ScenarioInfo: st.builds(
         ScenarioInfo, scenario_json=name, driver=st.sampled_from(["live", "lockstep"]), versions_json=name

@@ -23,6 +23,8 @@ from passafe_protocol.messages import (
     PlantInput,
     PlantPhase,
     PlantState,
+    Receipt,
+    RecordedSession,
     RowReport,
     ScenarioInfo,
     Steer,
@@ -167,6 +169,7 @@ BODIES: tuple[Message, ...] = (
         late_us_max=250.0,
         topics=(TopicHealth("state", 900, 100, 4),),
     ),
+    Receipt(sessions=(RecordedSession("plant", "state", 1_763_800_000_000_000_000, 900),)),
     Event(
         severity="warning",
         text="plant: WAITING → RUNNING",

@@ -1,11 +1,14 @@
 """The recorder as a process on a real bus."""
 
+import os
+import signal
 import socket
 import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from threading import Timer
 
 import pytest
 from passafe_protocol.codec import decode
@@ -15,6 +18,7 @@ from passafe_services.log.continuity import TopicCount
 from passafe_services.loop.bus import TopicReader, open_bus
 from passafe_services.loop.outlet import Outlet
 from passafe_services.loop.readiness import ready_line
+from passafe_services.loop.receipts import Receipts
 from passafe_services.loop.router_endpoint import RouterEndpoint
 from passafe_services.scenarios.load import load_scenario
 from passafe_services.tools.review.run_log import RunLog
@@ -123,3 +127,29 @@ def test_every_message_of_the_bus_is_in_the_log(tmp_path: Path, start: Start, en
     assert texts == [f"number {k}" for k in range(MESSAGES)] + ["the last"]
     assert log.counts["event"] == TopicCount(received=MESSAGES + 1, sessions=1)
     assert log.of(Health)[0].header.source == "recorder"
+
+
+def test_a_process_that_ends_waits_for_a_recorder_behind(
+    tmp_path: Path, start: Start, endpoint: RouterEndpoint
+) -> None:
+    """The caches of a process end with it, and a loaded machine may not have let the recorder run for a second."""
+    path = tmp_path / "run.mcap"
+    recorder = start_recorder(start, endpoint, path)
+    go_on = Timer(1.5, os.kill, (recorder.pid, signal.SIGCONT))
+    with open_bus(endpoint) as bus:
+        health, outlet, receipts = bus.reader(HEALTH), Outlet(bus, "plant", 7), Receipts(bus)
+        for k in range(MESSAGES):
+            if k == 500:
+                health_with(health, 1)  # the recorder knows the publisher
+                os.kill(recorder.pid, signal.SIGSTOP)
+                go_on.start()
+            outlet.publish(EVENT, Event("info", f"number {k}"), scheduled_ns=0, started_ns=0)
+            time.sleep(2e-4)
+        missing = receipts.wait_for(outlet)
+    recorder.terminate()
+    output, errors = recorder.communicate(timeout=PATIENCE_S)
+    log = RunLog.read(path)
+
+    assert (missing, recorder.returncode, output, errors) == (0, 0, "", "")
+    assert log.counts["event"].received == MESSAGES + sum(event.header.source == "recorder" for event in log.of(Event))
+    assert log.counts["event"].gaps == 0

@@ -5,8 +5,17 @@ from pathlib import Path
 import pytest
 from mcap.reader import make_reader
 from passafe_protocol.codec import MAX_MESSAGE_BYTES, encode
-from passafe_protocol.messages import SCHEMA_VERSION, Event, Header, PlantPhase, PlantState, TopicHealth
-from passafe_protocol.topics import EVENT, STATE
+from passafe_protocol.messages import (
+    SCHEMA_VERSION,
+    Event,
+    Header,
+    PlantPhase,
+    PlantState,
+    Receipt,
+    RecordedSession,
+    TopicHealth,
+)
+from passafe_protocol.topics import EVENT, RECEIPT, STATE
 from passafe_services.log.log_writer import LogWriter
 from passafe_services.log.wire_header import read_header
 from passafe_services.recorder.message_recorder import OTHERS, MessageRecorder
@@ -96,3 +105,21 @@ def test_the_header_is_the_codecs() -> None:
 def test_a_truncated_message_has_no_header(length: int) -> None:
     data = event(1)
     assert read_header(EVENT, data[:-length]) is None
+
+
+def test_a_receipt_says_how_far_each_session_has_come(tmp_path: Path) -> None:
+    samples = [(EVENT.key("plant"), event(k)) for k in (3, 7, 4)]
+    samples += [(EVENT.key("filter"), event(0, source="filter", epoch=9))]
+    recording, _ = recorded(tmp_path, samples)
+
+    assert recording.receipt() == Receipt(
+        (RecordedSession("plant", "event", 1, 7), RecordedSession("filter", "event", 9, 0))
+    )
+
+
+def test_its_own_receipts_are_not_logged(tmp_path: Path) -> None:
+    data = encode(Header("recorder", 1, 0, 1, 2, 3, 4), Receipt(()))
+    recording, found = recorded(tmp_path, [(RECEIPT.key("recorder"), data), (RECEIPT.key("plant"), data)])
+
+    assert found == []
+    assert (recording.others, recording.last_other) == (1, f"{len(data)} bytes under {RECEIPT.key('plant')}")

@@ -13,8 +13,8 @@ import pytest
 from mcap.records import Footer
 from mcap.records import Message as LoggedMessage
 from passafe_protocol.codec import decode, encode
-from passafe_protocol.messages import Event, Header, Health, Message
-from passafe_protocol.topics import EVENT, HEALTH, Topic
+from passafe_protocol.messages import Event, Header, Health, Message, Receipt, RecordedSession
+from passafe_protocol.topics import EVENT, HEALTH, RECEIPT, Topic
 from passafe_services.log.chain import Chain
 from passafe_services.log.errors import LogWriteError
 from passafe_services.log.log_reader import LogReader
@@ -122,6 +122,20 @@ def test_health_every_second_and_a_warning_for_missing_messages(tmp_path: Path) 
     assert topic.received == pytest.approx(298, abs=3)
     [warning] = [body for topic, body in desk.published if topic is EVENT]
     assert warning == Event("warning", "messages missing in the log so far: passafe/robot/plant/event 2")
+
+
+def test_receipts_say_ten_times_a_second_what_it_has(tmp_path: Path) -> None:
+    desk = Desk(stop_after_s=1.05)
+    desk.run(new_log(tmp_path / "run.mcap"))
+    receipts = [body for topic, body in desk.published if topic is RECEIPT]
+    newest = [body.sessions[0].newest for body in receipts if isinstance(body, Receipt)]
+
+    assert len(newest) == pytest.approx(10, abs=1)
+    assert newest == sorted(set(newest))
+    last = receipts[-1]
+    assert isinstance(last, Receipt)
+    assert last.sessions == (RecordedSession("plant", "event", last.sessions[0].epoch, newest[-1]),)
+    assert newest[-1] == pytest.approx(100, abs=12)
 
 
 def test_messages_under_strange_keys_are_reported_once(tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from itertools import product
 from pathlib import Path
 
+import numpy as np
 import pytest
 from damped_point_run import DampedPoint, Run, header, rollout, state
 from passafe_protocol.messages import FilterStatus, FilterTick, PlantPhase, PlantState
@@ -80,6 +81,20 @@ def test_a_run_may_not_end_without_driving_for_a_second(tail: int, *, holds: boo
 
 def test_an_outage_within_a_run_takes_nothing_from_it() -> None:
     assert drive([PASSED] * 5 + [STALE] * 30 + [PASSED], [True] * 5 + [False] * 30 + [True]).holds is True
+
+
+@pytest.mark.parametrize("size", [1, 7, 100])
+def test_ticks_after_the_plant_has_ended_are_not_its_own(size: int) -> None:
+    ticks = [(PASSED, 100 * k * MS) for k in range(50)] + [(STALE, 5000 * MS)] * 50
+    one_by_one = DriveRecord.of(ticks, [(True, 0)])
+    in_chunks = DriveRecord.of([], [(True, 0)])
+    for k in range(0, len(ticks), size):
+        status, at_ns = zip(*ticks[k : k + size], strict=True)
+        in_chunks.add_ticks(np.array([one.value for one in status]), np.array(at_ns))
+    outage = DriveRecord.of([*ticks, (PASSED, 5100 * MS)], [(True, 0)])
+
+    assert one_by_one.property().note == in_chunks.property().note == ""
+    assert outage.property().note == "the robot was without a fresh command for 50 % of the ticks"
 
 
 def test_a_restarted_plant_has_to_be_driven_too() -> None:

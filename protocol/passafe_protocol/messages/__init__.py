@@ -9,7 +9,15 @@ from passafe_protocol.messages.header import SCHEMA_VERSION, UNKNOWN_CLOCK, VIRT
 from passafe_protocol.messages.links import LinkConfig, LinkEvent, LinkOutage, LinkParameters, LinkSource, LinkState
 from passafe_protocol.messages.message import Message, Received
 from passafe_protocol.messages.plant import UNSEQUENCED, GuardAction, PlantInput, PlantPhase, PlantState
-from passafe_protocol.messages.process import Event, EventKind, Health, ScenarioInfo, TopicHealth
+from passafe_protocol.messages.process import (
+    Event,
+    EventKind,
+    Health,
+    Receipt,
+    RecordedSession,
+    ScenarioInfo,
+    TopicHealth,
+)
 from passafe_protocol.messages.record import Record, Vector
 from passafe_protocol.messages.tick import (
     BY_SEVERITY,
@@ -54,8 +62,10 @@ __all__ = [
     "PlantInput",
     "PlantPhase",
     "PlantState",
+    "Receipt",
     "Received",
     "Record",
+    "RecordedSession",
     "RowReport",
     "ScenarioInfo",
     "Steer",

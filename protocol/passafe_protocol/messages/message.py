@@ -6,7 +6,7 @@ from passafe_protocol.messages.driving import EmergencyStop, OperatorCommand, Op
 from passafe_protocol.messages.header import Header
 from passafe_protocol.messages.links import LinkConfig, LinkEvent, LinkState
 from passafe_protocol.messages.plant import PlantInput, PlantState
-from passafe_protocol.messages.process import Event, Health, ScenarioInfo
+from passafe_protocol.messages.process import Event, Health, Receipt, ScenarioInfo
 from passafe_protocol.messages.record import Record
 from passafe_protocol.messages.tick import FilterTick
 
@@ -23,6 +23,7 @@ Message: TypeAlias = (
     | LinkEvent
     | LinkState
     | Health
+    | Receipt
     | Event
     | ScenarioInfo
 )

@@ -25,6 +25,21 @@ class Health(Record, frozen=True):
     topics: tuple[TopicHealth, ...]
 
 
+class RecordedSession(Record, frozen=True):
+    """Newest recorded message of one session of a publisher on one topic."""
+
+    source: str
+    topic: str
+    epoch: int
+    newest: int
+
+
+class Receipt(Record, frozen=True):
+    """Newest messages that the recorder has taken, published ten times per second."""
+
+    sessions: tuple[RecordedSession, ...]
+
+
 class EventKind(StrEnum):
     """Kind of an event that carries numbers, for programs."""
 

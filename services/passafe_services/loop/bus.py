@@ -27,7 +27,7 @@ CACHED_SAMPLES: Final = 16_384
 """Messages that a publisher caches for the recorder: 16 s at 1 kHz, longer than a restart of the router takes."""
 
 HEARTBEAT_S: Final = 0.5
-"""Delay after which the loss of the last message before a pause is detected."""
+"""Interval at which a publisher says how far it has come, so that the loss of its last message is detected."""
 
 RECORDING_QUEUE: Final = 16_384
 """Capacity of a recording reader. A full one blocks the session; the publishers' caches then fill the gap."""
@@ -142,7 +142,7 @@ class Bus:
             congestion_control=congestion,
             priority=priority,
             cache=ext.CacheConfig(max_samples=CACHED_SAMPLES, replies_config=self._replies),
-            sample_miss_detection=ext.MissDetectionConfig(heartbeat=None, sporadic_heartbeat=HEARTBEAT_S),
+            sample_miss_detection=ext.MissDetectionConfig(heartbeat=HEARTBEAT_S, sporadic_heartbeat=None),
         ).put
 
     def reader(self, topic: Topic) -> TopicReader:

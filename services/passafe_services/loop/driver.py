@@ -81,6 +81,11 @@ class Driver:
         """Invalid messages of the node, which were not sent."""
         return self._outlet.withheld
 
+    @property
+    def outlet(self) -> Outlet:
+        """Outlet by which the process publishes."""
+        return self._outlet
+
     def run(
         self,
         pace: Pace,

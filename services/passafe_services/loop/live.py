@@ -18,6 +18,7 @@ from passafe_services.loop.pace import Pace
 from passafe_services.loop.rate_limited_log import RateLimitedLog
 from passafe_services.loop.readiness import announce_ready
 from passafe_services.loop.realtime import lower_priority, paused_garbage_collection, pin_to_processor, request_realtime
+from passafe_services.loop.receipts import Receipts
 from passafe_services.loop.router_endpoint import RouterEndpoint
 from passafe_services.loop.shared_scenario import SharedScenario
 from passafe_services.loop.stop import StopReason, stop_requests
@@ -97,6 +98,7 @@ def run_live(
         session = time.time_ns() if epoch is None else epoch
         shared = SharedScenario(node.name, scenario_json, bus)
         driver = Driver(node, bus, links, link_changes, session, log, health, shared)
+        receipts = Receipts(bus)
         if refusal is not None:
             driver.report("realtime", "warning", refusal)
         announce_ready(node.name)
@@ -107,6 +109,11 @@ def run_live(
         pace = Pace(monotonic_ns() + round(_NS_PER_S / rate_hz), rate_hz)
         end_ns = None if duration_s is None else pace.due_ns + round(_NS_PER_S * duration_s)
         reason = driver.run(pace, stop, end_ns, finished or (lambda: False), collect)
+        unrecorded = receipts.wait_for(driver.outlet)
+        if unrecorded:
+            driver.report(
+                "unrecorded", "warning", f"the recorder did not take the last messages of {unrecorded} topics"
+            )
         return LiveReport(
             steps=pace.steps,
             overruns=pace.overruns,

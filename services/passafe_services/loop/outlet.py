@@ -7,7 +7,7 @@ from time import monotonic_ns, time_ns
 from passafe_protocol.codec import encode
 from passafe_protocol.errors import ProtocolError
 from passafe_protocol.messages import Header, Health, Message, Record
-from passafe_protocol.topics import TOPICS, Topic
+from passafe_protocol.topics import TOPIC_OF_NAME, TOPICS, Topic
 
 from passafe_services.loop.bus import Bus, PublishBytes
 from passafe_services.loop.errors import PublisherError
@@ -52,6 +52,14 @@ class Outlet:
     def sent(self, topic: Topic) -> int:
         """Return the number of messages published on a topic, which is the sequence number of the next one."""
         return self._channels[topic.name].sequence
+
+    def newest_recorded(self) -> dict[str, int]:
+        """Return the sequence number of the last message of each topic that is recorded, by name of the topic."""
+        return {
+            name: channel.sequence - 1
+            for name, channel in self._channels.items()
+            if channel.sequence and TOPIC_OF_NAME[name].recorded
+        }
 
     def publish(
         self, topic: Topic, body: Message | Callable[[], Message], *, scheduled_ns: int, started_ns: int

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Final
 
-GRACE_S: Final = 3.0
+GRACE_S: Final = 6.0
 """Default time that a process may take to end before it is killed."""
 
 

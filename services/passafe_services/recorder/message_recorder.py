@@ -7,7 +7,7 @@ from typing import Final, Protocol
 
 from passafe_protocol.codec import MAX_MESSAGE_BYTES
 from passafe_protocol.keys import parts_of
-from passafe_protocol.messages import Header, TopicHealth
+from passafe_protocol.messages import Header, Receipt, RecordedSession, TopicHealth
 from passafe_protocol.sequence import SequenceGuard
 from passafe_protocol.session_guards import SessionGuards, guard_of
 from passafe_protocol.topics import TOPIC_OF_NAME, Topic
@@ -75,6 +75,8 @@ class MessageRecorder:
         """
         for key, data in samples:
             channel = self._channels.get(key) or self._open(key)
+            if channel is None and _is_left_out(key):
+                continue
             if channel is None or len(data) > MAX_MESSAGE_BYTES:
                 self.others += 1
                 self.last_other = f"{len(data)} bytes under {key[:_NAME_LENGTH]}"
@@ -104,13 +106,22 @@ class MessageRecorder:
         ]
         return (*rows, TopicHealth(OTHERS, 0, 0, self.others)) if self.others else tuple(rows)
 
+    def receipt(self) -> Receipt:
+        """Return the newest recorded message of each session that is remembered, those of each publisher and topic."""
+        return Receipt(
+            tuple(
+                RecordedSession(channel.source, channel.topic.name, session.epoch, session.newest)
+                for channel in self._channels.values()
+                for session in channel.guard.sessions
+            )
+        )
+
     def _open(self, key: str) -> _Channel | None:
         """Return a new channel; ``None`` for a key that is not of the table."""
-        parts = parts_of(key)
-        topic = None if parts is None else TOPIC_OF_NAME.get(parts.topic)
-        if parts is None or topic is None or not topic.recorded or parts.source not in topic.publishers:
+        found = _row_of(key)
+        if found is None or not found[0].recorded:
             return None
-        self._channels[key] = channel = _Channel(topic, parts.source, guard_of(topic))
+        self._channels[key] = channel = _Channel(*found, guard_of(found[0]))
         return channel
 
     def _count(self, channel: _Channel, data: bytes, now_ns: int) -> Header | None:
@@ -121,3 +132,16 @@ class MessageRecorder:
             return None
         channel.guard.classify(header, now_ns)
         return header
+
+
+def _row_of(key: str) -> tuple[Topic, str] | None:
+    """Return topic and publisher of a key; ``None`` if it is not of the topic table."""
+    parts = parts_of(key)
+    topic = None if parts is None else TOPIC_OF_NAME.get(parts.topic)
+    return None if parts is None or topic is None or parts.source not in topic.publishers else (topic, parts.source)
+
+
+def _is_left_out(key: str) -> bool:
+    """Return whether the topic table says that messages under this key are not recorded."""
+    found = _row_of(key)
+    return found is not None and not found[0].recorded

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from typing import Final, Protocol
 
 from passafe_protocol.messages import Event, Health, Message
-from passafe_protocol.topics import EVENT, HEALTH, Topic
+from passafe_protocol.topics import EVENT, HEALTH, RECEIPT, Topic
 
 from passafe_services.log.errors import LogWriteError
 from passafe_services.loop.pace import Pace
@@ -17,6 +17,7 @@ DRAIN_RATE_HZ: Final = 50.0
 FLUSH_PERIOD_NS: Final = 150_000_000
 """Together with a drain period, the hand-over and the flush itself below the 300 ms that a kill may lose."""
 HEALTH_PERIOD_NS: Final = 1_000_000_000
+RECEIPT_PERIOD_NS: Final = 100_000_000
 LAST_DRAIN_NS: Final = 500_000_000
 """Longest time to wait for messages in flight after the stop request."""
 SETTLE_S: Final = 0.1
@@ -55,8 +56,9 @@ def record(
 ) -> MessageRecorder:
     """Log all messages until a stop request, then those still in flight, and finish the file.
 
-    Drains ``DRAIN_RATE_HZ`` times a second, flushes every ``FLUSH_PERIOD_NS``, publishes Health once per second and an
-    Event when messages are missing, or when the disk is slow, full, or can be written again.
+    Drains ``DRAIN_RATE_HZ`` times a second, flushes every ``FLUSH_PERIOD_NS``, publishes a Receipt every
+    ``RECEIPT_PERIOD_NS``, Health once per second, and an Event when messages are missing, or when the disk is slow,
+    full, or can be written again.
 
     Args:
         reader: Source of the messages.
@@ -108,7 +110,7 @@ class _Loop:
         self._monotonic_ns = monotonic_ns
         self._wall_ns = wall_ns
         self._rate_limited_log = RateLimitedLog()
-        self._flushed_ns = self._reported_ns = monotonic_ns()
+        self._flushed_ns = self._reported_ns = self._acknowledged_ns = monotonic_ns()
         self._steps_reported = 0
         self._gaps_reported = self._others_reported = 0
         self.pace = Pace(self._reported_ns, DRAIN_RATE_HZ)
@@ -130,6 +132,9 @@ class _Loop:
         now_ns = self._monotonic_ns()
         self.pace.begin(now_ns)
         self.drain()
+        if now_ns - self._acknowledged_ns >= RECEIPT_PERIOD_NS:
+            self._publish(RECEIPT, self.recording.receipt(), now_ns)
+            self._acknowledged_ns = now_ns
         if now_ns - self._flushed_ns >= FLUSH_PERIOD_NS:
             self._log.flush(self.recording.gaps())
             self._flushed_ns = now_ns

@@ -71,6 +71,7 @@ class DriveRecord:
         self._ticks = self._states = 0
         self._is_answered = False
         self._without = self._uncommanded = 0
+        self._at_end = 0  # newest ticks without a command that take effect when the newest does
         self._commanded = _LastSeen()
         self._driven_of: dict[int, _LastSeen] = {}
 
@@ -95,6 +96,7 @@ class DriveRecord:
         self._is_answered = self._is_answered or not status.is_fallback
         is_commanded = status is not FilterStatus.STALE
         self._uncommanded += not is_commanded
+        self._at_end = 0 if is_commanded or at_ns != self._commanded.newest_ns else self._at_end + 1
         self._commanded.add(at_ns, so=is_commanded)
 
     def add_ticks(self, status: IntArray, at_ns: IntArray) -> None:
@@ -105,6 +107,9 @@ class DriveRecord:
         self._is_answered = self._is_answered or not bool(np.isin(status, _FALLBACKS).all())
         is_commanded = status != FilterStatus.STALE.value
         self._uncommanded += int((~is_commanded).sum())
+        repeats = ~is_commanded & (at_ns == np.concatenate(([self._commanded.newest_ns], at_ns[:-1])))
+        tail = int(np.argmin(repeats[::-1])) if not repeats.all() else at_ns.size
+        self._at_end = tail + (self._at_end if tail == at_ns.size else 0)
         self._commanded.add_all(at_ns, is_commanded)
 
     def add_state(self, at_ns: int, *, runs: bool) -> None:
@@ -156,10 +161,13 @@ class DriveRecord:
         )
 
     def _share(self) -> str:
-        """Return in words of how much of the run the verdict speaks, if that is notably less than all of it."""
+        """Return in words of how much of the run the verdict speaks, if that is notably less than all of it.
+
+        The last ticks without a command that take effect at one plant time are left out: a filter outlives its plant.
+        """
+        uncommanded, ticks = self._uncommanded - self._at_end, self._ticks - self._at_end
         without, stale = (
-            count / total if total else 0.0
-            for count, total in ((self._without, self._states), (self._uncommanded, self._ticks))
+            count / total if total else 0.0 for count, total in ((self._without, self._states), (uncommanded, ticks))
         )
         parts = []
         if without > NOTABLE_SHARE:
