@@ -7,6 +7,8 @@ from closed_form import MS, ClosedFormRun, h, header, health, paper_scenario, st
 from passafe_dashboard.json_text import json_text
 from passafe_dashboard.live.feed import Feed
 from passafe_dashboard.live.page_state import REPORTING, liveness, page_state
+from passafe_dashboard.live.partial_decoding import decode_state_partially
+from passafe_protocol.codec import encode
 from passafe_protocol.messages import FilterStatus, OverrideReport, PlantPhase
 
 
@@ -54,6 +56,22 @@ def test_the_verdict_so_far_is_that_of_a_review() -> None:
     assert shown["words"] == (
         "fails: in a fallback in 1 of 2001 ticks (0.05%: AT_SAMPLES 1), first at 2.000 s, longest stretch 0.001 s"
     )
+
+
+@pytest.mark.parametrize("is_partial", [False, True])
+def test_noise_of_a_reading_takes_no_robot_out_of_its_set(*, is_partial: bool) -> None:
+    feed = feed_after(2_000 * MS)
+    noisy = state(2000, x=(0.999, 0.0, 0.0, 0.0), true_x=(1.001, 0.0, 0.0, 0.0))
+    if is_partial:
+        read = decode_state_partially(encode(header("plant", 2000), noisy))
+        assert read is not None
+        feed.push_partial(*read, 2_000 * MS)
+    else:
+        feed.push(header("plant", 2000), noisy, 2_000 * MS)
+    shown = page_state(feed, 0)
+
+    assert shown["worst"]["barriers"][0]["measured"]["value"] == pytest.approx(1.001**2 - 1)
+    assert shown["verdict"]["outcome"] == "holds"
 
 
 def test_before_a_scenario_and_a_state_nothing_holds() -> None:

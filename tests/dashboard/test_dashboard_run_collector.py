@@ -32,6 +32,14 @@ def test_barriers_are_recomputed_from_every_state(record: RunCollector) -> None:
     assert lowest.at_ns == pytest.approx(1_571 * MS, abs=MS)
 
 
+def test_barriers_are_those_of_the_robot_not_of_its_readings(tmp_path: Path) -> None:
+    read = [(header("plant", k), state(k, x=(0.9, 0.0, 0.0, 0.0), true_x=state(k).x)) for k in range(100)]
+    lowest = record_of(write_log(tmp_path / "noise.mcap", read)).states.least("h_0")
+
+    assert lowest is not None
+    assert lowest.value == pytest.approx(h_at(0.099))
+
+
 def test_residual_is_that_of_the_exact_model(record: RunCollector) -> None:
     # x₂ = 0 in every state, so the model moves by the input alone: far from the circle.
     greatest = record.states.greatest("residual")

@@ -203,10 +203,10 @@ class Feed:
         self.end = reason
 
     def measured_h(self, state: PlantState) -> list[float] | None:
-        """Return h of every barrier at a state of the plant; ``None`` for a state of another scenario."""
+        """Return h of every barrier where the robot is; ``None`` for a state of another scenario."""
         if not self.layout.fits(state):
             return None
-        return [] if self._barrier_values is None else self._barrier_values.h(state.x, state.plant_ns / NS_PER_S)
+        return [] if self._barrier_values is None else self._barrier_values.h(state.actual_x, state.plant_ns / NS_PER_S)
 
     def gaps(self, x: Sequence[float], time_ns: int) -> list[Gap]:
         """Return the distance to every barrier at a state; none for a state of another scenario."""

@@ -97,6 +97,7 @@ def decode_state_partially(data: bytes) -> PartialMessage | None:
         inputs_refused=0,
         integration_error=0.0,
         received_tick=0,
+        true_x=tuple(read.true_x[:]),
     )
 
 

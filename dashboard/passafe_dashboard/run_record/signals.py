@@ -6,6 +6,7 @@ from typing import Final, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 from passafe_protocol.messages import BY_SEVERITY, FilterStatus, PlantPhase
+from passafe_services.log.actual_states import STATE_PATHS, actual_states
 from passafe_services.log.message_block import MessageBlock
 from passafe_services.scenarios.barrier_kinds.barrier_kind import SingleBarrier
 from passafe_services.scenarios.barrier_kinds.motion import MotionKind
@@ -40,7 +41,7 @@ TICK_FIELDS: Final = (
 )
 STATE_FIELDS: Final = (
     "plant_ns",
-    "x",
+    *STATE_PATHS,
     "u",
     "phase",
     "energy_stored_j",
@@ -201,7 +202,7 @@ class StateSamples:
         session: Number of the session.
         sequence: Number of each message, shape (N,).
         t_ns: Plant time, ns, shape (N,).
-        x: State, shape (n, N).
+        x: State, the true one where the plant knows it, shape (n, N).
         u: Input in force from this state until the next, shape (m, N).
         phase: Origin of the input, shape (N,).
         late_us: Lateness of the step, µs, shape (N,).
@@ -229,7 +230,7 @@ class StateSamples:
             session=block.session,
             sequence=block.sequence[moving].astype(np.int64),
             t_ns=block.numbers("plant_ns")[moving],
-            x=block.matrix("x", layout.states)[:, moving],
+            x=actual_states(block, layout.states)[:, moving],
             u=block.matrix("u", layout.inputs)[:, moving],
             phase=block.numbers("phase")[moving].astype(np.float64),
             late_us=late_ns[moving] / NS_PER_US,

@@ -80,3 +80,8 @@ class PlantState(Record, frozen=True):
     guard_cause: str = ""
     guarded: int = 0
     true_x: Vector = ()
+
+    @property
+    def actual_x(self) -> Vector:
+        """State of the robot: the true one where the plant knows it, else the one that was read."""
+        return self.true_x or self.x

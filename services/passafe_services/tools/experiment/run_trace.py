@@ -168,7 +168,7 @@ class RunTrace:
                 state.input_lead_ns,
                 state.energy_in_j,
                 state.energy_stored_j,
-                *(state.true_x or state.x),
+                *state.actual_x,
                 *state.u,
             )
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from passafe_protocol.messages import PlantPhase
 from passafe_protocol.topics import STATE
 
+from passafe_services.log.actual_states import actual_states
 from passafe_services.log.chunk_decoding import Wants
 from passafe_services.log.log_pass import LogSlice
 from passafe_services.log.message_block import MessageBlock
@@ -192,7 +193,7 @@ class PlantReview:
         self._drive.add_states(plant_ns[moves], runs[moves], session=block.epoch, wall_ns=int(wall_ns[-1]))
         x, u = self._vectors(block, "x", self._n), self._vectors(block, "u", self._m)
         self._check.take_states(block, x)
-        x = self._true(block, x)
+        x = actual_states(block, self._n)
         if not moves.any():
             return
         if session.first_ns is None:
@@ -228,12 +229,6 @@ class PlantReview:
         held, number = session.held
         gap_ns = int(plant_ns[0]) - int(np.rint(held.t_s[0] * NS_PER_S))
         return held.followed_by(piece, gap_ns / NS_PER_S if int(sequence[0]) == number + 1 else 0.0)
-
-    def _true(self, block: MessageBlock, x: FloatArray) -> FloatArray:
-        """Return the true states where the plant tells them, else those read, shape (n, N)."""
-        column = block.ragged("true_x")
-        found: FloatArray = np.where(column.counts == self._n, column.matrix(self._n).T, x)
-        return found
 
     def _vectors(self, block: MessageBlock, path: str, allowed: int) -> FloatArray:
         column = block.ragged(path)

@@ -66,7 +66,7 @@ class Trajectory:
         bodies = [state.body for state in moving]
         one = cls.unbroken(
             plant_ns=np.array([state.plant_ns for state in bodies], dtype=np.int64),
-            x=_columns([state.true_x or state.x for state in bodies]),
+            x=_columns([state.actual_x for state in bodies]),
             u=_columns([state.u for state in bodies]),
             runs=np.array([state.phase is PlantPhase.RUNNING for state in bodies], dtype=np.bool_),
             energy_in_j=np.array([state.energy_in_j for state in bodies], dtype=np.float64),
