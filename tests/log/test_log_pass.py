@@ -1,5 +1,6 @@
 """A pass over a log: order, gaps, damage, channels and processes, by logs whose contents are known."""
 
+import os
 import random
 from pathlib import Path
 
@@ -234,6 +235,17 @@ def test_what_is_no_log_of_passafe_is_refused(tmp_path: Path) -> None:
         list(LogPass(path).slices({}))
     with pytest.raises(LogReadError, match="no such file"):
         LogPass(tmp_path / "missing.mcap")
+
+
+@pytest.mark.timeout(20)
+def test_a_pipe_is_refused_not_waited_for(tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe.mcap"
+    os.mkfifo(pipe)
+
+    with pytest.raises(LogReadError, match="is a device or pipe, not a regular file"):
+        LogPass(pipe)
+    with pytest.raises(LogReadError, match="is a device or pipe, not a regular file"):
+        LogPass(tmp_path)
 
 
 def test_a_killed_worker_ends_the_pass(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

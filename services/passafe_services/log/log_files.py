@@ -80,6 +80,8 @@ def _sorted(found: Iterable[tuple[Path, _Place]]) -> list[Path]:
 
 def _place_of(path: Path) -> _Place | None:
     """Return the place of a file; ``None`` if it does not say so, or cannot be read."""
+    if not path.is_file():  # to open a pipe waits for its writer
+        return None
     try:
         with path.open("rb") as stream:
             for found in scan_records(stream, path.stat().st_size, unpack=False):

@@ -122,8 +122,10 @@ def _size_of_log(path: Path) -> int:
     """Return the size of a file.
 
     Raises:
-        LogReadError: It is missing, unreadable, empty or not an MCAP file.
+        LogReadError: It is missing, a device or pipe, unreadable, empty or not an MCAP file.
     """
+    if path.exists() and not (path.is_file() or path.is_dir()):  # to open a pipe waits for its writer
+        raise LogReadError(path, "is a device or pipe, not a regular file")
     try:
         with path.open("rb") as stream:
             beginning, size_bytes = stream.read(len(MCAP0_MAGIC)), path.stat().st_size
