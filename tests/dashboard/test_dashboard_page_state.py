@@ -10,6 +10,7 @@ from passafe_dashboard.live.page_state import REPORTING, liveness, page_state
 from passafe_dashboard.live.partial_decoding import decode_state_partially
 from passafe_protocol.codec import encode
 from passafe_protocol.messages import FilterStatus, OverrideReport, PlantPhase
+from passafe_services.scenarios.schema import Scenario
 
 
 def feed_after(run_ns: int) -> Feed:
@@ -72,6 +73,21 @@ def test_noise_of_a_reading_takes_no_robot_out_of_its_set(*, is_partial: bool) -
 
     assert shown["worst"]["barriers"][0]["measured"]["value"] == pytest.approx(1.001**2 - 1)
     assert shown["verdict"]["outcome"] == "holds"
+
+
+@pytest.mark.parametrize(("x", "outcome"), [(1.001, "holds"), (0.998, "unproven"), (0.98, "fails")])
+def test_what_a_sensor_may_be_wrong_by_fails_no_run(x: float, outcome: str) -> None:
+    content = paper_scenario().model_dump(mode="json", exclude_unset=True)
+    content["uncertainty"] = {"state_error": {"position": 0.01}}
+    content["plant"]["driver"] = {"kind": "udp-servo", "port": 4000}
+    content["filter"]["mode"] = "safe"
+    feed = Feed(Scenario.model_validate(content))
+    feed.push(header("filter", 0), tick(0), 0)
+    feed.push(header("plant", 0), state(0, x=(x, 0.0, 0.0, 0.0)), 0)
+
+    shown = page_state(feed, 0)["verdict"]
+    assert shown["outcome"] == outcome
+    assert ("error of the states as read" in shown["words"]) == (outcome == "unproven")
 
 
 def test_before_a_scenario_and_a_state_nothing_holds() -> None:

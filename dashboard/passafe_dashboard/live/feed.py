@@ -35,6 +35,7 @@ from passafe_protocol.topics import (
 )
 from passafe_services.loop.link_states import NewestLinkStates
 from passafe_services.scenarios.schema import Scenario
+from passafe_services.tools.review.extremum import Extremum
 from pydantic import ValidationError
 
 from passafe.errors import PassafeError
@@ -247,7 +248,16 @@ class Feed:
         if isinstance(body, FilterTick):
             self.run.add_tick(body)
         else:
-            self.run.add_state(body, self.measured_h(body))
+            h = self.measured_h(body)
+            self.run.add_state(body, h)
+            if h and min(h) < 0.0 and not body.true_x:
+                self._add_possible(body)
+
+    def _add_possible(self, state: PlantState) -> None:
+        """Add what h may be where a state that was read with an error is out of a barrier."""
+        values, at_s = self._barrier_values, state.plant_ns / NS_PER_S
+        if values is not None and not values.is_exact:
+            self.run.add_possible_h(Extremum(min(values.possible_h(state.x, at_s)), at_s))
 
     def _push_tick(self, header: Header, tick: FilterTick, _received_ns: int) -> None:
         self._add(header, tick)

@@ -242,6 +242,7 @@ def _verdict_json(feed: Feed) -> Json | None:
         feed.run.fallbacks,
         feed.run.drive,
         h_min=min((Extremum(*lowest) for lowest in h_min), default=None),
+        h_possible=feed.run.h_possible,
         power_margin_min=Extremum(*worst[POWER_MARGIN]) if POWER_MARGIN in worst else None,
         tank_min_j=Extremum(*worst[TANK]) if TANK in worst else None,
     )

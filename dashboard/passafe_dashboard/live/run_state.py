@@ -5,6 +5,7 @@ from math import isfinite
 
 from passafe_protocol.messages import FilterStatus, FilterTick, LinkEvent, PlantPhase, PlantState
 from passafe_services.tools.review.drive_record import DriveRecord
+from passafe_services.tools.review.extremum import Extremum
 from passafe_services.tools.review.fallback_record import FallbackRecord
 
 from passafe_dashboard.columns import ColumnLayout
@@ -25,6 +26,7 @@ class RunState:
         drive: What moved the robot.
         link_effects: Messages that a link affected, by link and effect.
         mismatched: Messages whose numbers do not fit the scenario.
+        h_possible: Smallest that h may be where a state that was read with an error is out of a barrier.
 
     Args:
         number: Number of the run.
@@ -45,6 +47,7 @@ class RunState:
         self.drive = DriveRecord()
         self.link_effects: dict[tuple[str, str], int] = {}
         self.mismatched = 0
+        self.h_possible: Extremum | None = None
         self._layout = layout
 
     @property
@@ -64,6 +67,10 @@ class RunState:
         if state.phase is not PlantPhase.WAITING:
             self.drive.add_state(state.plant_ns, runs=state.phase is PlantPhase.RUNNING)
         self._add_row(self.states, state.plant_ns, None if h is None else self._layout.state_values(state, h))
+
+    def add_possible_h(self, possible: Extremum) -> None:
+        """Add what h of the worst barrier may be at a state that was read with an error."""
+        self.h_possible = possible if self.h_possible is None else min(self.h_possible, possible)
 
     def show_tick(self, tick: FilterTick) -> None:
         """Show a tick in full unless it was reordered."""

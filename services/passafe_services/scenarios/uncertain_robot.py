@@ -51,6 +51,16 @@ def guard_uncertainty_of(scenario: Scenario, robot: Robot) -> Uncertainty | None
     return replace(Uncertainty() if sets is None else sets, state_error=own)
 
 
+def reading_error_of(scenario: Scenario, robot: Robot) -> tuple[float, ...]:
+    """Return the largest error of each state as the plant reads it, n numbers; 0 where the model is the robot.
+
+    Raises:
+        ScenarioError: As for ``uncertainty_of``.
+    """
+    sets = None if scenario.plant.driver.kind == "model" else guard_uncertainty_of(scenario, robot)
+    return (0.0,) * robot.system.n if sets is None or not sets.state_error else tuple(sets.state_error)
+
+
 def true_system_of(scenario: Scenario, robot: Robot) -> System:
     """Return the dynamics of the simulated robot with the parameters that it really has.
 

@@ -23,7 +23,8 @@ class RecomputedMargins:
 
     Attributes:
         h_min: Smallest barrier value, at samples and between them.
-        h_kept: Smallest barrier value with the error added that it may have.
+        h_kept: Smallest barrier value with the error added that it may have by rounding and integration.
+        h_possible: Smallest barrier value with the error of the states as read added, too; the true ones have none.
         h_min_barrier: Index of its barrier in the scenario.
         h_min_at_samples: Smallest barrier value at samples only, where the filter acts.
         start_psi: Smallest of ψ₀ … ψ_{r−1} of all barriers where the plant started.
@@ -38,6 +39,7 @@ class RecomputedMargins:
 
     h_min: Extremum | None = None
     h_kept: Extremum | None = None
+    h_possible: Extremum | None = None
     h_min_barrier: int | None = None
     h_min_at_samples: Extremum | None = None
     start_psi: Extremum | None = None
@@ -86,31 +88,41 @@ class MarginsInProgress:
         passivity: The tank.
         points: Instants to evaluate per period, its end included.
         is_exact: Whether the plant is its model.
+        reading_error: Largest error of each state as it is read, state units, shape (n,); none if not given.
 
     Attributes:
         energy: Account of the tank, which takes the slacks of the decisions.
     """
 
     def __init__(
-        self, evaluator: PlantEvaluator, passivity: PassivityConfig, points: int, *, is_exact: bool = True
+        self,
+        evaluator: PlantEvaluator,
+        passivity: PassivityConfig,
+        points: int,
+        *,
+        is_exact: bool = True,
+        reading_error: FloatArray | None = None,
     ) -> None:
         self.energy = EnergyInProgress(evaluator, passivity, points, is_exact=is_exact)
         self._evaluator = evaluator
         self._points = points
+        self._reading_error = 0.0 if reading_error is None else reading_error.reshape(-1, 1)
         self._longest_s = 0.0
         self._lowest: _Lowest | None = None
         self._at_samples: _Lowest | None = None
         self._found: dict[str, Extremum] = {}
         self._level: str | None = None
 
-    def take(self, trajectory: Trajectory, *, is_start: bool, has_next: bool) -> None:
+    def take(self, trajectory: Trajectory, *, is_start: bool, has_next: bool, is_read: bool = False) -> None:
         """Take the next samples of a session, at least one.
 
         Args:
             trajectory: Samples of one session; the first of a piece is the last of the piece before.
             is_start: Whether the session begins with them.
             has_next: Whether the last sample comes again as the first of another piece.
+            is_read: Whether the states are as they were read, rather than the true ones.
         """
+        reading_error = self._reading_error if is_read else 0.0
         evaluator, kept = self._evaluator, slice(0, trajectory.samples - 1 if has_next else None)
         t_s, x, u = trajectory.t_s[kept], trajectory.x[:, kept], trajectory.u[:, kept]
         # A state of 1e200 overflows in x²; the extremum shows it, so a warning is redundant.
@@ -120,13 +132,13 @@ class MarginsInProgress:
             if t_s.size:
                 self._longest_s = max(self._longest_s, float(trajectory.period_s.max()))
                 error = _state_error(evaluator, x, u, self._longest_s)
-                found = _Lowest.of(evaluator.h(x, t_s), evaluator.h_error(x, t_s, error), t_s)
+                found = _Lowest.of(evaluator, x, t_s, error, reading_error)
                 self._at_samples = _lower(self._at_samples, found)
                 power = Extremum.lowest(evaluator.power_margin(x, u), t_s)
                 self._lower("power_margin_min_at_samples", power)
                 self._lower("power_margin_min", power)
                 self._higher("u_norm_max", Extremum.highest(np.linalg.norm(u, axis=0), t_s))
-            between, power_between = _between(trajectory, evaluator, self._points)
+            between, power_between = _between(trajectory, evaluator, self._points, reading_error)
             self._lowest = _lower(_lower(self._lowest, self._at_samples), between)
             if power_between is not None:
                 self._lower("power_margin_min", power_between)
@@ -141,6 +153,7 @@ class MarginsInProgress:
         return {
             "h_min": None if lowest is None else lowest.h,
             "h_kept": None if lowest is None else lowest.kept,
+            "h_possible": None if lowest is None else lowest.possible,
             "h_min_barrier": None if lowest is None else lowest.barrier,
             "h_min_at_samples": None if self._at_samples is None else self._at_samples.h,
             "start_level": self._level,
@@ -175,25 +188,46 @@ def _start(trajectory: Trajectory, evaluator: PlantEvaluator) -> tuple[Extremum 
 
 
 class _Lowest(NamedTuple):
-    """Smallest value of several barriers, the index of its barrier, and the smallest with its error added."""
+    """Smallest value of several barriers, the index of its barrier, and the smallest with errors added."""
 
     h: Extremum
     barrier: int
     kept: Extremum
+    possible: Extremum
 
     @classmethod
-    def of(cls, h: FloatArray, error: FloatArray, t_s: FloatArray) -> "_Lowest | None":
-        """Return the smallest of h with errors, each of shape (barriers, N); ``None`` without barriers."""
+    def of(
+        cls,
+        evaluator: PlantEvaluator,
+        x: FloatArray,
+        t_s: FloatArray,
+        error: FloatArray,
+        reading_error: FloatArray | float,
+    ) -> "_Lowest | None":
+        """Return the smallest of h at states, shape (n, N); ``None`` without barriers.
+
+        Args:
+            evaluator: Functions of the scenario.
+            x: The states.
+            t_s: Plant times, s, shape (N,).
+            error: By how much each number of a state may be wrong by computation, shape (N,).
+            reading_error: By how much it may be wrong by how it was read, shape (n, 1); 0: by nothing.
+        """
+        h = evaluator.h(x, t_s)
         if not h.shape[0]:
             return None
         lowest = [Extremum.lowest(values, t_s) for values in h]
         barrier = min(range(len(lowest)), key=lowest.__getitem__)
-        return cls(lowest[barrier], barrier, min(Extremum.lowest(values, t_s) for values in h + error))
+        kept = possible = min(Extremum.lowest(values, t_s) for values in h + evaluator.h_error(x, t_s, error))
+        if np.any(reading_error):
+            errors = evaluator.h_error(x, t_s, error + reading_error)
+            possible = min(Extremum.lowest(values, t_s) for values in h + errors)
+        return cls(lowest[barrier], barrier, kept, possible)
 
     def and_lower(self, other: "_Lowest") -> "_Lowest":
         """Return the smallest of both."""
         lower = min(self, other)
-        return lower._replace(kept=min(self.kept, other.kept))
+        return lower._replace(kept=min(self.kept, other.kept), possible=min(self.possible, other.possible))
 
 
 def _state_error(evaluator: PlantEvaluator, x: FloatArray, u: FloatArray, duration_s: float) -> FloatArray:
@@ -202,14 +236,15 @@ def _state_error(evaluator: PlantEvaluator, x: FloatArray, u: FloatArray, durati
     return error
 
 
-def _between(trajectory: Trajectory, evaluator: PlantEvaluator, points: int) -> tuple[_Lowest | None, Extremum | None]:
+def _between(
+    trajectory: Trajectory, evaluator: PlantEvaluator, points: int, reading_error: FloatArray | float
+) -> tuple[_Lowest | None, Extremum | None]:
     """Return the lowest barrier value and the lowest power margin between samples."""
     lowest: _Lowest | None = None
     power_min: Extremum | None = None
     for instants in trajectory.between(evaluator, points):
         error = _state_error(evaluator, instants.x, instants.u, instants.after_s)
-        h = evaluator.h(instants.x, instants.t_s)
-        found = _Lowest.of(h, evaluator.h_error(instants.x, instants.t_s, error), instants.t_s)
+        found = _Lowest.of(evaluator, instants.x, instants.t_s, error, reading_error)
         lowest = _lower(lowest, found)
         margin = evaluator.power_margin(instants.x, instants.u)
         power_min = _smaller(power_min, Extremum.lowest(margin, instants.t_s))

@@ -58,9 +58,10 @@ class CoreEvaluator:
         Args:
             x: States, shape (n, N).
             t_s: Plant times, s, shape (N,).
-            x_error: By how much each number of a state may be wrong, shape (N,).
+            x_error: By how much each number of a state may be wrong, shape (N,), or (n, N).
         """
-        return np.nan_to_num(self._h_error()(x, t_s.reshape(1, -1), x_error.reshape(1, -1))[0], nan=0.0, posinf=0.0)
+        errors = np.ascontiguousarray(np.broadcast_to(x_error, x.shape))
+        return np.nan_to_num(self._h_error()(x, t_s.reshape(1, -1), errors)[0], nan=0.0, posinf=0.0)
 
     @property
     def protected(self) -> Sequence[str]:
@@ -121,8 +122,8 @@ class CoreEvaluator:
 
 
 def _h_error(system: System, h: ca.SX) -> BatchFunction:
-    x_error = ca.SX.sym("x_error")
-    symbols, errors = ca.vertcat(system.x, system.t), ca.vertcat(*(x_error for _ in range(system.n)), 0)
+    x_error = ca.SX.sym("x_error", system.n)
+    symbols, errors = ca.vertcat(system.x, system.t), ca.vertcat(x_error, 0)
     return _evaluator("h_error", [system.x, system.t, x_error], rounding_error(h, symbols, errors))
 
 

@@ -17,7 +17,10 @@ class PlantEvaluator(Protocol):
         ...
 
     def h_error(self, x: FloatArray, t_s: FloatArray, x_error: FloatArray) -> FloatArray:
-        """Return bounds of the error of ``h``, shape (barriers, N): of its rounding, and of x wrong by x_error (N,)."""
+        """Return bounds of the error of ``h``, shape (barriers, N): of its rounding, and of x wrong by x_error.
+
+        x_error has the shape (N,) of every number of a state, or (n, N).
+        """
         ...
 
     @property

@@ -65,6 +65,7 @@ class PlantSession:
         last_ns: Plant time of its last state, ns.
         last_x: That state, shape (n,).
         held: Its newest state, which comes again as the first of the next piece.
+        is_read: Whether its states are as they were read; the plant does not know the true ones.
     """
 
     number: int
@@ -76,6 +77,7 @@ class PlantSession:
     last_x: FloatArray | None = None
     held: tuple[Trajectory, int] | None = None
     is_started: bool = False
+    is_read: bool = False
     times: TimesKept = field(default_factory=TimesKept)
 
 
@@ -128,7 +130,8 @@ class PlantReview:
         """Account for the last state of each session."""
         for session in self.sessions.values():
             if session.held is not None:
-                self._margins.take(session.held[0], is_start=not session.is_started, has_next=False)
+                is_start, is_read = not session.is_started, session.is_read
+                self._margins.take(session.held[0], is_start=is_start, has_next=False, is_read=is_read)
                 session.held = None
 
     @property
@@ -200,7 +203,9 @@ class PlantReview:
             session.first_ns = int(plant_ns[moves][0])
         session.last_ns, session.last_x = int(plant_ns[moves][-1]), x[:, moves][:, -1]
         piece = self._piece(session, block, moves, x, u)
-        self._margins.take(piece, is_start=not session.is_started, has_next=True)
+        session.is_read = bool((block.ragged("true_x").counts[moves] != self._n).all())
+        is_start, is_read = not session.is_started, session.is_read
+        self._margins.take(piece, is_start=is_start, has_next=True, is_read=is_read)
         self._check.take_motion(piece)
         session.is_started = session.is_started or piece.samples > 1
         # A single sample is taken again with what follows it.

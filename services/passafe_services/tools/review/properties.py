@@ -185,6 +185,10 @@ def judge_completeness(found: Completeness) -> Property:
     )
 
 
+WITHIN_READING: Final = "the robot may have been outside of its limits by no more than the error of the states as read"
+"""Note of a barrier value that is below 0, but not by more than what the scenario says of its sensors."""
+
+
 def _safe(margins: RecomputedMargins, scenario: Scenario, tolerances: Tolerances) -> Property:
     """Judge the smallest value of any barrier; it may be below 0 by its own error, and by no more."""
     lowest, kept = margins.h_min, margins.h_kept
@@ -197,7 +201,12 @@ def _safe(margins: RecomputedMargins, scenario: Scenario, tolerances: Tolerances
     )
     if not scenario.filter.barriers and scenario.filter.mode in ENFORCE_SAFETY:
         return judged.model_copy(update={"note": "there is no barrier, so nothing was looked at for safety"})
-    return judged if kept is None else judged.model_copy(update={"holds": kept.value >= -tolerances.h})
+    if kept is not None:
+        judged = judged.model_copy(update={"holds": kept.value >= -tolerances.h})
+    possible = margins.h_possible
+    if judged.holds is False and possible is not None and possible.value >= -tolerances.h:
+        return judged.model_copy(update={"holds": None, "note": WITHIN_READING})
+    return judged
 
 
 def _asks_for_safety(scenario: Scenario) -> bool:

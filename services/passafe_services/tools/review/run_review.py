@@ -16,7 +16,7 @@ from passafe_services.log.log_writer import SCENARIO_RECORD
 from passafe_services.scenarios.design import design_of, robot_of
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.scenarios.source_schema import HumanSource
-from passafe_services.scenarios.uncertain_robot import uncertainty_of
+from passafe_services.scenarios.uncertain_robot import reading_error_of, uncertainty_of
 from passafe_services.tools.review.between_samples import MarginsInProgress
 from passafe_services.tools.review.decision_check import DecisionCheck
 from passafe_services.tools.review.decision_record import DecisionRecord
@@ -93,10 +93,15 @@ class RunReview:
         self.tolerances = tolerances or Tolerances()
         self.points_per_period = points_per_period
         self._evaluator = evaluator
-        self._m = robot_of(scenario).system.m
+        robot = robot_of(scenario)
+        self._m = robot.system.m
         period_ns = scenario.dt_s * NS_PER_S
         self.margins = MarginsInProgress(
-            evaluator, scenario.filter.passivity, points_per_period, is_exact=scenario.is_exact
+            evaluator,
+            scenario.filter.passivity,
+            points_per_period,
+            is_exact=scenario.is_exact,
+            reading_error=np.array(reading_error_of(scenario, robot)),
         )
         self.drive = DriveRecord()
         self.decisions = DecisionRecord(round(period_ns), self.tolerances.certificate, self.margins.energy, self.drive)

@@ -20,6 +20,7 @@ def properties_so_far(
     drive: DriveRecord,
     *,
     h_min: Extremum | None,
+    h_possible: Extremum | None,
     power_margin_min: Extremum | None,
     tank_min_j: Extremum | None,
 ) -> dict[str, Property]:
@@ -30,9 +31,12 @@ def properties_so_far(
         fallbacks: Its fallbacks so far.
         drive: What moved the robot so far.
         h_min: Smallest barrier value so far.
+        h_possible: Smallest of those below 0 with the error of the states as read added; ``None``: they have none.
         power_margin_min: Smallest power margin so far, W.
         tank_min_j: Smallest energy of the tank so far, J.
     """
-    margins = RecomputedMargins(h_min=h_min, power_margin_min=power_margin_min, tank_min_j=tank_min_j)
+    margins = RecomputedMargins(
+        h_min=h_min, h_possible=h_possible, power_margin_min=power_margin_min, tank_min_j=tank_min_j
+    )
     driving = {"no-fallback": fallbacks.property(), "driven": drive.property()}
     return driving | judge_margins(margins, scenario, TOLERANCES)
