@@ -33,8 +33,8 @@ def verdict(folder: Path, asks: Scenario, x: float, true_x: float | None = None)
     rollout(run, x0=(-1.2, 0.0, 0.0, 0.0), u=lambda _: REST, steps=20)
     for k, index in enumerate(run.indices(PlantState)):
         where, true = (x, true_x) if k == 10 else (-1.2, -1.2)
-        told = {} if true_x is None else {"true_x": (true, 0.0, 0.0, 0.0)}
-        run.replace(index, x=(where, 0.0, 0.0, 0.0), **told)
+        known = {} if true_x is None else {"true_x": (true, 0.0, 0.0, 0.0)}
+        run.replace(index, x=(where, 0.0, 0.0, 0.0), **known)
     log = RunLog.read(run.write(folder / "run.mcap"))
     return Verdict.of(log, CoreEvaluator(asks), derives=False)
 
