@@ -1,6 +1,6 @@
 import pytest
 from passafe_dashboard.live.barrier_gaps import Gap
-from passafe_dashboard.live.gap_text import barrier_words, distance_text
+from passafe_dashboard.live.gap_text import barrier_words, distance_text, is_at_limit
 
 
 @pytest.mark.parametrize(
@@ -20,6 +20,11 @@ from passafe_dashboard.live.gap_text import barrier_words, distance_text
 )
 def test_distances_are_written_as_people_read_them(distance: float, unit: str, text: str) -> None:
     assert distance_text(distance, unit) == text
+
+
+@pytest.mark.parametrize("unit", ["m", "rad", "rad/s", "m/s", ""])
+def test_what_is_shown_as_0_is_at_its_limit(unit: str) -> None:
+    assert [is_at_limit(distance, unit) for distance in (0.0, -1e-5, 4e-5, 0.1, -2.0)] == [True] * 3 + [False] * 2
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from passafe_services.tools.review.verdict_so_far import TOLERANCES
 from passafe_dashboard.live.barrier_gaps import Gap
 from passafe_dashboard.live.command_words import command_words
 from passafe_dashboard.live.feed import Feed
-from passafe_dashboard.live.gap_text import TOUCHING_M, age_text, barrier_words, distance_text
+from passafe_dashboard.live.gap_text import age_text, barrier_words, distance_text, is_at_limit
 from passafe_dashboard.palette import STATUS_STYLES
 
 LEAST_HELD: Final = 0.02
@@ -191,15 +191,11 @@ def _row_words(name: str) -> str:
 
 
 def _with_distance(now: Situation, gap: Gap) -> str:
-    if _touches(gap):
-        return f"{_named(now, gap)}, touching it"
+    if is_at_limit(gap.distance, gap.unit):
+        return f"{_named(now, gap)}, {'touching it' if gap.unit == 'm' else 'at its limit'}"
     where = "away" if gap.unit in ("m", "rad") else "left"
     past = " beyond" if gap.distance < 0 else f" {where}"
     return f"{_named(now, gap)}, {distance_text(gap.distance, gap.unit)}{past}"
-
-
-def _touches(gap: Gap) -> bool:
-    return gap.unit == "m" and abs(gap.distance) < TOUCHING_M
 
 
 def _named(now: Situation, gap: Gap) -> str:
@@ -219,7 +215,7 @@ def _free(now: Situation) -> DriverWords:
         return DriverWords("held", f"Passivity gives way by {tick.slack:.2g} W", near)
     if tick.mode == "off":
         return DriverWords("held", "The filter is off", f"Nothing is held back. {near}".strip())
-    is_free = nearest is None or not _touches(nearest)
+    is_free = nearest is None or not is_at_limit(nearest.distance, nearest.unit)
     return DriverWords("free", "The way is free" if is_free else "Nothing is held back", near)
 
 

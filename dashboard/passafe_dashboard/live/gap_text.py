@@ -25,6 +25,11 @@ def distance_text(distance: float, unit: str) -> str:
     return f"{_two_digits(size)} {unit}".rstrip()
 
 
+def is_at_limit(distance: float, unit: str) -> bool:
+    """Return whether a distance is shown as 0."""
+    return f"{distance_text(distance, unit)} ".startswith(("0 ", "0°"))
+
+
 def age_text(age_ns: int) -> str:
     """Return an age in ms, or in s from one second on."""
     return f"{age_ns * 1e-6:.0f} ms" if age_ns < 1e9 else f"{age_ns * 1e-9:.1f} s"  # noqa: PLR2004 - one second
