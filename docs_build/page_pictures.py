@@ -8,6 +8,7 @@ It takes some minutes; ``--scenario NAME`` takes those of one, ``--archive`` tho
 import argparse
 import re
 import shutil
+import signal
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -140,6 +141,7 @@ def main() -> None:
         "--rate", default="", help="ticks a second, on a busy machine: fewer than the scenario asks for"
     )
     asked = parser.parse_args()
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))  # else the demo would stay
     asked.out.mkdir(parents=True, exist_ok=True)
     with sync_playwright() as driver:
         browser = driver.chromium.launch(
