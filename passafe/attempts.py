@@ -97,14 +97,14 @@ class Attempts:
             return Attempt(_UNCERTIFIED, solver, False, assessment)
         return self._attempt_whole()
 
-    def confined(self, u_lin: Array, trust: Array, *, with_margins: bool = True) -> Attempt:
+    def confined(self, u_lin: Array, trust: Array, *, with_margins: bool = True, with_sets: bool = True) -> Attempt:
         """Attempt once about an input, with answers from its trust region only.
 
         The answer is the nearest one there. Where margins grow steeply with the input, programs that may leave the
         region lead to inputs whose own margins are too large.
         """
         program = self._block.program
-        self._linearize(u_lin, trust, with_margins=with_margins)
+        self._linearize(u_lin, trust, with_margins=with_margins, with_sets=with_sets)
 
         def prepare() -> None:
             self._functions.prepare()
@@ -251,19 +251,19 @@ class Attempts:
             return Attempt(attempt.status, attempt.solver, True, attempt.assessment)
         return attempt
 
-    def about(self, u_lin: Array, *, with_margins: bool) -> Attempt:
+    def about(self, u_lin: Array, *, with_margins: bool, with_sets: bool = True) -> Attempt:
         """Start again with tangents and margins at another input."""
-        self._linearize(u_lin, self._least_trust, with_margins=with_margins)
+        self._linearize(u_lin, self._least_trust, with_margins=with_margins, with_sets=with_sets)
         attempt = self.first(self._functions.prepare)
         if attempt.is_settled or attempt.status is _INFEASIBLE:
             return attempt  # the trust region is the least already: the same program again would conflict again
         return self.settle(attempt)
 
-    def _linearize(self, u_lin: Array, trust: Array, *, with_margins: bool) -> None:
+    def _linearize(self, u_lin: Array, trust: Array, *, with_margins: bool, with_sets: bool) -> None:
         linearization = self._block.linearization
         linearization.u_lin[:], linearization.trust_asked[:] = u_lin, trust
         linearization.tightening[:] = self._first_tightening if with_margins else 0.0
-        linearization.with_margins[:] = with_margins
+        linearization.with_margins[:], linearization.with_sets[:] = with_margins, with_sets
 
 
 def _settled_but_for_slack(attempt: Attempt) -> bool:

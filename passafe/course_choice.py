@@ -23,6 +23,7 @@ class CourseChoice:
         fallback: Fallback | None,
         *,
         compares: bool,
+        is_for_sets: bool,
     ) -> None:
         """Hold what is compared.
 
@@ -32,7 +33,9 @@ class CourseChoice:
             deepest: Finds candidates.
             fallback: Compares courses; ``None`` where the design has none.
             compares: Whether answers outside of the protected set are compared with the backup law.
+            is_for_sets: Whether the plant may be other than its model, of which alone courses prove something.
         """
+        self._proves = not is_for_sets
         self.compares = compares and fallback is not None
         self._block, self._replaced, self._deepest, self._fallback = block, replaced, deepest, fallback
 
@@ -40,7 +43,8 @@ class CourseChoice:
         """Send the answer of an attempt, unless another input or the backup law keeps the barriers longer.
 
         Where only the margins cannot be kept, but every barrier is proven to be kept on the course of what is sent,
-        that is no fallback; nor is it where a gatekeeper has kept the robot to such courses.
+        that is no fallback; nor is it where a gatekeeper has kept the robot to such courses. Of a plant that may be
+        other than its model no course is proven.
 
         Args:
             attempt: It, whose numbers are in the block; no answer, or one at the sample alone.
@@ -60,7 +64,7 @@ class CourseChoice:
             chosen = attempt
         else:
             chosen = self._replaced.send(candidates[best.place], DEEPEST if best.place < others else BETWEEN, attempt)
-        is_proven = best.is_safe and (attempt.status is Status.AT_SAMPLES or fallback.has_gatekeeper)
+        is_proven = self._proves and best.is_safe and (attempt.status is Status.AT_SAMPLES or fallback.has_gatekeeper)
         return _by_course(chosen) if is_proven else chosen
 
     def guard(self, attempt: Attempt) -> Attempt:

@@ -32,7 +32,8 @@ class Status(IntEnum):
 
     AT_SAMPLES = 7
     """The hard rows can be kept at the sample, but no admissible input is known to keep them with their margin for the
-    whole period, nor any whose course is proven to keep every barrier: a fallback."""
+    whole period, nor any whose course is proven to keep every barrier: a fallback. For a family of plants also: the one
+    in the middle and those at the ends can keep them at the sample, but no input is known with which all members do."""
 
     BACKUP = 8
     """What is sent is judged by the backup law's course instead of by rows with margins. In the protected set every

@@ -49,12 +49,15 @@ class Linearization(Stage[T], frozen=True, eq=False, gc=False):
         trust_asked: Radius of the trust region that is asked for, m; 0 to have it reach u_ref.
         tightening: Distance beyond ε by which constraints are kept, 1.
         with_margins: 1 to keep rows with their margins between samples, 0 to leave these out, 1.
+        with_sets: 1 to keep rows for all members of a family of plants, 0 for those in the middle and at the ends
+            alone, 1; empty without a family.
     """
 
     u_lin: T
     trust_asked: T
     tightening: T
     with_margins: T
+    with_sets: T
 
 
 class ReferenceInput(Stage[T], frozen=True, eq=False, gc=False):

@@ -145,6 +145,7 @@ def _linearization(design: FilterDesign) -> Linearization[ca.SX]:
         trust_asked=ca.SX.sym("trust_asked", m),
         tightening=ca.SX.sym("tightening"),
         with_margins=ca.SX.sym("with_margins"),
+        with_sets=ca.SX.sym("with_sets", 0 if design.uncertainty is None else 1),
     )
 
 
@@ -155,6 +156,7 @@ def _about_u(design: FilterDesign, request: Request[ca.SX]) -> Linearization[ca.
         trust_asked=ca.SX.zeros(request.u.numel()),
         tightening=ca.SX(first_tightening(design)),
         with_margins=ca.SX(1),
+        with_sets=ca.SX.ones(0 if design.uncertainty is None else 1),
     )
 
 

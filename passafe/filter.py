@@ -81,7 +81,9 @@ class SafetyPassivityFilter:
         fallback = Fallback(design, enforced.chains, compiler) if has_rollout else None
         self.rollout = None if fallback is None else fallback.rollout
         compares = enforced.has_margins and family is None
-        self._choice = CourseChoice(block, replaced, deepest, fallback, compares=compares)
+        self._choice = CourseChoice(
+            block, replaced, deepest, fallback, compares=compares, is_for_sets=family is not None
+        )
         self.compares_courses = self._choice.compares
         self._resolution = Resolution(design, block, self._attempts, replaced, deepest, self._choice)
         self._sizes = (design.system.n, *(design.system.m,) * 3)

@@ -40,7 +40,7 @@ class Resolution:
         """
         self._block, self._attempts = block, attempts
         self._replaced, self._deepest, self._choice = replaced, deepest, choice
-        self._calmer_inputs = CalmerInputs(design)
+        self._calmer_inputs, self._has_sets = CalmerInputs(design), design.uncertainty is not None
         self._least_trust: Array = LEAST_TRUST * np.array(design.limits.magnitude)
 
     def resolve(self, *, has_margins: bool) -> Attempt:
@@ -53,6 +53,9 @@ class Resolution:
         if not block.program.nan_guard[0] <= 1.0:
             return self._replaced.send_backup(Attempt(Status.UNCERTIFIED, BACKUP, False, block.read_assessment()))
         at_samples = attempts.about(block.request.u, with_margins=False)
+        if at_samples.status is Status.INFEASIBLE and self._has_sets:
+            # What members may take of a row was bounded about one input, and may be less about another.
+            at_samples = attempts.about(block.request.u, with_margins=False, with_sets=False)
         if at_samples.status is Status.INFEASIBLE and self._deepest.search is not None:
             at_samples = self._search(at_samples, self._deepest.search)
         if at_samples.status in ANSWERS and not keeps_barriers(at_samples.assessment):  # tangents that do not settle
@@ -73,11 +76,13 @@ class Resolution:
         request, program = block.request, block.program
         u_sample, low, high = block.evaluation.u_plus.copy(), program.low.copy(), program.high.copy()
         deepest, of_all = self._deepest.of_program(at_samples), self._deepest.of_rows()
-        for u_lin in (u_sample, deepest, self._replaced.backup_input(), *of_all):
+        backup = self._replaced.backup_input()
+        for u_lin in (u_sample, deepest, backup, *of_all):
             again = attempts.about(u_lin, with_margins=True)
             if again.is_settled:
                 return again
-        for u_lin in of_all:  # where the rows are best their tangents are level, and keep no answer near
+        # Where the rows are best their tangents are level, and keep no answer near; nor does what members take.
+        for u_lin in (deepest, backup, *of_all) if self._has_sets else of_all:
             again = attempts.confined(u_lin, self._least_trust)
             if again.is_settled:
                 return again
@@ -86,18 +91,18 @@ class Resolution:
                 again = attempts.confined(u_lin, trust)
                 if again.is_settled:
                     return again
-        at_samples = self._at_samples(u_sample)
+        at_samples = self._at_samples(deepest if self._has_sets else u_sample)
         return self._choice.choose(Attempt(Status.AT_SAMPLES, at_samples.solver, False, at_samples.assessment))
 
-    def _at_samples(self, u_lin: Array) -> Attempt:
+    def _at_samples(self, u_lin: Array, *, with_sets: bool = True) -> Attempt:
         """Return the answer without margins that is found from an input, or near it.
 
         Where a drive saturates, rows lie level, and their tangents lead anywhere.
         """
-        attempt = self._attempts.about(u_lin, with_margins=False)
+        attempt = self._attempts.about(u_lin, with_margins=False, with_sets=with_sets)
         if attempt.status in ANSWERS and attempt.is_settled:
             return attempt
-        return self._attempts.confined(u_lin, self._least_trust, with_margins=False)
+        return self._attempts.confined(u_lin, self._least_trust, with_margins=False, with_sets=with_sets)
 
     def _search(self, attempt: Attempt, search: InputSearch) -> Attempt:
         """Search all admissible inputs for one that keeps the hard rows, which are not affine in u.
@@ -108,6 +113,6 @@ class Resolution:
         found = search.find(self._block)
         if found.is_impossible:
             return attempt
-        if found.u is not None and (again := self._at_samples(found.u)).status in ANSWERS:
+        if found.u is not None and (again := self._at_samples(found.u, with_sets=False)).status in ANSWERS:
             return again
         return Attempt(Status.UNCERTIFIED, attempt.solver, False, self._block.read_assessment())

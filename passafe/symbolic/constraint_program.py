@@ -73,6 +73,16 @@ class Deviations:
         return cls(barriers=sizes, power=power, unknown=unknown + power_unknown)
 
 
+def taken_by_members(linearization: Linearization[ca.SX], uncertainty: ca.SX) -> ca.SX:
+    """Return what rows leave to the members of a family: their uncertainty, or nothing where they are left out.
+
+    Args:
+        linearization: Symbols.
+        uncertainty: Of every enforced barrier; empty for the model alone.
+    """
+    return linearization.with_sets * uncertainty if linearization.with_sets.numel() else uncertainty
+
+
 def constraint_rows(
     barriers: EnforcedBarriers,
     passivity: EnforcedPassivity | None,
@@ -100,7 +110,7 @@ def constraint_rows(
         u_ref,
         u_lin,
         deviations.barriers,
-        deviations.uncertainty,
+        taken_by_members(linearization, deviations.uncertainty),
         linearization.with_margins,
         linearization.tightening,
     )

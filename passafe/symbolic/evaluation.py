@@ -10,6 +10,7 @@ from passafe.certificate import certificate_residuals
 from passafe.decision_schema import Answer, Assessment, Evaluation, Linearization, NormTangents, Program, Request
 from passafe.design import FilterDesign
 from passafe.passivity import power_margin
+from passafe.symbolic.constraint_program import taken_by_members
 from passafe.symbolic.enforced_barriers import EnforcedBarriers
 from passafe.symbolic.enforced_passivity import EnforcedPassivity
 from passafe.symbolic.trust_region import outside_trust_region
@@ -57,6 +58,7 @@ def evaluate(
     psi, h_u = _at(design, chains, u_plus)
     eps = linearization.with_margins * barriers.margins(u_plus, program.deviation)
     is_for_model = barriers.family is None
+    uncertainty = taken_by_members(linearization, program.uncertainty)
     counted = answer.z[m] / root if root else ca.SX(0)
     slack = (
         counted if passivity is None else passivity.slack(u_plus, program.power_deviation, program.power_uncertainty)
@@ -67,10 +69,10 @@ def evaluate(
         u_plus=u_plus,
         v=(u_plus - request.u) / design.dt_s - program.phi,
         psi=psi,
-        eps=eps if is_for_model else eps + program.uncertainty,
+        eps=eps if is_for_model else eps + uncertainty,
         h_u=h_u,
     )
-    shortfall, lost = barriers.graded(u_plus, eps, program.deviation, program.uncertainty)
+    shortfall, lost = barriers.graded(u_plus, eps, program.deviation, uncertainty)
     waste = lost - SPARED * ca.mmax(program.trust)
     unknown = linearization.with_margins * program.unbounded
     outside = (
