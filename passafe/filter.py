@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from itertools import chain
 from typing import Final
 
-from passafe.arguments import numbers, one_number, vectors
+from passafe.arguments import described, numbers, one_number, vectors
 from passafe.attempts import Attempts
 from passafe.course_choice import CourseChoice
 from passafe.decision import ANSWERS, Attempt, Decision, Status
@@ -23,7 +23,7 @@ from passafe.decision_functions import DecisionFunctions
 from passafe.deepest_inputs import DeepestInputs
 from passafe.derivation import Derivation
 from passafe.design import FilterDesign, Law
-from passafe.errors import ShapeError
+from passafe.errors import DesignError, ShapeError
 from passafe.fallback import Fallback
 from passafe.infeasibility import DistanceToInfeasibility
 from passafe.input_search import InputSearch
@@ -60,6 +60,8 @@ class SafetyPassivityFilter:
         Raises:
             DesignError: Some part of the design cannot be used.
         """
+        if not isinstance(design, FilterDesign):
+            raise DesignError("design", described(design), "a FilterDesign")
         self.design = design
         uncertainty = design.uncertainty
         family = None if uncertainty is None else PlantFamily.of(design, uncertainty)

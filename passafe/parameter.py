@@ -36,4 +36,4 @@ class Parameter:
     @classmethod
     def of(cls, name: str, value: float) -> "Parameter":
         """Return a parameter with a symbol of its own, which has the same name."""
-        return cls(name=name, symbol=ca.SX.sym(name), value=value)
+        return cls(name=name, symbol=ca.SX.sym(name if isinstance(name, str) else ""), value=value)

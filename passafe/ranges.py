@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from passafe.arguments import described, is_one_number
+from passafe.arguments import described, is_one_number, numbers
 from passafe.errors import DesignError
 
 LARGEST_INPUT: Final = 1e100
@@ -19,8 +19,7 @@ def require_positive(part: str, value: float, unit: str = "") -> None:
         DesignError: It is not.
     """
     allowed = f"a positive finite number{unit and ', '}{unit}"
-    _require_number(part, value, allowed)
-    if not 0 < value < inf:
+    if not 0 < _number(part, value, allowed) < inf:
         raise DesignError(part, value, allowed)
 
 
@@ -31,8 +30,7 @@ def require_not_negative(part: str, value: float, unit: str) -> None:
         DesignError: It is not.
     """
     allowed = f"zero or a positive finite number, {unit}"
-    _require_number(part, value, allowed)
-    if not 0 <= value < inf:
+    if not 0 <= _number(part, value, allowed) < inf:
         raise DesignError(part, value, allowed)
 
 
@@ -43,14 +41,15 @@ def require_finite(part: str, value: float, unit: str) -> None:
         DesignError: It is not.
     """
     allowed = f"a finite number, {unit}"
-    _require_number(part, value, allowed)
-    if not isfinite(value):
+    if not isfinite(_number(part, value, allowed)):
         raise DesignError(part, value, allowed)
 
 
-def _require_number(part: str, value: object, allowed: str) -> None:
+def _number(part: str, value: object, allowed: str) -> float:
+    """Return a number on its own as a float; an integer beyond the doubles is none, nor is a signalling NaN."""
     if not is_one_number(value):
         raise DesignError(part, described(value), allowed)
+    return numbers(part, value, allowed)[0]
 
 
 def yes_or_no(part: str, value: object) -> bool:

@@ -8,10 +8,11 @@ import casadi as ca
 import numpy as np
 from msgspec import Struct
 
-from passafe.arguments import one_number, vectors
-from passafe.errors import IntegrationError
+from passafe.arguments import described, one_number, vectors
+from passafe.errors import DesignError, IntegrationError
 from passafe.expressions import as_column
 from passafe.fixed_order import exponential
+from passafe.ranges import require_positive
 from passafe.stage import Stage, T
 from passafe.system import System
 from passafe.workspace import BlockLayout, Workspace, dense_function, expressions_by_name, named_function
@@ -104,10 +105,16 @@ class SampledPlant:
             system: The plant.
             V: Storage function, scalar expression of x, J.
             dt_s: Period, s.
+
+        Raises:
+            DesignError: No system, a V that is no function of its state, or a period that is not positive and finite.
         """
+        if not isinstance(system, System):
+            raise DesignError("system", described(system), "a System")
         V = as_column("storage V", V)
         system.require_state_function("storage V", V, 1)
         self.system, self.V = system, V
+        require_positive("dt_s", dt_s, "s")
         self.dt_s = dt_s = one_number("dt_s", dt_s)
         self.exact = is_linear(system)
         held = HeldStep(x=system.x, u=system.u, h=ca.SX.sym("h"))

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import casadi as ca
 
+from passafe.arguments import one_number
 from passafe.barriers.columns import column_like
 from passafe.ranges import require_positive
 
@@ -41,4 +42,4 @@ def disk_keep_in(position: ca.SX, *, centre: Sequence[float], radius: float) -> 
     """
     middle = column_like("disk centre", centre, position)
     require_positive("disk radius", radius, "m")
-    return radius**2 - ca.sumsqr(position - middle)
+    return one_number("disk radius", radius) ** 2 - ca.sumsqr(position - middle)

@@ -2,6 +2,7 @@
 
 import casadi as ca
 
+from passafe.arguments import one_number
 from passafe.errors import ShapeError
 from passafe.ranges import require_positive
 
@@ -24,4 +25,4 @@ def separation(position: ca.SX, other: ca.SX, *, distance: float) -> ca.SX:
         got = f"shapes {position.shape} and {other.shape}"
         raise ShapeError("separation positions", got, "two columns of equal length")
     require_positive("separation distance", distance, "m")
-    return ca.sumsqr(position - other) - distance**2
+    return ca.sumsqr(position - other) - one_number("separation distance", distance) ** 2

@@ -2,6 +2,7 @@
 
 import casadi as ca
 
+from passafe.arguments import one_number
 from passafe.barriers.columns import require_column
 from passafe.ranges import require_positive
 
@@ -21,4 +22,4 @@ def speed_limit(velocity: ca.SX, *, limit: float) -> ca.SX:
     """
     require_column("speed limit velocity", velocity)
     require_positive("speed limit", limit, "m/s")
-    return limit**2 - ca.sumsqr(velocity)
+    return one_number("speed limit", limit) ** 2 - ca.sumsqr(velocity)

@@ -1,6 +1,7 @@
 """Parts of a design in every form in which people write them, and the typed errors for all others."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from decimal import Decimal
 from typing import Never
 
 import casadi as ca
@@ -18,11 +19,13 @@ from passafe.design_check import check_design
 from passafe.errors import DesignError, ShapeError
 from passafe.filter import SafetyPassivityFilter
 from passafe.models.damped_point import damped_point
+from passafe.parameter import Parameter
 from passafe.passivity import Passivity
 from passafe.row_share import StateBox
 from passafe.sampled_plant import SampledPlant
 from passafe.system import System
 from passafe.tank import Tank
+from passafe.uncertainty import Uncertainty
 
 
 def test_matrix_expressions_are_named_as_such() -> None:
@@ -259,3 +262,42 @@ def test_a_box_is_that_of_the_plant() -> None:
 def test_an_axis_of_a_norm_is_a_whole_number(axis: float) -> None:
     with pytest.raises(DesignError, match=r"^input norm axes: got .*, allowed numbers of axes from 0, each once$"):
         NormBound(axes=(0, axis), bound=1.0)  # type: ignore[arg-type]  # wrong on purpose
+
+
+@pytest.mark.parametrize("number", [10**400, Decimal("NaN"), Decimal("sNaN")], ids=["large", "quiet", "signalling"])
+def test_a_number_beyond_the_doubles_is_refused(number: object) -> None:
+    makers: list[Callable[[], object]] = [
+        lambda: cart(k_i=number),
+        lambda: cart(uncertainty=Uncertainty(actuator_lag_s=number)),  # type: ignore[arg-type]
+        lambda: Parameter.of("mass", number),  # type: ignore[arg-type]
+        lambda: damped_point(mass=number),  # type: ignore[arg-type]
+    ]
+    for make in makers:
+        with pytest.raises(DesignError, match="finite number"):
+            make()
+
+
+@pytest.mark.parametrize(
+    ("words", "make"),
+    [
+        ("parameter name: got 1.0", lambda: Parameter.of(1.0, 1.0)),  # type: ignore[arg-type]
+        ("a FilterDesign", lambda: SafetyPassivityFilter(CART)),  # type: ignore[arg-type]
+        ("a System", lambda: SampledPlant(cart(), X[1] ** 2, 0.01)),  # type: ignore[arg-type]
+        ("dt_s: got -1", lambda: SampledPlant(CART, X[1] ** 2, -1.0)),
+        ("dt_s: got nan", lambda: SampledPlant(CART, X[1] ** 2, float("nan"))),
+    ],
+)
+def test_what_is_something_else_is_named(words: str, make: Callable[[], object]) -> None:
+    with pytest.raises(DesignError, match=words):
+        make()
+
+
+def test_a_shape_takes_a_decimal_number() -> None:
+    exact = Decimal("0.5")
+
+    for make in (
+        lambda size: speed_limit(X, limit=size),
+        lambda size: separation(X, X[::-1], distance=size),
+        lambda size: disk_keep_out(X, centre=(0.0, 0.0), radius=size),
+    ):
+        assert str(make(exact)) == str(make(0.5))
