@@ -21,6 +21,7 @@ from typing import Final, NamedTuple
 import casadi as ca
 import numpy as np
 
+from passafe.angle_cuts import apart_from_cuts
 from passafe.barrier_chain import BarrierChain
 from passafe.course import CHUNK, Course
 from passafe.course_record import ChunkSummary, CourseRecord
@@ -201,7 +202,7 @@ def _least_h(design: FilterDesign, chains: Sequence[BarrierChain], x_next: ca.SX
             end, end_rate = (ca.substitute(each, moving, ca.vertcat(x_next, system.t + dt_s)) for each in (h, rate))
             estimates.append(least_of_cubic(h, end, dt_s * rate, dt_s * end_rate))
             bounds.append(ca.fmin(h, end) - sag)
-            known *= is_known
+            known *= is_known * apart_from_cuts(h, moving, reach)
         estimate, bound = ca.fmin(estimate, reduce(ca.fmax, estimates)), ca.fmin(bound, reduce(ca.fmax, bounds))
     return _LeastH(estimate, bound, known)
 

@@ -9,6 +9,7 @@ import numpy as np
 from passafe.barrier_chain import BarrierChain
 from passafe.design import FilterDesign
 from passafe.errors import ShapeError
+from passafe.expression_graph import graph_of
 from passafe.filter import SafetyPassivityFilter
 from passafe.finding import Finding, Severity
 from passafe.row_share import StateBox, row_findings
@@ -43,7 +44,8 @@ def formula_findings(
     start = () if x0 is None else (_start(design, chain, x0, t_s) for chain in chains)
     undefined = () if x0 is None else undefined_at(design, chains, x0, t_s)
     steep = (finding for chain in chains if (finding := _steepness(design, chain)) is not None)
-    return (*degrees, *start, *undefined, *steep, _storage(design), _stiffness(design, x0))
+    angles = (finding for chain in chains if (finding := _angles(chain)) is not None)
+    return (*degrees, *start, *undefined, *angles, *steep, _storage(design), _stiffness(design, x0))
 
 
 def check_design(
@@ -95,6 +97,20 @@ def _start(design: FilterDesign, chain: BarrierChain, x0: Sequence[float], t_s: 
         subject=_name(chain),
         found=f"{found}: {what}, outside the set that the rows protect",
         advice="start slower or further away, or raise the gain of the function before it: h may become negative",
+    )
+
+
+def _angles(chain: BarrierChain) -> Finding | None:
+    h = chain.psi[0]
+    angle = next((each for each in graph_of(h).operations if each.number == ca.OP_ATAN2), None)
+    if angle is None:
+        return None
+    return Finding(
+        severity=NOTE,
+        topic="angle",
+        subject=_name(chain),
+        found=f"{angle.text} jumps by a full turn at its cut, near which no margin is known",
+        advice="keep the cut out of the set, or write a cross product, such as x·sin(a) − y·cos(a), for the angle",
     )
 
 

@@ -15,6 +15,7 @@ from typing import Final, NamedTuple
 import casadi as ca
 import numpy as np
 
+from passafe.angle_cuts import apart_from_cuts
 from passafe.enclosure import enclose
 from passafe.fixed_order import exponential
 from passafe.plant_family import PlantFamily
@@ -102,7 +103,9 @@ def _nonlinear(motion: HeldMotion, radius: ca.SX, push: ca.SX, dt_s: float) -> t
     over = comparison_matrix(motion, J, guess)
     after = _exponential(over.radius * dt_s, radius) + dt_s * _exponential(ca.fmax(over.radius, 0) * dt_s, push)
     within = _exponential(ca.fmax(over.radius, 0) * dt_s, radius + dt_s * push)
-    return after, over.known * (ca.mmax(within - guess) <= 0)
+    box = ca.vertcat(motion.x_radius + guess, motion.held_radius)
+    apart = apart_from_cuts(motion.f, ca.vertcat(motion.x, motion.held), box)
+    return after, over.known * apart * (ca.mmax(within - guess) <= 0)
 
 
 def _exponential(N: ca.SX, v: ca.SX) -> ca.SX:

@@ -21,6 +21,7 @@ from typing import Final, NamedTuple
 import casadi as ca
 import numpy as np
 
+from passafe.angle_cuts import apart_from_cuts
 from passafe.barrier_chain import BarrierChain
 from passafe.class_k import ClassK, Linear
 from passafe.derivative_bounds import DerivativeBounds
@@ -101,6 +102,7 @@ class HeldRow:
         decay_per_s: λ, 1/s.
         q: q.
         gain: Slope of γ̃ in p where it is the same everywhere, 1/s.
+        continuous: What q is the rate of, as far as it depends on x and t: it must not jump.
         change: Bound of ratio·|ḃ| as a sum of given bounds of h's derivatives, if there are any.
     """
 
@@ -111,6 +113,7 @@ class HeldRow:
     ratio_s: float
     decay_per_s: float
     q: ca.SX
+    continuous: ca.SX
     gain: float | None = None
     change: BoundSum | None = None
 
@@ -130,14 +133,15 @@ class HeldRow:
         Raises:
             DesignError: p or the dynamics have an operation without an enclosure.
         """
-        if self.change is not None:
-            return DeviationBound(held_s * self.change.within(system, tube, held_s, input_radius), tube.known)
         moving, reach = ca.vertcat(system.x, system.t), ca.vertcat(tube.radius, held_s)
+        tube_known = tube.known * apart_from_cuts(self.continuous, moving, reach)
+        if self.change is not None:
+            return DeviationBound(held_s * self.change.within(system, tube, held_s, input_radius), tube_known)
         slope = ca.gradient(self.bend, moving)
         ball = enclose(slope, ca.vertcat(moving, system.u), ca.vertcat(reach, input_radius))
         jumps, known = jump_bound(self.bend, moving, reach, system.u, input_radius)
         size = ca.dot(ca.fabs(ball.centre) + ball.radius, reach) + jumps
-        return DeviationBound(size, tube.known * ball.known * known)
+        return DeviationBound(size, tube_known * ball.known * known)
 
 
 def held_row(system: System, chain: BarrierChain, held_s: float, *, decay_per_s: float | None = None) -> HeldRow:
@@ -179,6 +183,7 @@ def _held(p: ca.SX, q: ca.SX, bend: ca.SX, chain: BarrierChain, held_s: float, d
         ratio_s=ratio_s,
         decay_per_s=decay,
         q=q,
+        continuous=p,
         gain=gamma.gain if isinstance(gamma, Linear) and _is_usable(gamma, usable_s) else None,
         change=BoundSum.of_chain(chain, decay, ratio_s),
     )
@@ -215,6 +220,7 @@ def held_power(system: System, passivity: Passivity, tank_j: ca.SX, held_s: floa
         ratio_s=ratio_s,
         decay_per_s=0.0,
         q=h_u,
+        continuous=passivity.V,
         gain=0.0,  # p does not depend on x
         change=None if bounds is None else BoundSum(bounds=bounds, weights=(0.0, ratio_s)),
     )

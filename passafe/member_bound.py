@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import casadi as ca
 
+from passafe.angle_cuts import apart_from_cuts
 from passafe.enclosure import enclose
 from passafe.errors import DesignError
 from passafe.intersample_margin import HeldRow
@@ -79,7 +80,7 @@ def member_bound(
         less += box.most(ca.jacobian(ca.gradient(row.bend, each.symbol), each.symbol), ca.SX(each.radius**2 / 2))
 
     jumps, jumps_known = jump_bound(row.bend, moving, reach, held, held_radius)
-    known = tube.known * box.known * jumps_known
+    known = tube.known * box.known * jumps_known * apart_from_cuts(row.continuous, moving, reach)
     fading = ca.fmin(row.p + ca.dot(p.most, x_radius), 0) / row.usable_s
     deviation = ca.if_else(known, ca.dot(bend, ca.vertcat(tube.radius, held_s)) + jumps, 0) + fading
     found = ca.substitute([deviation, ca.if_else(known, less, 0), known], [family.symbols], [family.centres])

@@ -12,6 +12,7 @@ from typing import Final, NamedTuple
 import casadi as ca
 import numpy as np
 
+from passafe.angle_cuts import apart_from_cuts
 from passafe.enclosure import enclose
 from passafe.fixed_order import exponential, product
 from passafe.system import System
@@ -144,7 +145,9 @@ def tube_of(motion: HeldMotion, held_s: float, *, guesses: int = GUESSES) -> Tub
     fits = ca.logic_and(
         ca.mmax(radius - guess) <= 0, ca.mmax(_reached(over.radius, radius, speed, held_s) - radius) <= 0
     )
-    return Tube(radius, ca.if_else(fits, speed_known * over.known, 0))
+    box = ca.vertcat(motion.x_radius + radius, motion.held_radius)
+    apart = apart_from_cuts(motion.f, ca.vertcat(motion.x, motion.held), box)
+    return Tube(radius, ca.if_else(fits, speed_known * over.known * apart, 0))
 
 
 def metzler_bound(motion: HeldMotion) -> Array | None:
