@@ -92,6 +92,7 @@ def test_services_start_in_the_order_of_the_processes() -> None:
         waited_for = service.get("depends_on", {})
         assert all(PROCESSES.index(other) < PROCESSES.index(name) for other in waited_for)
         assert {dependency["condition"] for dependency in waited_for.values()} <= {"service_healthy"}
+    assert all("recorder" in SERVICES[name]["depends_on"] for name in ("operator", "filter", "plant"))  # stopped later
     assert set(SERVICES["plant"]["depends_on"]) == set(PROCESSES) - {"plant", "dashboard"}
 
 
