@@ -12,6 +12,7 @@ a finite input within the limits; safety; passivity; what the operator asks for.
 import struct
 from collections.abc import Callable, Sequence
 from itertools import chain
+from threading import RLock
 from typing import Final
 
 from passafe.arguments import described, numbers, one_number, vectors
@@ -89,6 +90,7 @@ class SafetyPassivityFilter:
         self.compares_courses = self._choice.compares
         self._resolution = Resolution(design, block, self._attempts, replaced, deepest, self._choice)
         self._sizes = (design.system.n, *(design.system.m,) * 3)
+        self._one_at_a_time = RLock()
 
     @property
     def row_names(self) -> tuple[str, ...]:
@@ -117,7 +119,7 @@ class SafetyPassivityFilter:
         start: bool = False,
         x_error: Sequence[float] | None = None,
     ) -> Decision:
-        """Return the input to hold over the next period.
+        """Return the input to hold over the next period; threads that ask at once wait for one another.
 
         Args:
             x: State at which the input takes effect, n numbers: any sequence, a NumPy array or a ``casadi.DM``; with
@@ -142,27 +144,28 @@ class SafetyPassivityFilter:
         """
         block, functions = self._block, self._functions
         error = self._state_error if x_error is None else self._given_error(x_error)
-        if (
-            type(x) in _PLAIN
-            and type(u) in _PLAIN
-            and type(u_h) in _PLAIN
-            and type(u_h_rate) in _PLAIN
-            and type(tank_j) is type(t_s) is float
-            and type(start) is bool
-            and (len(x), len(u), len(u_h), len(u_h_rate)) == self._sizes
-        ):
-            try:
-                block.write_request(*x, *u, *u_h, *u_h_rate, tank_j, t_s, start, *error)
-            except struct.error:  # not all of them are plain numbers
+        with self._one_at_a_time:
+            if (
+                type(x) in _PLAIN
+                and type(u) in _PLAIN
+                and type(u_h) in _PLAIN
+                and type(u_h_rate) in _PLAIN
+                and type(tank_j) is type(t_s) is float
+                and type(start) is bool
+                and (len(x), len(u), len(u_h), len(u_h_rate)) == self._sizes
+            ):
+                try:
+                    block.write_request(*x, *u, *u_h, *u_h_rate, tank_j, t_s, start, *error)
+                except struct.error:  # not all of them are plain numbers
+                    self._convert_request(x, u, u_h, u_h_rate, tank_j, t_s, start, error)
+            else:
                 self._convert_request(x, u, u_h, u_h_rate, tank_j, t_s, start, error)
-        else:
-            self._convert_request(x, u, u_h, u_h_rate, tank_j, t_s, start, error)
-        if is_start := bool(block.request.start[0]):
-            functions.linearize()
-        attempt = self._attempt(functions.prepare if is_start else functions.prepare_usual)
-        if attempt.assessment.concern > 0.0 or not attempt.is_settled:
-            attempt = self._reconsider(attempt)
-        return block.decision(attempt)
+            if is_start := bool(block.request.start[0]):
+                functions.linearize()
+            attempt = self._attempt(functions.prepare if is_start else functions.prepare_usual)
+            if attempt.assessment.concern > 0.0 or not attempt.is_settled:
+                attempt = self._reconsider(attempt)
+            return block.decision(attempt)
 
     def _given_error(self, x_error: object) -> tuple[float, ...]:
         found = numbers("x_error", x_error)

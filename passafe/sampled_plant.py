@@ -2,6 +2,7 @@
 
 import struct
 from collections.abc import Sequence
+from threading import RLock
 from typing import Final
 
 import casadi as ca
@@ -129,6 +130,7 @@ class SampledPlant:
         self._write = HeldStep.of(space.writer)
         self._read = AfterStep.of(space.reader)
         self._read_energy = space.scalar_reader(StepEnergy[float])
+        self._one_at_a_time = RLock()
 
     def at(self, x: Sequence[float]) -> Sample:
         """Return the sample of a state at the start.
@@ -163,17 +165,18 @@ class SampledPlant:
 
     def _step(self, x: Sequence[float], u: Sequence[float], h: float) -> Sample:
         write, read = self._write, self._read
-        try:
-            write.x(*x)
-            write.u(*u)
-        except struct.error:  # of the wrong length, or not all of them are plain numbers
-            x, u = self._converted(x, u)
-            write.x(*x)
-            write.u(*u)
-        write.h(h)
-        self._advance()
-        energy = self._read_energy()
-        return Sample(read.x_next(), read.y(), energy.stored, energy.energy, energy.error)
+        with self._one_at_a_time:
+            try:
+                write.x(*x)
+                write.u(*u)
+            except struct.error:  # of the wrong length, or not all of them are plain numbers
+                x, u = self._converted(x, u)
+                write.x(*x)
+                write.u(*u)
+            write.h(h)
+            self._advance()
+            energy = self._read_energy()
+            return Sample(read.x_next(), read.y(), energy.stored, energy.energy, energy.error)
 
     def _converted(self, x: object, u: object) -> list[tuple[float, ...]]:
         return vectors({"x": x, "u": u}, (self.system.n, self.system.m))

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import chain
 from math import inf
+from threading import RLock
 from typing import Final
 
 import casadi as ca
@@ -63,7 +64,7 @@ class ErrorGrowth:
         step = named_function("grow", {"x": system.x, "u": system.u, "radius": radius}, {"radius_next": after})
         sizes = {"x": system.n, "u": system.m, "radius": system.n, "radius_next": system.n}
         self._space = space = Workspace(BlockLayout.of(sizes))
-        self._grow = space.bind(step)
+        self._grow, self._one_at_a_time = space.bind(step), RLock()
         self._write = space.span_writer(("x", "u", "radius"))
         self._read = space.reader("radius_next")
         x_next = held_flow(system, design.dt_s)[0]
@@ -85,9 +86,10 @@ class ErrorGrowth:
         if (len(x), len(u), len(radius)) != self._sizes:
             got = f"lengths {len(x)}, {len(u)}, {len(radius)}"
             raise ShapeError("x, u, radius", got, "lengths {}, {}, {}".format(*self._sizes))
-        self._write(*x, *u, *radius)
-        self._grow()
-        return self._read()
+        with self._one_at_a_time:
+            self._write(*x, *u, *radius)
+            self._grow()
+            return self._read()
 
     def roll(self, start: StateSet, inputs: Sequence[Sequence[float]]) -> StateSet:
         """Return the set of states after one period under each of the inputs, in a few calls of compiled code.
@@ -145,9 +147,11 @@ class _Chunk:
         self._space = space = Workspace(BlockLayout.of({"before": size, "inputs": m * periods, "after": size}))
         self._write = space.span_writer(("before", "inputs"))
         self._roll, self._read = space.bind(whole), space.reader("after")
+        self._one_at_a_time = RLock()
 
     def follow(self, before: tuple[float, ...], inputs: Sequence[Sequence[float]]) -> tuple[float, ...]:
         """Return state and error after as many inputs as there are periods."""
-        self._write(*before, *chain.from_iterable(inputs))
-        self._roll()
-        return self._read()
+        with self._one_at_a_time:
+            self._write(*before, *chain.from_iterable(inputs))
+            self._roll()
+            return self._read()
