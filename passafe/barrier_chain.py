@@ -218,9 +218,10 @@ def _derive(system: System, barrier: Barrier, reserve: Reserve | None, *, is_par
     unshaped = barrier.h
     gammas = iter(barrier.class_k)
     reach: InputReach | None = None
+    is_contained = False
     while reach is None:
         if len(psi) > system.n:
-            raise RelativeDegreeError(barrier.name, system.n)
+            raise RelativeDegreeError(barrier.name, system.n, is_contained=is_contained)
         if ca.depends_on(psi[-1], system.u):  # below the relative degree rounding alone is left of u
             psi[-1], unshaped = ca.substitute([psi[-1], unshaped], [system.u], [ca.SX.zeros(system.m)])
         if reserve is not None and len(psi) > 1:
@@ -229,6 +230,7 @@ def _derive(system: System, barrier: Barrier, reserve: Reserve | None, *, is_par
         gamma = next(gammas, None)
         rate = system.rate(psi[-1])
         unshaped = system.rate(unshaped)
+        is_contained = is_contained or ca.depends_on(unshaped, system.u)
         psi.append(rate if gamma is None else rate + gamma(psi[-1]))
         reach = reach_of(system, unshaped, len(psi) - 1, 1.0 if gamma is None else gamma.gain)
     require_effect(part, reach)

@@ -147,20 +147,26 @@ class ShapeError(DesignError):
 
 
 class RelativeDegreeError(DesignError):
-    """A barrier whose derivatives never contain the input.
+    """A barrier whose derivatives never contain the input, or never so that it has an effect.
 
     Attributes:
         barrier: Name of the barrier.
         tried: Number of derivatives that were taken.
+        is_contained: Whether the input stands in one of them, without an effect at any state that was tried.
     """
 
-    def __init__(self, barrier: str, tried: int) -> None:
+    def __init__(self, barrier: str, tried: int, *, is_contained: bool = False) -> None:
         self.barrier = barrier
         self.tried = tried
+        self.is_contained = is_contained
+        contain = (
+            "contain the input, but it has no effect at any state tried" if is_contained else "do not contain the input"
+        )
+        remedy = ", and h must not be flat nearly everywhere: take what it is a function of" if is_contained else ""
         super().__init__(
             f"barrier {barrier!r}",
-            f"an h whose first {tried} time derivatives do not contain the input",
-            "an h with a relative degree: the input must reach it through the dynamics",
+            f"an h whose first {tried} time derivatives {contain}",
+            f"an h with a relative degree: the input must reach it through the dynamics{remedy}",
         )
 
 

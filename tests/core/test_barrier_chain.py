@@ -86,7 +86,16 @@ def test_a_barrier_that_the_input_never_reaches_is_refused(count: int) -> None:
     with pytest.raises(RelativeDegreeError) as refused:
         derive_chain(stuck, barrier(x[0] ** 2, count))
 
-    assert (refused.value.barrier, refused.value.tried) == ("limit", 3)
+    assert (refused.value.barrier, refused.value.tried, refused.value.is_contained) == ("limit", 3, False)
+    assert "do not contain the input" in str(refused.value)
+
+
+def test_a_barrier_that_is_flat_nearly_everywhere_is_said_to_be() -> None:
+    with pytest.raises(RelativeDegreeError) as refused:
+        derive_chain(TRIPLE, barrier(ca.tanh(1e4 * (x[0] - 123)), 4))
+
+    assert refused.value.is_contained
+    assert "contain the input, but it has no effect at any state tried" in str(refused.value)
 
 
 def test_a_constant_barrier_has_no_relative_degree() -> None:
