@@ -4,6 +4,7 @@ import inspect
 from enum import IntEnum
 
 import pytest
+from msgspec.structs import replace
 from passafe_protocol import messages, passafe_pb2
 from passafe_protocol.messages import FilterStatus, Header, PlantPhase
 from passafe_protocol.shapes import shape_of
@@ -42,3 +43,11 @@ def test_fallbacks_are_the_most_severe_statuses() -> None:
     assert [status.severity for status in by_severity] == list(range(1, len(FilterStatus) + 1))
     first = next(k for k, status in enumerate(by_severity) if status.is_fallback)
     assert all(status.is_fallback for status in by_severity[first:])
+
+
+def test_the_robot_is_where_the_plant_knows_it_to_be(body_of: dict[type[messages.Message], messages.Message]) -> None:
+    state = body_of[messages.PlantState]
+    assert isinstance(state, messages.PlantState)
+
+    assert replace(state, true_x=()).actual_x == state.x
+    assert replace(state, true_x=(9.0,) * len(state.x)).actual_x == (9.0,) * len(state.x)
