@@ -64,7 +64,7 @@ class Rule(NamedTuple):
         field: Its name.
         allowed: The rule in words.
         holds: Checks it on the whole message.
-        least: Smallest number allowed, if the rule bounds a number.
+        least: Smallest number allowed, if the rule bounds a number or those of a vector.
         largest: Largest number allowed.
     """
 
@@ -105,6 +105,11 @@ def _plant_time(field: str) -> Rule:
     return Rule(field, "≥ 0, or −1 for none", lambda m: getattr(m, field) >= UNSEQUENCED, UNSEQUENCED)
 
 
+def _numbers(field: str, least: float, largest: float = inf) -> Rule:
+    allowed = f"numbers ≥ {least:g}" if largest == inf else f"numbers from {least:g} to {largest:g}"
+    return Rule(field, allowed, lambda m: all(least <= x <= largest for x in getattr(m, field)), least, largest)
+
+
 def _vector(field: str) -> Rule:
     return Rule(field, f"1 to {MAX_VECTOR} numbers", lambda m: len(getattr(m, field)) > 0)
 
@@ -129,7 +134,7 @@ RULES: Final[dict[RecordType, tuple[Rule, ...]]] = {
     Steer: (
         _positive("turn"),
         _one_of("driver", *WhoDrives),
-        Rule("shares", "numbers from -1 to 1", lambda m: all(-1.0 <= share <= 1.0 for share in m.shares)),
+        _numbers("shares", -1.0, 1.0),
         Rule("page", "> 0 for a page that drives, else 0", lambda m: (m.page > 0) == (m.driver == WhoDrives.PAGE)),
         _not_negative("age_ns"),
         _not_negative("echoed_for_ns"),
@@ -173,20 +178,16 @@ RULES: Final[dict[RecordType, tuple[Rule, ...]]] = {
             lambda m: len(m.override.held_back) in {0, len(m.u)},
         ),
         _empty_or_as_long_as("x_error", "x_hat"),
-        Rule("x_error", "numbers ≥ 0", lambda m: all(error >= 0 for error in m.x_error)),
+        _numbers("x_error", 0.0),
         _empty_or_as_long_as("residual", "x_hat"),
-        Rule("residual", "numbers ≥ 0", lambda m: all(factor >= 0 for factor in m.residual)),
+        _numbers("residual", 0.0),
     ),
     LinkOutage: (_between("start_s", 0, MAX_SCHEDULE_S), _between("end_s", 0, MAX_SCHEDULE_S)),
     LinkParameters: (
         *(_between(field, least, largest) for field, (least, largest) in RANGES.items()),
         _one_of("distribution", *DISTRIBUTIONS),
         Rule("network", f"{', '.join(NETWORKS)}, or empty", lambda m: m.network in {"", *NETWORKS}),
-        Rule(
-            "quantiles_s",
-            f"numbers from 0 to {MAX_DELAY_S:g}",
-            lambda m: all(0 <= delay_s <= MAX_DELAY_S for delay_s in m.quantiles_s),
-        ),
+        _numbers("quantiles_s", 0.0, MAX_DELAY_S),
         _between("queue", 1, MAX_QUEUE),
     ),
     LinkConfig: (_one_of("link", *LINKS),),

@@ -102,6 +102,17 @@ def encoded(number: int, body: Message) -> bytes:
     return codec.encode(Header("plant", 3, number, 1, 2, 3, 4), body)
 
 
+@pytest.mark.parametrize(("field", "bad"), [("x_error", -0.375), ("residual", -1e-9)])
+def test_a_vector_with_a_number_out_of_bounds_is_left_out(field: str, bad: float) -> None:
+    bodies = [tick(k, rows=1, consumed=1, status=FilterStatus.MODIFIED) for k in range(6)]
+    good = [encoded(k, replace(body, **{field: (0.375, 0.5)})) for k, body in enumerate(bodies)]
+    changed = good[4][:-CHECKSUM_BYTES].replace(np.float64(0.375).tobytes(), np.float64(bad).tobytes())
+    messages = [*good[:4], with_checksum(changed), good[5]]
+
+    require_same_as_codec(TICK, messages)
+    assert ColumnDecoder(TICK).decode(messages, [field]).valid.tolist() == [0, 1, 2, 3, 5]
+
+
 def test_a_number_out_of_bounds_is_left_to_the_codec() -> None:
     good = [encoded(number, plant_state(number)) for number in range(6)]
     bad = [data[:-CHECKSUM_BYTES] for data in good]
