@@ -2,6 +2,7 @@
 
 import json
 import sys
+from pathlib import Path
 
 import pytest
 from passafe_services.loop.process_spec import ProcessSpec, RestartPolicy
@@ -9,11 +10,15 @@ from passafe_services.loop.session_epochs import SessionEpochs
 from passafe_services.loop.supervisor import supervise
 
 HOUR_NS = 3_600_000_000_000
-FAILING = """import json, sys
+FAILING = """import json, sys, time
+from pathlib import Path
 from passafe_services.loop.readiness import announce_ready
-print(json.dumps(sys.argv[1:]), flush=True)
+print(json.dumps(sys.argv[2:]), flush=True)
 announce_ready("filter")
+while not Path(sys.argv[1]).exists():
+    time.sleep(0.005)
 sys.exit(3)"""
+"""Dies once all are ready: a process that dies before ends the run."""
 
 
 def test_epoch_is_the_wall_clock_while_it_advances() -> None:
@@ -41,13 +46,14 @@ def test_clock_that_stands_gives_no_epoch_twice() -> None:
 
 
 @pytest.mark.live
-def test_restarted_process_has_a_larger_epoch_than_before() -> None:
+def test_restarted_process_has_a_larger_epoch_than_before(tmp_path: Path) -> None:
     """The clock goes back by an hour after the first start; the process dies five times, then the run ends."""
     clock = iter([5 * HOUR_NS, *(4 * HOUR_NS + k for k in range(10))])
     lines: list[str] = []
-    argv = (sys.executable, "-c", FAILING, "--own", "1")
+    all_ready = tmp_path / "ready"
+    argv = (sys.executable, "-c", FAILING, str(all_ready), "--own", "1")
     spec = ProcessSpec(name="filter", argv=argv, epoch_option="--epoch", restarts=RestartPolicy())
-    supervise([spec], emit=lines.append, epochs=SessionEpochs(clock.__next__))
+    supervise([spec], on_ready=all_ready.touch, emit=lines.append, epochs=SessionEpochs(clock.__next__))
     reported = [json.loads(line.partition(" | ")[2]) for line in lines if " | [" in line]
 
     assert [words[:3] for words in reported] == [["--own", "1", "--epoch"]] * 6
