@@ -44,10 +44,10 @@ class BarrierValues:
         h = ca.vertcat(ca.SX(0, 1), *(barrier.h for barrier in barriers))
         self._evaluate_h = self._space.bind(dense_function("h", [x, t], [h]), ["x", "t"], ["h"])
         reading_error = reading_error_of(scenario, robot)
-        possible = h + rounding_error(h, ca.vertcat(x, t), ca.SX([*reading_error, 0.0]))
-        evaluated = dense_function("possible", [x, t], [possible])
-        self._evaluate_possible = self._space.bind(evaluated, ["x", "t"], ["possible"])
         self.is_exact = not any(reading_error)
+        error = 0 if self.is_exact else rounding_error(h, ca.vertcat(x, t), ca.SX([*reading_error, 0.0]))
+        possible = dense_function("possible", [x, t], [h + error])
+        self._evaluate_possible = self._space.bind(possible, ["x", "t"], ["possible"])
         d = ca.vertcat(ca.SX(0, 1), *(motion.displacement(t) for motion in motions.values()))
         self._evaluate_d = self._space.bind(dense_function("d", [t], [d]), ["t"], ["d"])
         self._x, self._t = self._space.part("x"), self._space.part("t")
@@ -60,8 +60,7 @@ class BarrierValues:
             x: State that begins with the scenario's, n numbers or more.
             t_s: Plant time, s.
         """
-        self._x[:] = x[: len(self._x)]
-        self._t[0] = t_s
+        self._write(x, t_s)
         self._evaluate_h()
         values: list[float] = self._h.tolist()
         return values
@@ -73,8 +72,7 @@ class BarrierValues:
             x: State as it was read, that begins with the scenario's, n numbers or more.
             t_s: Plant time, s.
         """
-        self._x[:] = x[: len(self._x)]
-        self._t[0] = t_s
+        self._write(x, t_s)
         self._evaluate_possible()
         values: list[float] = self._possible.tolist()
         return values
@@ -88,3 +86,7 @@ class BarrierValues:
         self._t[0] = t_s
         self._evaluate_d()
         return dict(zip(self._moving, zip(*self._d.tolist(), strict=True), strict=True))
+
+    def _write(self, x: Sequence[float], t_s: float) -> None:
+        self._x[:] = x[: len(self._x)]
+        self._t[0] = t_s

@@ -5,6 +5,7 @@ from dataclasses import replace
 import casadi as ca
 import numpy as np
 import pytest
+from core_designs import gains
 
 from passafe.barrier_chain import Barrier
 from passafe.decision import Status
@@ -29,7 +30,7 @@ def bearing_design(**changes: object) -> FilterDesign:
     parts: dict[str, object] = {
         "system": POINT.system,
         "fail_safe": -8 * POINT.velocity,
-        "barriers": [Barrier(name="bearing", h=2.5 + BEARING, class_k=(4.0, 4.0, 4.0))],  # type: ignore[arg-type]  # gains
+        "barriers": [Barrier(name="bearing", h=2.5 + BEARING, class_k=gains(4, 4, 4))],
         "passivity": Passivity(V=ca.sumsqr(POINT.velocity) / 2),
         "k_i": 50.0,
         "dt_s": 0.01,
@@ -81,7 +82,7 @@ def test_dynamics_do_not_jump_unseen() -> None:
     x, u = ca.SX.sym("x", 3), ca.SX.sym("u")
     slip = ca.atan2(x[2], -1.0)  # π above x₂ = 0, −π below
     system = System(x=x, u=u, f=ca.vertcat(x[1], u + 3 * slip, -1.0), y=x[1])
-    wall = Barrier(name="wall", h=1 + x[0], class_k=(4.0, 4.0, 4.0))  # type: ignore[arg-type]  # gains
+    wall = Barrier(name="wall", h=1 + x[0], class_k=gains(4, 4, 4))
     design = bearing_design(
         system=system,
         fail_safe=0.0,

@@ -268,9 +268,9 @@ def test_an_axis_of_a_norm_is_a_whole_number(axis: float) -> None:
 def test_a_number_beyond_the_doubles_is_refused(number: object) -> None:
     makers: list[Callable[[], object]] = [
         lambda: cart(k_i=number),
-        lambda: cart(uncertainty=Uncertainty(actuator_lag_s=number)),  # type: ignore[arg-type]
-        lambda: Parameter.of("mass", number),  # type: ignore[arg-type]
-        lambda: damped_point(mass=number),  # type: ignore[arg-type]
+        lambda: cart(uncertainty=Uncertainty(actuator_lag_s=number)),  # type: ignore[arg-type]  # wrong on purpose
+        lambda: Parameter.of("mass", number),  # type: ignore[arg-type]  # wrong on purpose
+        lambda: damped_point(mass=number),  # type: ignore[arg-type]  # wrong on purpose
     ]
     for make in makers:
         with pytest.raises(DesignError, match="finite number"):
@@ -280,9 +280,9 @@ def test_a_number_beyond_the_doubles_is_refused(number: object) -> None:
 @pytest.mark.parametrize(
     ("words", "make"),
     [
-        ("parameter name: got 1.0", lambda: Parameter.of(1.0, 1.0)),  # type: ignore[arg-type]
-        ("a FilterDesign", lambda: SafetyPassivityFilter(CART)),  # type: ignore[arg-type]
-        ("a System", lambda: SampledPlant(cart(), X[1] ** 2, 0.01)),  # type: ignore[arg-type]
+        ("parameter name: got 1.0", lambda: Parameter.of(1.0, 1.0)),  # type: ignore[arg-type]  # wrong on purpose
+        ("a FilterDesign", lambda: SafetyPassivityFilter(CART)),  # type: ignore[arg-type]  # wrong on purpose
+        ("a System", lambda: SampledPlant(cart(), X[1] ** 2, 0.01)),  # type: ignore[arg-type]  # wrong on purpose
         ("dt_s: got -1", lambda: SampledPlant(CART, X[1] ** 2, -1.0)),
         ("dt_s: got nan", lambda: SampledPlant(CART, X[1] ** 2, float("nan"))),
     ],

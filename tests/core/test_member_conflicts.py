@@ -3,6 +3,7 @@
 import casadi as ca
 import pytest
 from cart_designs import X, cart
+from core_designs import gains
 
 from passafe.barrier_chain import Barrier
 from passafe.decision import Decision, Status
@@ -13,7 +14,7 @@ from passafe.passivity import Passivity
 from passafe.system import System
 from passafe.uncertainty import Uncertainty
 
-GAINS = (3.0, 3.0, 3.0)
+GAINS = gains(3, 3, 3)
 
 
 def pendulum(**changes: object) -> FilterDesign:
@@ -24,7 +25,7 @@ def pendulum(**changes: object) -> FilterDesign:
     swing = ca.vertcat(x[1], torque - 9.81 / length.symbol * ca.sin(x[0]))
     parts: dict[str, object] = {
         "system": System(x=x, u=u, f=swing, y=x[1], parameters=(length, mass)),
-        "barriers": [Barrier(name=name, h=h, class_k=GAINS) for name, h in (("a", 1 - x[0]), ("b", 1 + x[0]))],  # type: ignore[arg-type]  # gains
+        "barriers": [Barrier(name=name, h=h, class_k=GAINS) for name, h in (("a", 1 - x[0]), ("b", 1 + x[0]))],
         "passivity": Passivity(V=x[1] ** 2 / 2),
         "k_i": 25.0,
         "dt_s": 0.02,
@@ -59,7 +60,7 @@ def test_what_no_member_in_the_middle_can_keep_is_impossible() -> None:
 def test_what_members_alone_may_break_is_no_proof() -> None:
     core = SafetyPassivityFilter(
         cart(
-            barriers=[Barrier(name=n, h=h, class_k=(2.0,) * 3) for n, h in (("a", 1 - X[0]), ("b", 1 + X[0]))],  # type: ignore[arg-type]  # gains
+            barriers=[Barrier(name=n, h=h, class_k=gains(2, 2, 2)) for n, h in (("a", 1 - X[0]), ("b", 1 + X[0]))],
             uncertainty=Uncertainty(disturbance=(0.0, 40.0)),
         )
     )
@@ -78,7 +79,7 @@ def test_a_course_of_the_model_proves_nothing_of_others(sets: float | None, stat
         FilterDesign(
             system=lagged,
             fail_safe=-4 * x[1],
-            barriers=(Barrier(name="wall", h=1 - x[0], class_k=(2.0,) * 4),),  # type: ignore[arg-type]  # gains
+            barriers=(Barrier(name="wall", h=1 - x[0], class_k=gains(2, 2, 2, 2)),),
             passivity=Passivity(V=x[1] ** 2 / 2),
             k_i=50.0,
             dt_s=0.01,
