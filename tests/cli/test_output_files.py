@@ -1,5 +1,6 @@
 """No command writes over a file that it reads, nor two of its files into one."""
 
+import os
 import shutil
 from collections.abc import Callable
 from importlib.resources import files
@@ -10,6 +11,7 @@ from passafe_services.cli.app import app
 from passafe_services.cli.errors import OptionError
 from passafe_services.cli.output_files import require_separate
 from passafe_services.scenarios.load import load_scenario
+from passafe_services.tools.export.whole_file import whole_output
 from short_run import write_log
 from typer.testing import CliRunner
 
@@ -69,6 +71,38 @@ def test_a_link_to_a_file_is_that_file(tmp_path: Path) -> None:
         with pytest.raises(OptionError, match="which is read"):
             require_separate({"--out": tmp_path / name}, [tmp_path / "a"])
     require_separate({"--out": tmp_path / "d", "--html": None, "--svg": tmp_path / "e"}, [tmp_path / "a"])
+
+
+def test_a_link_that_is_written_to_stays(tmp_path: Path) -> None:
+    (tmp_path / "a").write_text("before")
+    (tmp_path / "b").symlink_to("a")
+    with whole_output(tmp_path / "b") as unfinished:
+        unfinished.write_text("after")
+
+    assert (tmp_path / "b").is_symlink()
+    assert (tmp_path / "a").read_text() == "after"
+
+
+@pytest.mark.parametrize(
+    ("place", "kind"), [("/dev/null", "device or pipe"), ("pipe", "device or pipe"), (".", "folder")]
+)
+@pytest.mark.parametrize(
+    "command",
+    [
+        "review l.mcap --html",
+        "review l.mcap --junit",
+        "compare l.mcap l.mcap --svg",
+        "whatif l.mcap --set filter.k_i=5 --out",
+        "export l.mcap --foxglove",
+        "identify l.mcap --out",
+        "link import l.mcap --out",
+        "simulate --out",
+    ],
+)
+def test_what_is_no_file_keeps_its_place(refused: Refused, command: str, place: str, kind: str) -> None:
+    os.mkfifo("pipe")
+
+    assert f"got {place}, a {kind}, allowed a file" in refused(*command.split(), place)
 
 
 def test_a_scenario_is_not_written_over(tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """Output that appears under its name only once it is whole."""
 
+import os
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -16,22 +17,24 @@ UNFINISHED: Final = ".unfinished"
 def whole_output(path: Path) -> Iterator[Path]:
     """Yield the path to write to; at the end of the block it takes the place of ``path``.
 
-    After an error, or Ctrl-C, what was written is removed and what stood under ``path`` before is still there.
+    After an error, or Ctrl-C, what was written is removed and what stood under ``path`` before is still there. A link
+    stays: the file that it leads to is replaced.
 
     Args:
-        path: The file or folder.
+        path: The file or folder; of a folder that there is everything is replaced.
 
     Raises:
         ExportError: It cannot be written.
     """
-    unfinished = path.with_name(path.name + UNFINISHED)
+    place = Path(os.path.realpath(path))  # also of ".", which has no name
+    unfinished = place.with_name(place.name + UNFINISHED)
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
+        place.parent.mkdir(parents=True, exist_ok=True)
         _remove(unfinished)
         yield unfinished
-        if path.is_dir() and unfinished.is_dir():
-            shutil.rmtree(path)
-        unfinished.replace(path)
+        if place.is_dir() and unfinished.is_dir():
+            shutil.rmtree(place)
+        unfinished.replace(place)
     except OSError as error:
         raise ExportError(path, error) from error
     finally:
