@@ -3,8 +3,10 @@
 import time
 from pathlib import Path
 
+import pytest
 from passafe_protocol.identity import Identity
 from passafe_services.keys.authority import Authority, KeyPair
+from passafe_services.keys.errors import KeysMissingError, KeysUnreadableError
 from passafe_services.log.verification import verify
 from signed_logs import NOW_NS, S, record, signer_of
 
@@ -15,6 +17,17 @@ def test_a_log_without_keys_is_not_verified(tmp_path: Path) -> None:
     found = verify(path)
     assert (found.holds, found.found) == (False, [])
     assert found.doubts == ["it is not signed: whoever can write the file can compute its checkpoints anew"]
+
+
+def test_a_pinned_file_must_be_a_certificate(tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    record(path, None)
+    with pytest.raises(KeysMissingError):
+        verify(path, tmp_path / "none.pem")
+    with pytest.raises(KeysUnreadableError):
+        verify(path, path)
+    with pytest.raises(KeysUnreadableError, match="device"):
+        verify(path, Path("/dev/zero"))
 
 
 def test_a_signature_of_another_authority_is_no_proof(log: Path, tmp_path: Path) -> None:

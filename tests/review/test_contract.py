@@ -63,6 +63,14 @@ def test_a_property_can_be_required(verdict: Verdict) -> None:
     assert under(verdict, LogContract(require=("protected-start",))).properties["protected-start"].required
 
 
+def test_a_property_that_the_run_does_not_have_is_unproven(verdict: Verdict) -> None:
+    assert "model" not in verdict.properties
+    found = under(verdict, LogContract(require=("model",)))
+
+    assert found.verdict == "unproven"
+    assert "model was required" in found.words
+
+
 def test_the_example_is_a_contract() -> None:
     assert load_contract(EXAMPLE).topics["state"].gaps_at_most == 0
 

@@ -1,6 +1,7 @@
 """Files of keys: one folder for each holder, written so that nobody else can read a private key."""
 
 import os
+import stat
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -93,6 +94,8 @@ def read_file(path: Path) -> bytes:
         KeysUnreadableError: It cannot be read.
     """
     try:
+        if not stat.S_ISREG(path.stat().st_mode):  # a pipe would wait, and a device never end
+            raise KeysUnreadableError(path, "got a folder, device or pipe, allowed a file")
         return path.read_bytes()
     except FileNotFoundError as error:
         raise KeysMissingError(path) from error

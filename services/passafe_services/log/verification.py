@@ -7,6 +7,7 @@ from typing import Final
 from mcap.records import Channel, Header, Message, Metadata
 from pydantic import BaseModel, ConfigDict
 
+from passafe_services.keys.key_files import read_certificate
 from passafe_services.log.chain_audit import ChainAudit
 from passafe_services.log.checkpoint import (
     CHECKPOINT_RECORD,
@@ -93,6 +94,8 @@ def verify(path: Path, pinned: Path | None = None) -> Verification:
         LogReadError: A file is missing, empty or no MCAP file.
         KeysError: ``pinned`` is no certificate.
     """
+    if pinned is not None:
+        read_certificate(pinned)  # also where the log is not signed: a wrong name must not look like a wrong log
     reader, check = LogReader(path), _Check(pinned)
     for item in reader.items():
         match item:

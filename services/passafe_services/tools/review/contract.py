@@ -127,11 +127,16 @@ def under(verdict: Verdict, contract: LogContract) -> Verdict:
     """Return a verdict that holds only if the contract is kept, too; each bound becomes a property of its own."""
     properties = dict(verdict.properties)
     for name in contract.require:
-        if name in properties:
-            properties[name] = properties[name].model_copy(update={"required": True})
+        properties[name] = (properties.get(name) or _absent(name)).model_copy(update={"required": True})
     properties |= dict(_bounds(verdict, contract))
     changes = {"properties": properties, "verdict": decide(properties), "words": in_words(properties)}
     return verdict.model_copy(update=changes)
+
+
+def _absent(name: str) -> Property:
+    """Return a property that the review of this run does not have: nothing speaks for it."""
+    note = f"{name} was required, and the scenario has nothing to judge it by"
+    return Property(holds=None, required=True, worst=None, at_s=None, requirement=name, note=note)
 
 
 def _bounds(verdict: Verdict, contract: LogContract) -> Iterator[tuple[str, Property]]:
