@@ -79,6 +79,9 @@ def at_the_filter(log: RunLog, topic: Topic, offset_ns: int) -> Arrivals:
 def at_the_plant(log: RunLog, plants: Sequence[ProcessSession]) -> Arrivals:
     """Return the arrivals of inputs at the plant: the step of the first state that counts an input or a newer one.
 
+    An input that no state counts came after the plant's last step or never, unless states are missing in the log: then
+    it is not known.
+
     Args:
         log: The log.
         plants: Sessions of the plant.
@@ -99,6 +102,9 @@ def at_the_plant(log: RunLog, plants: Sequence[ProcessSession]) -> Arrivals:
             if tick in ticks:
                 at[ticks[tick]] = LoggedArrival(started_ns[header.epoch, header.scheduled_ns])
         seen = (state.input_epoch, state.received_tick)
+    if not log.counts[TOPIC_OF_BODY[PlantState].name].gaps:
+        for sent in of_tick.values():
+            at = {place: LoggedArrival(LOST_NS) for place in sent.values()} | at
     return Arrivals(at, USUAL_LATENCY_NS)
 
 
