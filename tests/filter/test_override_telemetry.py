@@ -28,7 +28,7 @@ def tick_at(x: tuple[float, ...], u_h: tuple[float, float], core: SafetyPassivit
         FilterStatus[decision.status.name],
         OperatorRequest(u_h, (0.0, 0.0), 30, CommandState.RESUMES, 0.25),
     )
-    tick = TickRecord(Telemetry(core, Explainer(core)), 1, status, decision, 0, 1.0, (), 20, request, 7)()
+    tick = TickRecord(Telemetry(core, Explainer(core)), 1, status, decision, decision, 0, 1.0, (), 20, request, 7)()
     assert decode(TICK, encode(HEADER, tick))[1] == tick
     assert (tick.state_age_ns, tick.command_age_ns, tick.horizon_ns) == (20, 30, 7)
     assert (tick.command_state, tick.command_share) == ("resumes", 0.25)

@@ -16,6 +16,7 @@ from passafe_protocol.topics import EVENT, INPUT, SCENARIO, TICK
 from passafe.filter import SafetyPassivityFilter
 from passafe.override import Explainer
 from passafe_services.filter.command_intake import CommandIntake
+from passafe_services.filter.distance_basis import DistanceBasis
 from passafe_services.filter.event_emitter import OverrideEventEmitter, StatusEventEmitter
 from passafe_services.filter.input_path import InputPath
 from passafe_services.filter.model_watch import ModelWatch
@@ -83,6 +84,7 @@ class DecisionLoop:
         self._core = core
         self._schedule = schedule
         self._telemetry = Telemetry(core, explainer)
+        self._distance_basis = DistanceBasis()
         self._status_events = StatusEventEmitter()
         self._override_events = OverrideEventEmitter(explainer, override_text, max(core.design.limits.magnitude))
         self._commands = commands
@@ -223,6 +225,7 @@ class DecisionLoop:
             self._tick,
             _STALE if stale else STATUS[decision.status],
             decision,
+            self._distance_basis.of(decision, effective_ns),
             effective_ns,
             tank_j,
             inbox,

@@ -41,6 +41,7 @@ class TickRecord(Struct, frozen=True, eq=False, gc=False):
         tick: Number of the tick.
         status: Status, staleness included.
         decision: The decision.
+        basis: The decision whose distance to infeasibility is reported.
         effective_plant_ns: Plant time at which the decision takes effect, ns.
         tank_j: Predicted energy in the tank at that time, J.
         inbox: Messages that the step consumed.
@@ -54,6 +55,7 @@ class TickRecord(Struct, frozen=True, eq=False, gc=False):
     tick: int
     status: FilterStatus
     decision: Decision
+    basis: Decision
     effective_plant_ns: int
     tank_j: float
     inbox: Sequence[Received]
@@ -83,6 +85,7 @@ class Telemetry:
         self._explainer = explainer
         self._hard = core.derivation.rows.hard
         self._distance = DistanceToInfeasibility(core.design.limits, self._hard)
+        self._newest_distance: tuple[Decision, float] | None = None
         self._has_eps = bool(core.layout.shapes["eps"][0])
         self._chains = len(core.chains)
         self._barriers = barrier_members(core)
@@ -142,7 +145,7 @@ class Telemetry:
                 tuple(override.held_back.tolist()),
                 override.allowed_fraction,
                 override.unavoidable,
-                self._distance.of(decision).lower,
+                self._distance_at(record.basis),
             ),
             horizon_ns=record.horizon_ns,
             command_state=record.request.state.value,
@@ -150,6 +153,12 @@ class Telemetry:
             x_error=request.x_error,
             residual=record.residual,
         )
+
+    def _distance_at(self, basis: Decision) -> float:
+        """Return the distance to infeasibility at a decision; of the newest one it is computed once."""
+        if self._newest_distance is None or self._newest_distance[0] is not basis:
+            self._newest_distance = basis, self._distance.of(basis).lower
+        return self._newest_distance[1]
 
 
 def _barrier_report(members: BarrierMembers, psi: Vector, eps: Vector) -> BarrierReport:

@@ -15,7 +15,6 @@ from passafe_protocol.topics import TOPIC_OF_BODY
 from passafe.decision import Status
 from passafe.infeasibility import DistanceToInfeasibility
 from passafe.override import ACTIVE_DUAL, Explainer, Explanation
-from passafe.row_distances import RowDistances
 from passafe.workspace import Array
 from passafe_services.filter.build import CompiledFilter
 from passafe_services.filter.member_rows import BarrierMembers, barrier_members
@@ -40,9 +39,7 @@ class ReplayedTicks:
         self._row_names, self._constraints = core.row_names, core.constraints
         self._barriers: tuple[BarrierMembers, ...] = barrier_members(core)
         self._parts = core.layout.parts
-        hard = core.derivation.rows.hard
-        self._distance = DistanceToInfeasibility(core.design.limits, hard)
-        self._row_distances = RowDistances(core.design.limits, hard, core.layout)
+        self._distance = DistanceToInfeasibility(core.design.limits, core.derivation.rows.hard)
         self._has_eps = bool(core.layout.shapes["eps"][0])
 
     def columns(self, records: Sequence[TickRecord]) -> Columns:
@@ -56,7 +53,7 @@ class ReplayedTicks:
             **self._of_request(blocks, records),
             **self._of_barriers(blocks),
             **self._of_rows(blocks, explanation, is_plain),
-            **self._of_override(blocks, explanation, is_plain, records),
+            **self._of_override(explanation, is_plain, records),
             **_of_certificate(records),
             **_of_consumed(records),
         }
@@ -114,21 +111,24 @@ class ReplayedTicks:
 
     def _of_override(
         self,
-        blocks: Array,
         explanation: Explanation[Array],
         is_plain: NDArray[np.bool_],
         records: Sequence[TickRecord],
     ) -> Columns:
         fraction = explanation.allowed_fraction[:, 0]
-        distances, decided = self._row_distances.of(blocks)
-        for row in np.nonzero(~decided)[0].tolist():
-            distances[row] = self._distance.of(records[row].decision).lower
         return {
             **_vectors("override.held_back", np.where(is_plain[:, None], explanation.change, explanation.held_back)),
             "override.allowed_fraction": np.where(is_plain, 1.0, np.where(fraction < 0.0, 0.0, fraction)),
             "override.unavoidable": (fraction < 0.0) & ~is_plain,
-            "override.distance_to_infeasibility": distances,
+            "override.distance_to_infeasibility": self._distances(records),
         }
+
+    def _distances(self, records: Sequence[TickRecord]) -> NDArray[Any]:
+        """Return the distances to infeasibility at the records' bases, each of which serves a stretch of ticks."""
+        bases = [record.basis for record in records]
+        begins = [k for k, basis in enumerate(bases) if k == 0 or basis is not bases[k - 1]]
+        distances = _numbers([self._distance.of(bases[k]).lower for k in begins], np.float64)
+        return np.repeat(distances, np.diff([*begins, len(bases)]))
 
 
 def _of_records(records: Sequence[TickRecord]) -> Columns:
