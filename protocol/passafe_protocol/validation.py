@@ -114,10 +114,6 @@ def _vector(field: str) -> Rule:
     return Rule(field, f"1 to {MAX_VECTOR} numbers", lambda m: len(getattr(m, field)) > 0)
 
 
-def _as_long_as(field: str, other: str) -> Rule:
-    return Rule(field, f"as many numbers as {other}", lambda m: len(getattr(m, field)) == len(getattr(m, other)))
-
-
 def _empty_or_as_long_as(field: str, other: str) -> Rule:
     allowed = f"no numbers, or as many as {other}"
     return Rule(field, allowed, lambda m: len(getattr(m, field)) in {0, len(getattr(m, other))})
@@ -151,7 +147,7 @@ RULES: Final[dict[RecordType, tuple[Rule, ...]]] = {
     PlantState: (
         _vector("x"),
         _vector("y"),
-        _as_long_as("u", "y"),
+        _vector("u"),
         _not_negative("integration_error"),
         _plant_time("sequence_break_ns"),
         Rule("guard", f"{', '.join(filter(None, GuardAction))}, or empty", lambda m: m.guard in {*GuardAction}),

@@ -80,7 +80,6 @@ class DecisionLoop:
         """
         self._watch = watch
         self._uses_sets = core.design.uncertainty is not None
-        system = core.design.system
         self._core = core
         self._schedule = schedule
         self._telemetry = Telemetry(core, explainer)
@@ -95,7 +94,7 @@ class DecisionLoop:
         self._starts_nearest = self._starts = starts_nearest
         self._info: ScenarioInfo | None = info
         self._tick = 0
-        self._newest = NewestState(system.n, system.m, SendTime(clock_id))
+        self._newest = NewestState(core.design.system, SendTime(clock_id))
         self._last: TickRecord | None = None
         self._unreported: list[Received] = []
 

@@ -4,6 +4,7 @@ from typing import Final
 
 from passafe_protocol.messages import PlantPhase, PlantState, Received
 
+from passafe.system import System
 from passafe_services.filter.send_time import SendTime
 
 LONGEST_PERIOD_NS: Final = 100_000_000
@@ -20,15 +21,14 @@ class NewestState:
         epoch: Session of the plant; 0 before the first state.
     """
 
-    def __init__(self, n: int, m: int, send_time: SendTime) -> None:
+    def __init__(self, system: System, send_time: SendTime) -> None:
         """Start before the first state.
 
         Args:
-            n: Length of x.
-            m: Length of u and y.
+            system: The plant, whose states, inputs and outputs are counted.
             send_time: Estimates when states were sent.
         """
-        self._n, self._m = n, m
+        self._sizes = (system.n, system.m, int(system.y.numel()))
         self._send_time = send_time
         self.restart(0)
 
@@ -55,7 +55,7 @@ class NewestState:
             received: The message.
             state: Its body.
         """
-        if len(state.x) != self._n or not len(state.y) == len(state.u) == self._m:
+        if (len(state.x), len(state.u), len(state.y)) != self._sizes:
             return False
         header, newest = received.header, self.state
         if received.term > self._term or (header.epoch != self.epoch and received.term == self._term):
