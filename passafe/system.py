@@ -53,7 +53,9 @@ class System:
         for part in ("x", "u"):
             symbol = getattr(self, part)
             if not symbol.is_valid_input() or not symbol.is_column() or symbol.numel() == 0:
-                raise ShapeError(f"system {part}", symbol, "a non-empty column of symbols")
+                raise ShapeError(f"system {part}", described(symbol), "a non-empty column of symbols")
+        if not self.t.is_scalar() or not self.t.is_symbolic():
+            raise ShapeError("system t", described(self.t), "one symbol")
         object.__setattr__(self, "n", int(self.x.numel()))
         object.__setattr__(self, "m", int(self.u.numel()))
         self._take_parameters()
@@ -158,5 +160,7 @@ class System:
         known = {symbol.element_hash(): str(symbol) for symbol in ca.vertsplit(symbols)}
         foreign = sorted(str(symbol) for symbol in ca.symvar(expression) if symbol.element_hash() not in known)
         if foreign:
-            allowed = f"expressions of {sorted(known.values())}"
+            named = sorted(set(foreign) & {parameter.name for parameter in self.parameters})
+            instead = f"; of {', '.join(map(repr, named))} take the parameter's value" if named else ""
+            allowed = f"expressions of {sorted(known.values())}{instead}"
             raise DesignError(f"system {part}", f"the symbols {foreign}", allowed)

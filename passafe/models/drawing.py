@@ -1,13 +1,15 @@
 """Shape in which a robot is drawn: points, links between them, an outline that turns with a heading."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
+from math import isfinite
 from typing import Final
 
 import casadi as ca
 
+from passafe.arguments import described, is_one_number, members, numbers
 from passafe.errors import DesignError, ShapeError
 from passafe.expressions import as_column
+from passafe.ranges import require_not_negative
 
 MOST_CORNERS: Final = 64
 """Corners of an outline, links and points of a drawing: what a page draws thirty times a second."""
@@ -39,20 +41,31 @@ class Drawing:
         """Refuse shapes and numbers of points that do not fit."""
         object.__setattr__(self, "points", as_column("drawing points", self.points))
         object.__setattr__(self, "heading", as_column("drawing heading", self.heading))
-        if self.dimensions not in (2, 3):
-            raise DesignError("drawing dimensions", self.dimensions, "2 or 3")
+        if isinstance(self.dimensions, bool) or not is_one_number(self.dimensions) or self.dimensions not in (2, 3):
+            raise DesignError("drawing dimensions", described(self.dimensions), "2 or 3")
+        object.__setattr__(self, "dimensions", int(self.dimensions))
         count, rest = divmod(int(self.points.numel()), self.dimensions)
         if rest or not 1 <= count <= MOST_CORNERS:
             allowed = f"{self.dimensions} rows for each of 1 to {MOST_CORNERS} points"
             raise ShapeError("drawing points", f"shape {self.points.shape}", allowed)
         if self.heading.shape != (1, 1):
             raise ShapeError("drawing heading", f"shape {self.heading.shape}", "shape (1, 1)")
-        if any(not (len(pair) == 2 and all(0 <= end < count for end in pair)) for pair in self.links):  # noqa: PLR2004 - a pair
-            raise DesignError("drawing links", self.links, f"pairs of points from 0 to {count - 1}")
-        if self.radii and len(self.radii) != count:
-            raise DesignError("drawing radii", f"{len(self.radii)} numbers", f"one for each of {count} points, or none")
-        _require_few("links", self.links)
-        _require_few("outline", self.outline)
+        self._take_links(count)
+        outline = _pairs("outline", self.outline, "pairs of finite numbers, the corners")
+        object.__setattr__(self, "outline", outline)
+        radii = numbers("drawing radii", self.radii)
+        if radii and len(radii) != count:
+            raise DesignError("drawing radii", f"{len(radii)} numbers", f"one for each of {count} points, or none")
+        for radius in radii:
+            require_not_negative("drawing radii", radius, "m")
+        object.__setattr__(self, "radii", radii)
+
+    def _take_links(self, count: int) -> None:
+        allowed = f"pairs of points from 0 to {count - 1}"
+        ends = _pairs("links", self.links, allowed)
+        if any(end not in range(count) for pair in ends for end in pair):
+            raise DesignError("drawing links", described(self.links), allowed)
+        object.__setattr__(self, "links", tuple((int(one), int(other)) for one, other in ends))
 
     @property
     def count(self) -> int:
@@ -60,6 +73,17 @@ class Drawing:
         return int(self.points.numel()) // self.dimensions
 
 
-def _require_few(part: str, items: Sequence[object]) -> None:
-    if len(items) > MOST_CORNERS:
-        raise DesignError(f"drawing {part}", f"{len(items)} entries", f"at most {MOST_CORNERS}")
+def _pairs(part: str, value: object, allowed: str) -> tuple[tuple[float, float], ...]:
+    """Return pairs of finite numbers, not too many of them."""
+    found = members(value)
+    if found is None:
+        raise DesignError(f"drawing {part}", described(value), allowed)
+    if len(found) > MOST_CORNERS:
+        raise DesignError(f"drawing {part}", f"{len(found)} entries", f"at most {MOST_CORNERS}")
+    pairs = []
+    for entry in found:
+        pair = numbers(f"drawing {part}", entry, allowed)
+        if len(pair) != 2 or not all(map(isfinite, pair)):  # noqa: PLR2004 - a pair
+            raise DesignError(f"drawing {part}", described(entry), allowed)
+        pairs.append((pair[0], pair[1]))
+    return tuple(pairs)

@@ -5,7 +5,10 @@ from dataclasses import dataclass
 from math import inf
 from typing import Final
 
+from passafe.arguments import described, numbers
 from passafe.class_k import ClassK, Linear
+from passafe.errors import DesignError
+from passafe.ranges import require_not_negative
 
 ROUNDING: Final = 1e-9
 """Relative difference up to which a gain counts as one that is kept."""
@@ -24,6 +27,20 @@ class FailSafeScope:
     dt_s: float = 0.0
     kept_gains: tuple[float, ...]
     top_speed: float = inf
+
+    def __post_init__(self) -> None:
+        """Refuse times, gains and speeds that are none."""
+        require_not_negative("fail-safe scope dt_s", self.dt_s, "s")
+        gains = numbers("fail-safe scope kept_gains", self.kept_gains)
+        if not gains:
+            raise DesignError("fail-safe scope kept_gains", "no numbers", "the largest gains that are kept, 0 for none")
+        for gain in gains:
+            require_not_negative("fail-safe scope kept_gains", gain, "1/s")
+        object.__setattr__(self, "kept_gains", gains)
+        speed = numbers("fail-safe scope top_speed", self.top_speed, "one number")
+        if len(speed) != 1 or not speed[0] >= 0:
+            raise DesignError("fail-safe scope top_speed", described(self.top_speed), "zero or a positive number")
+        object.__setattr__(self, "top_speed", speed[0])
 
     def keeps(self, class_k: Sequence[ClassK]) -> bool:
         """Return whether a chain with these functions is within ``kept_gains``: linear, and no steeper."""

@@ -7,20 +7,25 @@ from typing import Final
 import casadi as ca
 import numpy as np
 
-from passafe.arguments import described
+from passafe.arguments import described, members
 from passafe.derivative_bounds import DerivativeBounds
 from passafe.errors import DesignError, ShapeError
 from passafe.expressions import as_column
 from passafe.models.body_sphere import BodySphere
 from passafe.models.drawing import Drawing
 from passafe.models.fail_safe_scope import FailSafeScope
+from passafe.models.robot_parts import LONGEST_TEXT, count, kind_or_none, kinds, name, text, texts
 from passafe.models.task_frame import TaskFrame
+from passafe.ranges import require_finite
 from passafe.system import System
 
 _NOTHING: Final = 1e-9
 """Largest input that a command of zero may lead to: rounding."""
 
 _KEEPS_NONE: Final = FailSafeScope(kept_gains=(0.0,))
+
+MOST_POINTS: Final = 32
+"""Points in the plane that one robot may move."""
 
 NOT_STATED: Final = "not stated: which barriers the law keeps is for the robot's maker to say"
 
@@ -34,8 +39,8 @@ class Robot:
     Attributes:
         system: The dynamics.
         position: Expression of x, shape (k, 1), m; rad for joints.
-        velocity: Expression of x, shape (k, 1), m/s; rad/s for joints. The rate of the position if it is not given,
-            which then must not depend on the input.
+        velocity: Expression of x, shape (k, 1), m/s; rad/s for joints. The rate of the position if it is not given; of
+            shape (0, 1) where that depends on the input, as for a robot whose speed is commanded: it has none.
         points: How many points in the plane the position is made of; 0 where it is no place, as with joints.
         fail_safe: Law u(x) that the robot applies when no input comes, shape (m, 1).
         fail_safe_gain: K, by which that law multiplies −velocity, 1/s or equivalent.
@@ -77,6 +82,7 @@ class Robot:
         """Refuse parts that do not fit the system."""
         if not isinstance(self.system, System):
             raise DesignError("robot system", described(self.system), "a passafe.System")
+        object.__setattr__(self, "points", count("robot points", self.points, MOST_POINTS))
         self._take("position", self.position)
         rows = int(self.position.numel())
         if rows == 0 or rows < 2 * self.points:
@@ -87,17 +93,39 @@ class Robot:
             self._take("feedback", self.feedback, self.system.m)
         if self.storage is not None:
             self._take("storage", self.storage, 1)
-        if not isinstance(self.barriers, Mapping):
-            raise DesignError("robot barriers", described(self.barriers), "h by name, a dict")
-        own = {name: as_column(f"robot barrier {name!r}", h) for name, h in self.barriers.items()}
-        for name, h in own.items():
-            self.system.require_state_function(f"barrier {name!r}", h, 1, may_move=True)
-        object.__setattr__(self, "barriers", own)
-        if self.state_units and len(self.state_units) != self.system.n:
-            got = f"{len(self.state_units)} words"
-            raise DesignError("robot state_units", got, f"{self.system.n}, one for each state, or none")
+        self._take_barriers()
+        self._take_fail_safe_terms(rows)
+        kind_or_none("robot power_bounds", self.power_bounds, DerivativeBounds)
+        spheres = kinds("robot spheres", self.spheres, BodySphere, "a sequence of spheres of the body")
+        object.__setattr__(self, "spheres", spheres)
+        text("robot input_unit", self.input_unit)
+        object.__setattr__(self, "state_units", texts("robot state_units", self.state_units, self.system.n))
         self._check_task()
         self._check_drawing()
+
+    def _take_barriers(self) -> None:
+        if not isinstance(self.barriers, Mapping):
+            raise DesignError("robot barriers", described(self.barriers), "h by name, a dict")
+        own = {
+            name("robot barriers", each): as_column(f"robot barrier {each!r}", h) for each, h in self.barriers.items()
+        }
+        for each, h in own.items():
+            self.system.require_state_function(f"barrier {each!r}", h, 1, may_move=True)
+        object.__setattr__(self, "barriers", own)
+
+    def _take_fail_safe_terms(self, rows: int) -> None:
+        """Refuse what is said of the fail-safe law in no words or numbers that it can be held against."""
+        require_finite("robot fail_safe_gain", self.fail_safe_gain, "1/s")
+        if not isinstance(self.fail_safe_scope, FailSafeScope):
+            raise DesignError("robot fail_safe_scope", described(self.fail_safe_scope), "a passafe.FailSafeScope")
+        text("robot fail_safe_condition", self.fail_safe_condition, LONGEST_TEXT)
+        corners = members(self.stopping_hull)
+        if corners is None:
+            raise DesignError("robot stopping_hull", described(self.stopping_hull), "a sequence of positions")
+        hull = tuple(as_column("robot stopping_hull", corner) for corner in corners)
+        for corner in hull:
+            self.system.require_state_function("stopping_hull", corner, rows)
+        object.__setattr__(self, "stopping_hull", hull)
 
     def _take(self, part: str, value: object, rows: int | None = None) -> None:
         expression = as_column(f"robot {part}", value)
@@ -109,8 +137,8 @@ class Robot:
         if velocity.shape == (0, 0):
             velocity = self.system.lie_derivative(self.position)
             if ca.depends_on(velocity, self.system.u):
-                raise DesignError("robot velocity", "none, and the rate of the position depends on u", "one given")
-        self._take("velocity", velocity, rows)
+                velocity = ca.SX(0, 1)
+        self._take("velocity", velocity, rows if velocity.numel() else 0)
 
     def _check_task(self) -> None:
         if self.task is None:
@@ -140,5 +168,11 @@ class Robot:
         return self.system.m if self.task is None else self.task.size
 
     def proportional_derivative(self, *, k_p: float, k_d: float) -> ca.SX:
-        """Return u_fb = −k_p·position − k_d·velocity, for robots with one input for each coordinate."""
-        return -k_p * self.position - k_d * self.velocity
+        """Return u_fb = −k_p·position − k_d·velocity, for robots with one input for each coordinate.
+
+        Raises:
+            DesignError: A gain of the velocity, of a robot that has none.
+        """
+        if k_d and not self.velocity.numel():
+            raise DesignError("k_d", k_d, "0 for a robot without a velocity")
+        return -k_p * self.position - (k_d * self.velocity if k_d else 0)

@@ -4,8 +4,10 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from passafe.errors import DesignError, ShapeError
+from passafe.arguments import described
+from passafe.errors import ShapeError
 from passafe.expressions import as_column
+from passafe.models.robot_parts import texts
 from passafe.system import System
 
 
@@ -29,9 +31,8 @@ class TaskFrame:
         command = self.command
         is_symbol = isinstance(command, ca.SX) and command.is_valid_input() and command.is_column() and command.numel()
         if not is_symbol:
-            raise ShapeError("task command", command, "a non-empty column of symbols")
-        if self.axes and len(self.axes) != command.numel():
-            raise DesignError("task axes", f"{len(self.axes)} names", f"{command.numel()}, one for each, or none")
+            raise ShapeError("task command", described(command), "a non-empty column of symbols")
+        object.__setattr__(self, "axes", texts("task axes", self.axes, int(command.numel())))
 
     @property
     def size(self) -> int:

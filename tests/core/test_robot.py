@@ -1,11 +1,12 @@
 """A robot of one's own: parts that are optional, and what is refused, in one line."""
 
+from math import inf, nan
 from typing import Any
 
 import casadi as ca
 import pytest
 
-from passafe import Drawing, FailSafeScope, Robot, System, TaskFrame
+from passafe import Drawing, FailSafeScope, Parameter, Robot, System, TaskFrame
 from passafe.errors import DesignError, ShapeError
 
 X, U, W = ca.SX.sym("x", 2), ca.SX.sym("u", 1), ca.SX.sym("w", 2)
@@ -22,6 +23,39 @@ def value(expression: ca.SX, x: tuple[float, float]) -> list[float]:
 
 def test_velocity_is_the_rate_of_the_position_if_not_given() -> None:
     assert value(cart(position=X[0] ** 2).velocity, (3.0, 2.0)) == [12.0]
+
+
+def test_robot_whose_speed_is_its_input_has_no_velocity() -> None:
+    robot = cart(position=X[1])
+
+    assert robot.velocity.numel() == 0
+    assert value(robot.proportional_derivative(k_p=2.0, k_d=0.0), (0.0, 3.0)) == [-6.0]
+    with pytest.raises(DesignError, match=r"k_d: got 1\.0, allowed 0 for a robot without a velocity"):
+        robot.proportional_derivative(k_p=0.0, k_d=1.0)
+
+
+def test_parameters_symbol_outside_of_the_dynamics_is_named() -> None:
+    drag = Parameter.of("drag", 1.0)
+    system = System(x=X, u=U, f=ca.vertcat(X[1], U - drag.symbol * X[1]), y=X[1], parameters=(drag,))
+
+    with pytest.raises(DesignError, match="of 'drag' take the parameter's value"):
+        cart(system=system, fail_safe=-drag.symbol * X[1])
+
+
+@pytest.mark.parametrize(
+    ("parts", "words"),
+    [
+        ({"dt_s": -1.0}, "fail-safe scope dt_s: got -1.0"),
+        ({"kept_gains": ()}, "fail-safe scope kept_gains: got no numbers"),
+        ({"kept_gains": (nan,)}, "fail-safe scope kept_gains: got nan"),
+        ({"kept_gains": "1"}, "fail-safe scope kept_gains: got '1'"),
+        ({"top_speed": "fast"}, "fail-safe scope top_speed: got 'fast'"),
+        ({"top_speed": -1.0}, "fail-safe scope top_speed: got -1.0"),
+    ],
+)
+def test_scope_refuses_what_nothing_is_held_against(parts: dict[str, Any], words: str) -> None:
+    with pytest.raises(DesignError, match=words):
+        FailSafeScope(**{"kept_gains": (1.0,)} | parts)
 
 
 def test_parts_may_be_numbers_or_sequences() -> None:
@@ -45,7 +79,21 @@ def test_robot_says_of_its_fail_safe_that_nothing_is_stated() -> None:
         ({"system": 3}, "robot system: got 3 (int), allowed a passafe.System"),
         ({"position": ca.SX(0, 1)}, "robot position: got 0 rows"),
         ({"points": 1}, "robot position: got 1 rows, allowed two for each of 1 points"),
-        ({"position": X[1]}, "robot velocity: got none, and the rate of the position depends on u"),
+        ({"points": "1"}, "robot points: got '1' .* allowed a whole number from 0 to 32"),
+        ({"points": 0.5}, "robot points: got 0.5"),
+        ({"velocity": X}, r"system velocity: got shape \(2, 1\)"),
+        ({"fail_safe_gain": inf}, "robot fail_safe_gain: got inf"),
+        ({"fail_safe_scope": 1.0}, "robot fail_safe_scope: got 1.0 .* allowed a passafe.FailSafeScope"),
+        ({"fail_safe_condition": 3}, "robot fail_safe_condition: got 3 .* allowed text"),
+        ({"stopping_hull": 3}, "robot stopping_hull: got 3 .* allowed a sequence of positions"),
+        ({"stopping_hull": (X,)}, "system stopping_hull: got shape"),
+        ({"power_bounds": 1}, "robot power_bounds: got 1 .* allowed a passafe.DerivativeBounds, or None"),
+        ({"spheres": (1,)}, "robot spheres: got 1 .* allowed a sequence of spheres"),
+        ({"input_unit": 3}, "robot input_unit: got 3 .* allowed text"),
+        ({"state_units": 5}, "robot state_units: got 5 .* allowed a sequence of 2 words"),
+        ({"state_units": ("m", 3)}, "robot state_units: got 3 .* allowed text"),
+        ({"barriers": {"": X[0]}}, "robot barriers: got no characters, allowed a name of 1 to 200 characters"),
+        ({"barriers": {3: X[0]}}, "robot barriers: got 3 .* allowed text"),
         ({"fail_safe": X}, r"system fail_safe: got shape \(2, 1\)"),
         ({"feedback": U}, "system feedback: got the symbols"),
         ({"storage": X}, "system storage: got shape"),
@@ -80,16 +128,23 @@ def test_rate_of_a_task_command_follows_the_plant() -> None:
 def test_task_refuses_a_command_that_is_no_symbol() -> None:
     with pytest.raises(ShapeError, match="task command"):
         TaskFrame(command=W * 2, u_h=W)
-    with pytest.raises(DesignError, match="task axes: got 1 names, allowed 2"):
+    with pytest.raises(DesignError, match="task axes: got 1 words, allowed 2"):
         TaskFrame(command=W, u_h=W, axes=("x",))
+    with pytest.raises(DesignError, match=r"task axes: got 2 .* allowed text"):
+        TaskFrame(command=W, u_h=W, axes=("x", 2))  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
     ("parts", "words"),
     [
-        ({"dimensions": 4}, "drawing dimensions: got 4, allowed 2 or 3"),
+        ({"dimensions": 4}, "drawing dimensions: got 4 .* allowed 2 or 3"),
+        ({"dimensions": "2"}, "drawing dimensions: got '2' .* allowed 2 or 3"),
         ({"points": X[0]}, "drawing points: got shape"),
         ({"heading": X}, "drawing heading: got shape"),
+        ({"links": 7}, "drawing links: got 7"),
+        ({"links": ((0, 0.5),)}, "drawing links: got"),
+        ({"outline": ((0.0, nan),)}, "drawing outline: got .* allowed pairs of finite numbers"),
+        ({"radii": (-1.0,)}, "drawing radii: got -1.0"),
         ({"links": ((0, 1),)}, "drawing links: got .* allowed pairs of points from 0 to 0"),
         ({"radii": (0.1, 0.2)}, "drawing radii: got 2 numbers, allowed one for each of 1 points"),
         ({"outline": ((0.0, 0.0),) * 65}, "drawing outline: got 65 entries, allowed at most 64"),

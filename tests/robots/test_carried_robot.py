@@ -3,6 +3,8 @@
 import json
 import zlib
 from base64 import b64encode
+from dataclasses import replace
+from hashlib import sha256
 from typing import Any
 
 import casadi as ca
@@ -13,6 +15,7 @@ from passafe_services.scenarios.robots.carried_robot import MOST_BYTES, CarriedR
 from pydantic import ValidationError
 
 from passafe.errors import DesignError
+from passafe.models.fail_safe_scope import FailSafeScope
 from passafe.models.robot import Robot
 from passafe.models.seven_joint_arm import seven_joint_arm
 from passafe.models.unicycle import unicycle
@@ -49,6 +52,23 @@ def test_what_is_no_function_returns_too() -> None:
     assert after.drawing.outline == MADE.drawing.outline
     assert after.fail_safe_scope == MADE.fail_safe_scope
     assert after.fail_safe_condition == MADE.fail_safe_condition
+
+
+def test_limits_of_the_fail_safe_return_too() -> None:
+    scope = FailSafeScope(kept_gains=(2.0,), dt_s=0.01, top_speed=1.5)
+    carried = CarriedRobot.of(replace(MADE, fail_safe_scope=scope, fail_safe_gain=3.0), made_by="x", built_with={})
+
+    assert (carried.robot().fail_safe_scope, carried.robot().fail_safe_gain) == (scope, 3.0)
+
+
+def test_robot_of_an_earlier_log_keeps_its_digest() -> None:
+    parts = CARRIED.model_dump(mode="json")
+    earlier = {name: value for name, value in parts.items() if name not in {"fail_safe_top_speed", "fail_safe_gain"}}
+    earlier["digest"] = sha256(
+        json.dumps({name: value for name, value in earlier.items() if name != "digest"}, sort_keys=True).encode()
+    ).hexdigest()
+
+    assert CarriedRobot.model_validate(earlier) == CARRIED
 
 
 def test_robot_of_a_robot_is_the_same_data() -> None:

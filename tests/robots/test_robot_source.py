@@ -35,6 +35,11 @@ def ends():
     raise SystemExit(0)
 
 
+def speaks():
+    print("hello")
+    return cart()
+
+
 def asks(what):
     return what
 
@@ -68,6 +73,13 @@ def test_function_of_a_file_makes_the_robot(folder: Path) -> None:
     assert (made.states, made.inputs, made.made_by) == (2, 1, "mine.py:cart")
     (folder / "mine.py").unlink()
     assert made.robot().system.n == 2
+
+
+def test_what_the_code_prints_stays_out_of_the_output(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert folder.is_dir()
+    robot_of_file("mine.py:speaks", {})
+
+    assert capsys.readouterr() == ("", "hello\n")
 
 
 def test_file_is_run_once(folder: Path) -> None:

@@ -81,13 +81,16 @@ def storage_of(scenario: Scenario, robot: Robot) -> ca.SX:
     """Return the scenario's storage function V(x), J.
 
     Raises:
-        ScenarioError: The robot's own, and it brings none.
+        ScenarioError: The robot's own, and it brings none; or one of the velocity, and it has none.
     """
     passivity = scenario.filter.passivity
     if passivity.storage == "own":
         if robot.storage is None:
             raise ScenarioError(scenario.name, "filter.passivity.storage", "own", "a robot that brings its storage")
         return robot.storage
+    if passivity.storage in {"kinetic", "spring"} and not robot.velocity.numel():
+        allowed = "squared-norm, or own: the robot has no velocity"
+        raise ScenarioError(scenario.name, "filter.passivity.storage", passivity.storage, allowed)
     if passivity.storage == "kinetic":
         return kinetic_energy(robot.velocity)
     if passivity.storage == "spring":
@@ -111,6 +114,8 @@ def feedback_of(scenario: Scenario, robot: Robot) -> ca.SX:
     if robot.position.numel() != robot.system.m:
         got = f"k_p, k_d for {robot.position.numel()} coordinates and {robot.system.m} inputs"
         raise ScenarioError(scenario.name, "filter.feedback", got, 'as many of both, or kind = "own"')
+    if config.k_d and not robot.velocity.numel():
+        raise ScenarioError(scenario.name, "filter.feedback.k_d", f"{config.k_d:g}", "0: the robot has no velocity")
     return robot.proportional_derivative(k_p=config.k_p, k_d=config.k_d)
 
 

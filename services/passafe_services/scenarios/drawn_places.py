@@ -24,7 +24,8 @@ class DrawnPlaces:
         outline: Corners of the body in its own frame, m; empty for a robot without one.
         links: Pairs of points that a line joins.
         has_heading: Whether the body has an angle.
-        places: x → all points, the angle if there is one, and the velocities of the position's points.
+        places: x → all points, the angle if there is one, and the velocities of the position's points, 0 for a robot
+            that has none.
         pushes: x → effect of the input on the acceleration of the position's points, shape (2·points, m), for a robot
             that is commanded in a frame of its own; ``None`` where the input is that acceleration itself.
     """
@@ -44,7 +45,7 @@ class DrawnPlaces:
         points = drawing.points if drawing is not None and in_plane else robot.position[: 2 * robot.points]
         outline = drawing.outline if drawing is not None and in_plane else ()
         heading = drawing.heading if drawing is not None and outline else ca.SX(0, 1)
-        speeds = robot.velocity[: 2 * robot.points]
+        speeds = robot.velocity[: 2 * robot.points] if robot.velocity.numel() else ca.SX.zeros(2 * robot.points)
         return cls(
             count=int(points.numel()) // 2,
             outline=outline,
@@ -84,8 +85,8 @@ def _pushes(robot: Robot) -> ca.Function | None:
     """Return the effect of the input on the points' acceleration, where a robot's command is such an acceleration."""
     if robot.task is None or not robot.points or robot.task.size != 2 * robot.points:
         return None
-    acceleration = robot.system.lie_derivative(robot.velocity[: 2 * robot.points])
-    effect = ca.densify(ca.jacobian(acceleration, robot.system.u))
+    moves = robot.velocity if robot.velocity.numel() else robot.position
+    effect = ca.densify(ca.jacobian(robot.system.lie_derivative(moves[: 2 * robot.points]), robot.system.u))
     if not effect.nnz() or ca.depends_on(effect, robot.system.u):
         return None
     return ca.Function("pushes", [robot.system.x], [effect])

@@ -71,7 +71,7 @@ class RobotCodeError(NotAllowedError):
         source: File and function, or entry point.
     """
 
-    def __init__(self, source: str, got: str, allowed: str) -> None:
+    def __init__(self, source: str, got: str, allowed: str, field: str = "function") -> None:
         self.source = source
         self.prefix = f"robot {source}: "
-        super().__init__("function", " ".join(got.split()), allowed)
+        super().__init__(field, " ".join(got.split()), allowed)

@@ -50,7 +50,8 @@ class CoordinateLimit(SingleBarrier):
         """
         coordinates = robot.position if self.of == "position" else robot.velocity
         if self.index >= coordinates.numel():
-            raise DesignError(f"barrier {self.name!r}", f"coordinate {self.index + 1}", f"1 to {coordinates.numel()}")
+            allowed = f"1 to {coordinates.numel()}" if coordinates.numel() else f"a robot with a {self.of}"
+            raise DesignError(f"barrier {self.name!r}", f"{self.of} coordinate {self.index + 1}", allowed)
         sign = -1.0 if self.upper else 1.0
         return half_plane(coordinates[self.index], normal=(sign,), offset=sign * self.bound)
 

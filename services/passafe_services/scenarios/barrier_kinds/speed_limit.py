@@ -5,6 +5,7 @@ from typing import ClassVar, Literal
 import casadi as ca
 
 from passafe.barriers.speed_limit import speed_limit
+from passafe.errors import DesignError
 from passafe.models.robot import Robot
 from passafe_services.scenarios.barrier_kinds.point_barrier import PointBarrier
 from passafe_services.scenarios.fields import Positive
@@ -24,5 +25,12 @@ class SpeedBarrier(PointBarrier):
     limit_m_per_s: Positive
 
     def h(self, robot: Robot) -> ca.SX:
-        """Return h of the point's velocity."""
+        """Return h of the point's velocity.
+
+        Raises:
+            DesignError: The robot has none.
+        """
+        if not robot.velocity.numel():
+            allowed = "a robot with a velocity; one whose speed is its input has limits of the input"
+            raise DesignError(f"barrier {self.name!r}", "a limit of the speed", allowed)
         return speed_limit(self.of_point(robot.velocity), limit=self.limit_m_per_s)

@@ -6,12 +6,12 @@ from base64 import b64decode, b64encode
 from collections.abc import Mapping
 from dataclasses import replace
 from hashlib import sha256
-from typing import Annotated, Any, Final, NamedTuple, Self
+from math import inf
+from typing import Annotated, Any, Final, Self
 
 import casadi as ca
 from pydantic import Field, ValidationInfo, model_validator
 
-from passafe.derivative_bounds import DerivativeBounds
 from passafe.errors import DesignError
 from passafe.models.body_sphere import BodySphere
 from passafe.models.drawing import Drawing
@@ -21,6 +21,7 @@ from passafe.models.task_frame import TaskFrame
 from passafe.parameter import Parameter
 from passafe.system import System
 from passafe_services.scenarios.fields import Config
+from passafe_services.scenarios.robots.bound_symbols import BoundSymbols
 from passafe_services.scenarios.robots.instruction_list import Expressions, expressions_of, listed
 
 MOST_BYTES: Final = 4_000_000
@@ -35,6 +36,9 @@ _UNSIGNED: Final = "unsigned"
 _OWN: Final = "barrier "
 _HULL: Final = "hull "
 _SPHERE: Final = "sphere "
+_LATER: Final = ("fail_safe_top_speed", "fail_safe_gain")
+"""Parts that were added when logs already had robots, with their digests."""
+
 _SYSTEM: Final = ("f", "y", "port_y", "port_u")
 _LAW: Final = ("position", "velocity", "fail_safe", "feedback", "storage")
 
@@ -88,6 +92,8 @@ class CarriedRobot(Config):
         spheres: Spheres of its body.
         kept_gains: Gains that its fail-safe keeps, 1/s.
         fail_safe_dt_s: For how long an input of the fail-safe is held, s.
+        fail_safe_top_speed: Largest speed at which it is proven to begin, m/s or rad/s; ``None``: any.
+        fail_safe_gain: By which it multiplies −velocity; ``None``: not stated.
         fail_safe_condition: In words.
         functions: The instruction list, packed: zlib, then base64.
         digest: SHA-256 of everything else, hexadecimal.
@@ -107,6 +113,8 @@ class CarriedRobot(Config):
     spheres: Annotated[tuple[CarriedSphere, ...], Field(max_length=64)] = ()
     kept_gains: Annotated[tuple[float, ...], Field(max_length=16)] = (0.0,)
     fail_safe_dt_s: float = 0.0
+    fail_safe_top_speed: float | None = None
+    fail_safe_gain: float | None = None
     fail_safe_condition: Annotated[str, Field(max_length=1000)] = ""
     functions: Annotated[str, Field(max_length=MOST_PACKED)]
     digest: Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
@@ -130,7 +138,7 @@ class CarriedRobot(Config):
             DesignError: It is too large, or has an operation that no list holds.
             ValidationError: A number of states, points or names that a scenario cannot hold.
         """
-        sizes = _Sizes.of(robot.system.n, robot.system.m)
+        sizes = BoundSymbols.of(robot.system.n, robot.system.m)
         functions = listed(_symbols(robot.system, robot.task) | sizes.symbols, _expressions(robot, sizes))
         packed = b64encode(zlib.compress(functions.encode(), 9)).decode()
         if len(packed) > MOST_PACKED:
@@ -155,6 +163,8 @@ class CarriedRobot(Config):
             "spheres": tuple(CarriedSphere(name=one.name, radius_m=one.radius_m) for one in robot.spheres),
             "kept_gains": robot.fail_safe_scope.kept_gains,
             "fail_safe_dt_s": robot.fail_safe_scope.dt_s,
+            "fail_safe_top_speed": None if robot.fail_safe_scope.top_speed == inf else robot.fail_safe_scope.top_speed,
+            "fail_safe_gain": robot.fail_safe_gain or None,
             "fail_safe_condition": robot.fail_safe_condition,
             "functions": packed,
         }
@@ -168,7 +178,7 @@ class CarriedRobot(Config):
             DesignError: The functions are none of a robot.
         """
         x, u, t = ca.SX.sym("x", self.states), ca.SX.sym("u", self.inputs), ca.SX.sym("t")
-        sizes = _Sizes.of(self.states, self.inputs)
+        sizes = BoundSymbols.of(self.states, self.inputs)
         w, parameters = ca.SX.sym("w", self.commands), [Parameter.of(*each) for each in self.parameters.items()]
         theta = ca.vertcat(ca.SX(0, 1), *(parameter.symbol for parameter in parameters))
         made = expressions_of(self._unpacked(), {"x": x, "u": u, "t": t, "w": w, "theta": theta} | sizes.symbols)
@@ -187,7 +197,12 @@ class CarriedRobot(Config):
             power_bounds=sizes.bounds(made["power bounds"]) if "power bounds" in made else None,
             spheres=self._spheres(made, sizes),
             points=self.points,
-            fail_safe_scope=FailSafeScope(kept_gains=self.kept_gains, dt_s=self.fail_safe_dt_s),
+            fail_safe_scope=FailSafeScope(
+                kept_gains=self.kept_gains,
+                dt_s=self.fail_safe_dt_s,
+                top_speed=inf if self.fail_safe_top_speed is None else self.fail_safe_top_speed,
+            ),
+            fail_safe_gain=self.fail_safe_gain or 0.0,
             fail_safe_condition=self.fail_safe_condition,
             stopping_hull=tuple(made[name] for name in made if name.startswith(_HULL)),
             barriers={name.removeprefix(_OWN): made[name] for name in made if name.startswith(_OWN)},
@@ -197,7 +212,7 @@ class CarriedRobot(Config):
             state_units=self.state_units,
         )
 
-    def _spheres(self, made: Expressions, sizes: "_Sizes") -> tuple[BodySphere, ...]:
+    def _spheres(self, made: Expressions, sizes: BoundSymbols) -> tuple[BodySphere, ...]:
         names = [f"{_SPHERE}{k}" for k in range(len(self.spheres))]
         if any(name not in made or f"{name} bounds" not in made for name in names):
             raise DesignError("robot", "no place of a sphere", "functions of every sphere")
@@ -226,33 +241,6 @@ class CarriedRobot(Config):
         raise DesignError("robot", "functions that cannot be unpacked", f"a packed list of at most {MOST_BYTES} bytes")
 
 
-class _Sizes(NamedTuple):
-    """Symbols of all bounds of one robot."""
-
-    x_size: ca.SX
-    u_size: ca.SX
-    held_s: ca.SX
-
-    @classmethod
-    def of(cls, n: int, m: int) -> Self:
-        """Return symbols for n states and m inputs."""
-        return cls(ca.SX.sym("x_size", n), ca.SX.sym("u_size", m), ca.SX.sym("held_s"))
-
-    @property
-    def symbols(self) -> dict[str, ca.SX]:
-        """Return them by name."""
-        return self._asdict()
-
-    def orders(self, bounds: DerivativeBounds) -> ca.SX:
-        """Return bounds, written in other symbols, in these."""
-        orders: ca.SX = ca.substitute([bounds.orders], [bounds.x_size, bounds.u_size, bounds.held_s], list(self))[0]
-        return orders
-
-    def bounds(self, orders: ca.SX) -> DerivativeBounds:
-        """Return bounds in these symbols."""
-        return DerivativeBounds(x_size=self.x_size, u_size=self.u_size, held_s=self.held_s, orders=orders)
-
-
 def _symbols(system: System, task: TaskFrame | None) -> dict[str, ca.SX]:
     """Return the symbols of a robot's functions, in the order of the list."""
     command = ca.SX.sym("w", system.m) if task is None else task.command
@@ -260,7 +248,7 @@ def _symbols(system: System, task: TaskFrame | None) -> dict[str, ca.SX]:
     return {"x": system.x, "u": system.u, "t": system.t, "w": command, "theta": theta}
 
 
-def _expressions(robot: Robot, sizes: _Sizes) -> Expressions:
+def _expressions(robot: Robot, sizes: BoundSymbols) -> Expressions:
     """Return every function of a robot by name."""
     made = {part: value for part, value in robot.system.general.items() if value.shape != (0, 0)}
     made |= {part: value for part in _LAW if (value := getattr(robot, part)) is not None}
@@ -278,8 +266,12 @@ def _expressions(robot: Robot, sizes: _Sizes) -> Expressions:
 
 
 def _digest(robot: CarriedRobot) -> str:
-    """Return the digest of all parts of a robot but the digest itself."""
-    return sha256(json.dumps(robot.model_dump(mode="json", exclude={"digest"}), sort_keys=True).encode()).hexdigest()
+    """Return the digest of all parts of a robot but the digest itself, and but what earlier logs do not have."""
+    parts = robot.model_dump(mode="json", exclude={"digest"})
+    for later in _LATER:
+        if parts[later] is None:
+            del parts[later]
+    return sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
 
 
 def built_robot(carried: CarriedRobot, **parameters: float) -> Robot:

@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Callable, Mapping
+from contextlib import redirect_stdout
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from importlib.util import module_from_spec, spec_from_file_location
@@ -11,7 +12,7 @@ from typing import Any, Final
 from pydantic import ValidationError
 
 from passafe.arguments import described
-from passafe.errors import DesignError, PassafeError
+from passafe.errors import DesignError, NotAllowedError, PassafeError
 from passafe.models.robot import Robot
 from passafe_services.scenarios.errors import RobotCodeError
 from passafe_services.scenarios.field_problems import problems_of
@@ -93,7 +94,7 @@ def carried(function: RobotFunction, source: str, parameters: Mapping[str, float
     try:
         return CarriedRobot.of(robot, made_by=Path(source).name, built_with=parameters)
     except DesignError as error:
-        raise RobotCodeError(source, str(error.got), error.allowed) from error
+        raise RobotCodeError(source, str(error.got), error.allowed, error.field) from error
     except ValidationError as error:
         first = problems_of(error, CarriedRobot)[0]
         raise RobotCodeError(source, f"{first.field} {first.got}", first.allowed) from error
@@ -117,7 +118,10 @@ def _functions(path: Path) -> Mapping[str, Any]:
 def _loaded(run: Callable[[], Any], source: str) -> Any:  # noqa: ANN401 - a stranger's function may return anything
     """Return what a stranger's code returns; whatever it raises becomes one line that names it."""
     try:
-        return run()
+        with redirect_stdout(sys.stderr):  # what a command prints for programs is not mixed with what that code prints
+            return run()
+    except NotAllowedError as error:
+        raise RobotCodeError(source, str(error.got), error.allowed, error.field) from error
     except PassafeError as error:
         raise RobotCodeError(source, str(error), "a function that returns a passafe.Robot") from error
     except (Exception, SystemExit) as error:
