@@ -51,6 +51,22 @@ class LogAgreement:
                 self._listed.append(Violation(at_s=float(at_s[row]), text=text))
         return beyond
 
+    def refute(self, what: str, wrong: NDArray[np.bool_], at_s: FloatArray, name: Callable[[int], str]) -> None:
+        """Note messages that cannot be so.
+
+        Args:
+            what: What they say and cannot be, in words.
+            wrong: Which they are, shape (N,).
+            at_s: Plant time of each, s, shape (N,).
+            name: Names the message of a column.
+        """
+        self.compared += wrong.size
+        rows = np.flatnonzero(wrong)
+        if rows.size:
+            self._counts[what] = self._counts.get(what, 0) + rows.size
+        for row in rows[: MOST_LISTED - len(self._listed)].tolist():
+            self._listed.append(Violation(at_s=float(at_s[row]), text=f"{name(row)}: {what}"))
+
     def note(self, what: str, text: str, at_s: float | None = None) -> None:
         """Note one difference that is not a number."""
         self._counts[what] = self._counts.get(what, 0) + 1

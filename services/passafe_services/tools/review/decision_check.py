@@ -14,6 +14,7 @@ from passafe_protocol.messages import FilterStatus
 from passafe_protocol.topics import TICK
 
 from passafe.batch.batch_filter import BatchFilter
+from passafe.decision import Status
 from passafe.errors import DesignError
 from passafe.filter import SafetyPassivityFilter
 from passafe_services.filter.member_rows import barrier_members
@@ -25,6 +26,7 @@ from passafe_services.log.message_block import MessageBlock
 from passafe_services.scenarios.design import design_of, robot_of
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.review.agreement import LogAgreement, relative
+from passafe_services.tools.review.explanation_check import ExplanationCheck
 from passafe_services.tools.review.filter_claims import ANSWERED, IntArray
 from passafe_services.tools.review.plant_evaluator import FloatArray
 from passafe_services.tools.review.trajectory import NS_PER_S
@@ -78,6 +80,7 @@ class DecisionCheck:
             *("tick", *_VECTORS, "tank_j", "effective_plant_ns", "power_margin", "slack", "mode", "law", "status"),
             "x_error",
             *("barriers.psi", "barriers.length", "rows.margin", "rows.dual", "rows.length"),
+            *ExplanationCheck.wants,
         )
     }
 
@@ -90,6 +93,7 @@ class DecisionCheck:
         self._barriers = barrier_members(core)
         lengths = [members.places[0].stop - members.places[0].start for members in self._barriers]
         self._is_last = np.array([level == length - 1 for length in lengths for level in range(length)], dtype=np.bool_)
+        self._explanation = ExplanationCheck(core)
         self._filter: _BoundedFilter | None = None
         with suppress(DesignError):  # an operation that arrays do not know: nothing is looked at, which is said
             self._filter = _BoundedFilter(core, AT_ONCE)
@@ -99,6 +103,7 @@ class DecisionCheck:
         """Take the next ticks."""
         for block in part.blocks(TICK.name):
             self._take_names(block)
+            self._take_names_of_rows(block)
             ticks = block.numbers("tick").astype(np.int64)
             # A step without a new decision repeats the last one.
             new = np.diff(ticks, prepend=self._newest.get(block.epoch, -1)) != 0
@@ -117,6 +122,11 @@ class DecisionCheck:
                 row = int(np.flatnonzero(wrong)[0])
                 text = f"tick {int(block.numbers('tick')[row])}: {path} is not {allowed} as in the scenario"
                 self.agreement.note(path, text, float(block.numbers("effective_plant_ns")[row] / NS_PER_S))
+
+    def _take_names_of_rows(self, block: MessageBlock) -> None:
+        for row in np.flatnonzero(self._explanation.misnamed(block)).tolist():
+            text = f"tick {int(block.numbers('tick')[row])}: barriers or rows of other names than the filter's"
+            self.agreement.note("names", text, float(block.numbers("effective_plant_ns")[row] / NS_PER_S))
 
     def _check(self, block: MessageBlock, rows: Places, ticks: IntArray, batch: _BoundedFilter) -> None:
         logged = _Logged(block, rows, self._n, self._m, batch, self._period_s, self._is_last.size)
@@ -181,6 +191,9 @@ class DecisionCheck:
             "margin of a row": self._apart(batch, logged.margin, size),
             "dual of a row": self._pull(batch, logged.dual - lam, logged.dual),
             "slack": relative(logged.slack, batch.assessment.slack[:, used]),
+            **self._explanation.differences(
+                logged.block, logged.rows, batch.batch.block[:, used].T, batch.status[used] == Status.PASSED
+            ),
         }
 
     def _lowest(self, psi: FloatArray) -> FloatArray:
@@ -225,7 +238,9 @@ class DecisionCheck:
         )
         batch.left -= 1
         batch.batch.block[:, 0] = decision.block
+        status, batch.status[0] = batch.status[0], decision.status
         found = self._differences(batch, one, size)
+        batch.status[0] = status
         if all(value[0] <= _ALLOWED.get(what, TOLERANCE) for what, value in found.items()):
             batch.status[row] = decision.status
             for what, value in found.items():
@@ -242,6 +257,7 @@ class _Logged:
         parts = {path: block.ragged(path).take(rows) for path in _VECTORS}
         psi = block.ragged("barriers.psi").take(rows)
         constraints = batch.constraints
+        self.block, self.rows = block, rows
         self.fits = bool(
             all((part.counts == widths[path]).all() for path, part in parts.items())
             and (psi.counts == length).all()
@@ -266,7 +282,7 @@ class _Logged:
         """Return the numbers of one tick."""
         one = object.__new__(_Logged)
         for name, value in vars(self).items():
-            setattr(one, name, value if name == "fits" or value is None else value[..., row : row + 1])
+            setattr(one, name, value if name in ("fits", "block") or value is None else value[..., row : row + 1])
         return one
 
 

@@ -109,7 +109,7 @@ class OriginRecord:
                 rows = np.flatnonzero(runs & (epochs == epoch))
                 applied = _Applied(
                     block.numbers("applied_tick")[rows],
-                    _asked(block).take(rows),
+                    inputs_asked(block).take(rows),
                     block.numbers("plant_ns")[rows],
                     block.ragged("x").matrix(self._n)[rows],
                 )
@@ -168,7 +168,7 @@ class OriginRecord:
         self.agreement.compare("predicted state", difference, at_s, PREDICTED, name)
 
 
-def _asked(block: MessageBlock) -> Ragged:
+def inputs_asked(block: MessageBlock) -> Ragged:
     """Return the inputs that the plant was asked for: those in force, unless its guard has changed them."""
     in_force, asked = block.ragged("u"), block.ragged("u_asked")
     changed = asked.counts > 0

@@ -35,6 +35,7 @@ from passafe_services.tools.review.property import Property
 from passafe_services.tools.review.run_identity import RunIdentity, identify
 from passafe_services.tools.review.scenario_check import ScenarioCheck
 from passafe_services.tools.review.state_check import StateCheck
+from passafe_services.tools.review.state_reports import StateReportCheck
 from passafe_services.tools.review.steering_in_progress import SteeringInProgress
 from passafe_services.tools.review.tank_check import TankCheck
 from passafe_services.tools.review.timing import TimingRecord
@@ -67,6 +68,7 @@ class RunReview:
         limits: Inputs beside their limits.
         origin: Who decided the inputs in force.
         states: States beside the model.
+        reports: What states report besides.
         inputs: Inputs sent beside those decided.
         derived: Decisions beside those derived anew.
         tank: The filter's tank beside what its inputs give.
@@ -106,6 +108,7 @@ class RunReview:
         self.drive = DriveRecord()
         self.decisions = DecisionRecord(round(period_ns), self.tolerances.certificate, self.margins.energy, self.drive)
         self.states = StateCheck(evaluator, is_exact=scenario.is_exact)
+        self.reports = StateReportCheck(scenario, self.states.agreement)
         self.plant = PlantReview(path, len(scenario.plant.x0), self._m, self.margins, self.drive, self.states)
         self.limits = InputLimitRecord(scenario, self.tolerances.input_relative)
         self.origin = OriginRecord(
@@ -130,7 +133,7 @@ class RunReview:
         self._steered: int | None = None
         self._parts: Sequence[LogConsumer] = (
             *(self.decisions, self.plant, self.origin, self.timing, self.links, self.model, self.guard),
-            *((self.inputs, self.derived, self.configuration) if derives else ()),
+            *((self.reports, self.inputs, self.derived, self.configuration) if derives else ()),
             *((self.tank,) if derives and scenario.is_exact else ()),
         )
         self.derives = derives

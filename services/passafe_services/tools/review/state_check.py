@@ -27,7 +27,9 @@ class StateCheck:
     def __init__(self, evaluator: PlantEvaluator, *, is_exact: bool = True) -> None:
         self._evaluator = evaluator
         self._is_exact = is_exact
-        self.agreement = LogAgreement("outputs, energies and phases of states that do not follow from x and u = 0")
+        self.agreement = LogAgreement(
+            "outputs, energies, phases and counts of states that do not follow from the others = 0"
+        )
 
     def take_states(self, block: MessageBlock, x: FloatArray) -> None:
         """Take states as they were sent, with their x, shape (n, N)."""

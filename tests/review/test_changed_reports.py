@@ -1,0 +1,115 @@
+"""What states and ticks say besides the motion and the decision: a change of it is found, too, and named."""
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from changed_logs import Recorded, loaded, of_all, of_one, plus, recorded, verdict_on
+from msgspec.structs import replace
+from passafe_protocol.messages import FilterTick, GuardAction, Header, Message, OverrideReport, PlantPhase, PlantState
+from passafe_services.scenarios.schema import Scenario
+
+LINKS = {
+    "plant-to-filter": {"delay_s": 0.02, "jitter_s": 0.005, "loss": 0.1},
+    "filter-to-plant": {"delay_s": 0.02, "outages_s": [[0.22, 0.32]]},
+}
+
+
+@pytest.fixture(scope="module")
+def walls(tmp_path_factory: pytest.TempPathFactory) -> Recorded:
+    content = loaded("walls-and-disks").model_dump(mode="json")
+    scenario = Scenario.model_validate(content | {"links": LINKS})
+    return Recorded(scenario, recorded(tmp_path_factory.mktemp("log") / "walls.mcap", scenario))
+
+
+def more(name: str, amount: int = 1) -> Callable[[Any], Any]:
+    return lambda body: getattr(body, name) + amount
+
+
+def first_of(field: str, **changes: Callable[[Any], object]) -> dict[str, Callable[[FilterTick], object]]:
+    def change(body: FilterTick) -> object:
+        first, *others = getattr(body, field)
+        return replace(first, **{name: of(getattr(first, name)) for name, of in changes.items()}), *others
+
+    return {field: change}
+
+
+def override(**changes: Callable[[OverrideReport], object]) -> dict[str, Callable[[FilterTick], object]]:
+    return {"override": lambda b: replace(b.override, **{name: of(b.override) for name, of in changes.items()})}
+
+
+def in_phase(phase: PlantPhase, **changes: Callable[[Any], object]) -> Callable[[Header, Any], Message]:
+    """Change fields of every state in a phase."""
+
+    def change(_header: Header, body: Any) -> Message:  # noqa: ANN401 - of every kind
+        if type(body) is not PlantState or body.phase is not phase:
+            return body
+        return replace(body, **{name: of(body) for name, of in changes.items()})
+
+    return change
+
+
+STATES: dict[str, tuple[Callable[[Header, Any], Message], str]] = {
+    "phase of one": (of_one(PlantState, phase=lambda _: PlantPhase.HOLDING), "without a sequence break"),
+    "time of the input": (
+        of_one(PlantState, input_since_ns=more("input_since_ns")),
+        "RUNNING with an input of another",
+    ),
+    "time of the break": (
+        of_one(PlantState, sequence_break_ns=more("sequence_break_ns")),
+        "sequence_break_ns goes back",
+    ),
+    "late inputs": (of_one(PlantState, inputs_late=more("inputs_late")), "inputs_late goes back"),
+    "refused inputs": (of_one(PlantState, inputs_refused=more("inputs_refused")), "inputs_refused goes back"),
+    "stops": (of_one(PlantState, stops_cleared=more("stops_cleared")), "stops_cleared goes back"),
+    "emergency stop": (of_one(PlantState, stop=more("stop")), "emergency stop of nobody"),
+    "stop and its source": (
+        of_one(PlantState, stop=more("stop"), stop_source=lambda _: "console"),
+        "an input under an emergency stop",
+    ),
+    "guard": (of_one(PlantState, guard=lambda _: GuardAction.CHANGED), "a guard's cause without its act"),
+    "guard of all": (of_all(PlantState, guard=lambda _: GuardAction.PASSED), "a guard that the scenario does not have"),
+    "received tick": (of_one(PlantState, received_tick=lambda _: 0), "never received"),
+    "integration error": (of_one(PlantState, integration_error=lambda _: 0.01), "integration error"),
+    "law": (in_phase(PlantPhase.FAIL_SAFE, u=plus("u", 1e-3)), "fail-safe law"),
+    "held input": (in_phase(PlantPhase.HOLDING, applied_tick=lambda _: 0), "HOLDING with another applied_tick"),
+}
+TICKS: dict[str, tuple[Callable[[Header, Any], Message], str]] = {
+    "margin of a barrier": (of_one(FilterTick, **first_of("barriers", eps=lambda eps: eps + 0.1)), "margin ε"),
+    "name of a barrier": (of_one(FilterTick, **first_of("barriers", name=lambda _: "x")), "other names"),
+    "name of a row": (of_one(FilterTick, **first_of("rows", name=lambda _: "x")), "other names"),
+    "active row": (of_one(FilterTick, **first_of("rows", active=lambda was: not was)), "active row"),
+    "share of a row": (of_one(FilterTick, **first_of("rows", share=lambda was: was + 0.1)), "share of a row"),
+    "relaxed row": (of_one(FilterTick, **first_of("rows", relaxed=lambda was: was + 0.1)), "relaxed row"),
+    "held back": (of_one(FilterTick, **override(held_back=plus("held_back", 0.1))), "held back"),
+    "allowed": (
+        of_one(FilterTick, **override(allowed_fraction=lambda b: abs(b.allowed_fraction - 0.5))),
+        "allowed fraction",
+    ),
+    "unavoidable": (of_one(FilterTick, **override(unavoidable=lambda b: not b.unavoidable)), "unavoidable"),
+}
+
+
+@pytest.mark.parametrize(
+    ("property_name", "name"),
+    [*(("states-agree", name) for name in STATES), *(("decisions-agree", name) for name in TICKS)],
+)
+def test_a_change_is_found_and_named(
+    walls: Recorded, property_name: str, name: str, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    change, part = (STATES if property_name == "states-agree" else TICKS)[name]
+    verdict = verdict_on(walls.write(tmp_path_factory.mktemp("log") / "changed.mcap", change))
+
+    entry = verdict.properties[property_name]
+    assert entry.holds is False
+    assert part in entry.note or any(part in violation.text for violation in entry.violations)
+    assert verdict.verdict == "fails"
+
+
+def test_an_unchanged_log_agrees(walls: Recorded, tmp_path_factory: pytest.TempPathFactory) -> None:
+    phases = {body.phase for _, body in walls.messages if isinstance(body, PlantState)}
+    verdict = verdict_on(walls.write(tmp_path_factory.mktemp("log") / "same.mcap"))
+
+    assert phases == {PlantPhase.WAITING, PlantPhase.RUNNING, PlantPhase.HOLDING, PlantPhase.FAIL_SAFE}
+    assert verdict.properties["states-agree"].note == ""
+    assert verdict.properties["decisions-agree"].note == ""
