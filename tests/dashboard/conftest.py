@@ -1,11 +1,15 @@
-"""A page of the paper's scenario, a new one for each test."""
+"""A page of the paper's scenario, a new one for each test; robots of a user's own are known to them."""
 
+import sys
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from closed_form import paper_scenario
 from passafe_dashboard.live.feed import Feed
 from served_page import FastRun, ServedPage, serve_page
+
+sys.path.append(str(Path(__file__).parents[1] / "robots"))
 
 
 @pytest.fixture

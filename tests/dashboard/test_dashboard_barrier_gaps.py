@@ -1,11 +1,14 @@
-from math import hypot
+from math import hypot, pi
 
 import casadi as ca
 import pytest
+from own_robots import car_with_a_hitch, scenario_of
 from passafe_dashboard.live.barrier_gaps import BarrierGaps, Gap
 from passafe_services.scenarios.design import robot_of
 from passafe_services.scenarios.load import load_scenario
 from passafe_services.scenarios.schema import Scenario
+
+PULL = {"kind": "constant", "value": [1.0]}
 
 
 def with_barriers(scenario: str, *barriers: dict[str, object]) -> Scenario:
@@ -82,3 +85,24 @@ def test_gaps_of_body_spheres_are_distances_in_space() -> None:
 
     assert found["table: tip"].distance == pytest.approx(height - table.height_m)
     assert {gap.unit for name, gap in found.items() if name.startswith(("table", "post"))} == {"m"}
+
+
+def test_one_joint_has_a_gap_to_each_limit() -> None:
+    limits = {"kind": "coordinate-limits", "name": "q", "low": [-0.5], "high": [1.5]}
+    joint = {"plant.model": "joint-chain", "plant.x0": [0.2, 0.0], "operator.source": PULL}
+    gains = [{"kind": "linear", "gain": 5.0}] * 3
+    scenario = load_scenario("notomista-cai-2020", joint | {"filter.barriers": [{"class_k": gains} | limits]})
+
+    found = gaps(scenario, 0.2, 0.0)
+    assert [found["q 1 low"].distance, found["q 1 high"].distance] == pytest.approx([0.7, 1.3])
+
+
+def test_gaps_of_a_car_are_those_of_its_nose() -> None:
+    """Nose 0.3 m ahead of the place; the hitch is of no quantity, and its gap is h."""
+    scenario = scenario_of(car_with_a_hitch(), [0.0, 0.0, pi / 2, 0.4, 0.0], [0.0, 0.0])
+
+    found = gaps(scenario, 0.0, 0.0, pi / 2, 0.4, 0.0)
+    assert found["post"].distance == pytest.approx(1.7 - 0.5)
+    assert found["post"].towards == pytest.approx((0.0, 1.0))
+    assert (found["hitch"].distance, found["hitch"].unit, found["hitch"].towards) == (0.5, "", (0.0, 0.0))
+    assert (found["speed"].distance, found["speed"].unit) == (pytest.approx(1.0), "m/s")

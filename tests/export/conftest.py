@@ -1,6 +1,6 @@
-"""Make the small log of the tables' tests known to those of the exports."""
+"""Make the small log of the tables' tests, and the robots of a user's own, known to those of the exports."""
 
 import sys
 from pathlib import Path
 
-sys.path.append(str(Path(__file__).parents[1] / "tables"))
+sys.path.extend(str(Path(__file__).parents[1] / folder) for folder in ("tables", "robots"))

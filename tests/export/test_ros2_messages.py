@@ -2,6 +2,7 @@ from math import pi, sqrt
 
 import pytest
 from msgspec.structs import replace
+from own_robots import lift, scenario_of
 from passafe_protocol.messages import EmergencyStop
 from passafe_services.scenarios.load import load_scenario
 from passafe_services.tools.export.ros2_messages import RosMessages
@@ -36,6 +37,14 @@ def test_joints_have_states_and_no_poses() -> None:
 
     assert set(found) == {"/joint_states", "/passafe/state", "/passafe/phase"}
     assert found["/joint_states"].position.tolist() == [1.0, 2.0]
+
+
+def test_levels_are_positions_of_joints_without_effort() -> None:
+    scenario = scenario_of(lift(), [0.1, 0.2, 0.3, 0.4], [0.0])
+
+    joints = topics_of(RosMessages(scenario), replace(state(1), x=scenario.plant.x0, u=(1.0, 2.0)))["/joint_states"]
+
+    assert (joints.position.tolist(), joints.velocity.tolist(), joints.effort.tolist()) == ([0.2], [0.4], [])
 
 
 def test_without_a_scenario_there_are_numbers_alone() -> None:

@@ -3,6 +3,7 @@ import math
 import pytest
 from foxglove_schemas_protobuf.Log_pb2 import Log
 from msgspec.structs import replace
+from own_robots import on_three_cables, scenario_of, two_tanks
 from passafe_protocol.messages import (
     BarrierReport,
     EmergencyStop,
@@ -13,6 +14,7 @@ from passafe_protocol.messages import (
     StopClear,
 )
 from passafe_protocol.topics import TOPIC_OF_BODY, TOPICS
+from passafe_services.scenarios.drawn_places import DrawnPlaces
 from passafe_services.scenarios.load import load_scenario
 from passafe_services.tables.layout import TableLayout
 from passafe_services.tables.log_messages import LoggedRow
@@ -185,3 +187,21 @@ def test_a_car_is_turned_and_has_an_outline() -> None:
     assert len(robot.lines[0].points) == 5
     [ahead] = robot.arrows
     assert 2 * math.atan2(ahead.pose.orientation.z, ahead.pose.orientation.w) == pytest.approx(math.pi / 2)
+
+
+def test_levels_are_joints_and_what_pumps_give_no_effort() -> None:
+    scenario = scenario_of(two_tanks(), [1.0, 0.7], [0.0, 0.0], degree=1)
+    [joints] = Scene(scenario).robot(_state_of(scenario.plant.x0), None, WALL_NS)
+
+    assert [(one.name, one.position, one.velocity) for one in joints.message.joints] == [
+        ("joint_1", 1.0, 0.0),
+        ("joint_2", 0.7, 0.0),
+    ]
+
+
+def test_arrow_of_many_inputs_is_that_of_their_push() -> None:
+    """Three cables pull by (u₁ − (u₂ + u₃)/2, 0.8(u₂ − u₃))."""
+    drawn = DrawnPlaces.of(on_three_cables())
+
+    assert drawn.push((0.0,) * 4, (2.0, 1.0, 0.5)) == pytest.approx((1.25, 0.4))
+    assert DrawnPlaces.of(two_tanks()).push((1.0, 1.0), (0.5, 0.5)) == ()

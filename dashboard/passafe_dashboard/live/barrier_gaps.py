@@ -9,16 +9,14 @@ import casadi as ca
 from passafe_services.scenarios.design import barriers_of, robot_of
 from passafe_services.scenarios.schema import Scenario
 
-from passafe.models.robot import Robot
+from passafe_dashboard.live.moved_quantity import POSITION, VELOCITY, MovedQuantity
+from passafe_dashboard.run_record.signals import PURE_NUMBER
 
 _TINY: Final = 1e-12
 """Square of a slope of h below which the barrier has no direction."""
 
 LEAST_PULL: Final = 1e-6
 """Part of a slope below which a point does not count."""
-
-POSITION: Final = "position"
-VELOCITY: Final = "velocity"
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -29,7 +27,8 @@ class Gap:
         name: Name of the barrier.
         distance: Distance to {h = 0}: in space where the barrier says it, else along the slope of h, which is exact for
             disks, walls, speeds; < 0: beyond it.
-        unit: Its unit: m, m/s, rad or rad/s; empty where the barrier is of neither position nor velocity alone.
+        unit: Its unit: m, m/s, rad or rad/s. Where the barrier is of neither position nor velocity alone, the distance
+            is h itself, in its unit.
         towards: Unit vector of the plane in which position or velocity comes nearer to the barrier; zero without one.
         point: Number of the point that it is about, from 0.
         pulls: For each point of the plane, its part of the unit vector along which h falls fastest; (0, 0) for the
@@ -61,17 +60,22 @@ class BarrierGaps:
     def __init__(self, scenario: Scenario) -> None:
         robot = robot_of(scenario)
         unit = scenario.plant.robot_model.position_unit
+        units = {POSITION: unit, VELOCITY: f"{unit}/s"}
         self._states = robot.system.x.numel()
         self._points = robot.points
         parts, self._about = [], []
         for single, barrier in zip(scenario.barriers, barriers_of(scenario, robot), strict=True):
-            quantity, point, places = _quantity(robot, barrier.h)
-            units = {POSITION: unit, VELOCITY: f"{unit}/s", "": ""}
-            own = single.distance(robot)
-            self._about.append((single.name, units[quantity] if own is None else "m", point))
-            along = robot.system.x[_of_point(robot, point, places)]
-            parts.append(_distance(barrier.h, along) if own is None else own)
-            parts.append(_pulls(barrier.h, robot.system.x[places], 2 * robot.points))
+            moved, own = MovedQuantity.of(robot, barrier.h), single.distance(robot)
+            point = 0
+            if moved is None:
+                distance, in_unit = barrier.h, "" if single.h_unit == PURE_NUMBER else single.h_unit
+                pulls = ca.SX.zeros(2 * robot.points)
+            else:
+                point = moved.first_point(robot.points)
+                distance, in_unit = _distance(barrier.h, moved, point, robot.points), units[moved.name]
+                pulls = _pulls(moved, 2 * robot.points)
+            self._about.append((single.name, in_unit if own is None else "m", point))
+            parts += [distance if own is None else own, pulls]
         stacked = ca.vertcat(ca.SX(0, 1), *parts)
         self._function = ca.Function("gaps", [robot.system.x, robot.system.t], [ca.densify(stacked)])
 
@@ -97,35 +101,19 @@ class BarrierGaps:
         return Gap(name=name, distance=values[0], unit=unit, towards=towards, point=point, pulls=pulls)
 
 
-def _quantity(robot: Robot, h: ca.SX) -> tuple[str, int, list[int]]:
-    """Return the quantity that h is about, its first point, and the places of all coordinates of the quantity in x."""
-    x = robot.system.x
-    used = {i for i in range(x.numel()) if ca.depends_on(h, x[i])}
-    for quantity, expression in ((POSITION, robot.position), (VELOCITY, robot.velocity)):
-        places = [i for i in range(x.numel()) if ca.depends_on(expression, x[i])]
-        if used and used <= set(places):
-            return quantity, places.index(min(used)) // 2 if robot.points else 0, places
-    return "", 0, list(range(robot.position.numel()))
-
-
-def _of_point(robot: Robot, point: int, places: list[int]) -> list[int]:
-    return places[2 * point : 2 * point + 2] if robot.points else places
-
-
-def _distance(h: ca.SX, coordinates: ca.SX) -> ca.SX:
+def _distance(h: ca.SX, moved: MovedQuantity, point: int, points: int) -> ca.SX:
     """Return the way along the slope of h to h = 0, to second order."""
-    bend, slope = ca.hessian(h, coordinates)
-    bend, slope = ca.densify(bend), ca.densify(slope)
+    rows = slice(2 * point, 2 * point + 2) if points else slice(0, moved.slope.numel())
+    bend, slope = moved.bend[rows, rows], moved.slope[rows]
     square = ca.dot(slope, slope)
     # Where h is flat, as at the centre of a disk, the mean bend decides instead of that along the slope.
-    mean = ca.trace(bend) / coordinates.numel()
+    mean = ca.trace(bend) / ca.fmax(ca.trace(moved.reached[rows, rows]), _TINY)
     along = (ca.bilin(bend, slope, slope) + _TINY * mean) / (square + _TINY)
     root = ca.sqrt(ca.fmax(square - 2 * along * h, 0))
     return 2 * h / (ca.sqrt(square) + root + _TINY)
 
 
-def _pulls(h: ca.SX, coordinates: ca.SX, count: int) -> ca.SX:
+def _pulls(moved: MovedQuantity, count: int) -> ca.SX:
     """Return the unit vector along which h falls fastest, its first ``count`` numbers."""
-    slope = ca.densify(ca.gradient(h, coordinates))
-    unit = -slope / (ca.norm_2(slope) + _TINY)
-    return unit[:count]
+    unit = -moved.slope / (ca.norm_2(moved.slope) + _TINY)
+    return ca.reshape(unit[:count], count, 1)  # of a scalar, no rows would be a row of nothing

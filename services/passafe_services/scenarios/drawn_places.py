@@ -26,8 +26,8 @@ class DrawnPlaces:
         has_heading: Whether the body has an angle.
         places: x → all points, the angle if there is one, and the velocities of the position's points, 0 for a robot
             that has none.
-        pushes: x → effect of the input on the acceleration of the position's points, shape (2·points, m), for a robot
-            that is commanded in a frame of its own; ``None`` where the input is that acceleration itself.
+        pushes: x → effect of the input on the acceleration of the position's points, or on the first rate that it
+            reaches, shape (2·points, m); ``None`` where the input is that acceleration itself, up to a factor.
     """
 
     count: int
@@ -68,7 +68,7 @@ class DrawnPlaces:
         return np.asarray(self.places.map(samples)(x)[0].full())
 
     def push(self, x: Sequence[float], u: Sequence[float]) -> tuple[float, ...]:
-        """Return the acceleration of the points by an input at a state, m/s², 2·points numbers, or the input itself."""
+        """Return the acceleration of the points by an input at a state, 2·points numbers, or the input itself."""
         if self.pushes is None:
             return tuple(u)
         return tuple((self.pushes(list(x)).full() @ np.asarray(u, dtype=float)).tolist())
@@ -82,14 +82,27 @@ class DrawnPlaces:
 
 
 def _pushes(robot: Robot) -> ca.Function | None:
-    """Return the effect of the input on the points' acceleration, where a robot's command is such an acceleration."""
-    if robot.task is None or not robot.points or robot.task.size != 2 * robot.points:
-        return None
-    moves = robot.velocity if robot.velocity.numel() else robot.position
-    effect = ca.densify(ca.jacobian(robot.system.lie_derivative(moves[: 2 * robot.points]), robot.system.u))
-    if not effect.nnz() or ca.depends_on(effect, robot.system.u):
-        return None
-    return ca.Function("pushes", [robot.system.x], [effect])
+    """Return the effect of the input on the first rate of the points' motion that it reaches, at u = 0.
+
+    ``None`` where that is a multiple of the input itself, as of a point that is pushed by a force on each axis.
+    """
+    x, u, rows = robot.system.x, robot.system.u, 2 * robot.points
+    moves, effect = robot.position[:rows], ca.SX.zeros(rows, robot.system.m)
+    for _ in range(robot.system.n if rows else 0):
+        moves = robot.system.lie_derivative(moves)
+        effect = ca.densify(ca.substitute([ca.jacobian(moves, u)], [u], [ca.SX.zeros(robot.system.m)])[0])
+        if not effect.is_zero():
+            break
+        moves = ca.substitute([moves], [u], [ca.SX.zeros(robot.system.m)])[0]
+    return None if _is_multiple_of_one(effect) else ca.Function("pushes", [x], [effect])
+
+
+def _is_multiple_of_one(effect: ca.SX) -> bool:
+    """Return whether a matrix is a positive number times the identity."""
+    if not effect.numel() or not effect.is_square() or not effect.is_constant():
+        return False
+    numbers = np.asarray(ca.DM(effect).full())
+    return bool(numbers[0, 0] > 0 and np.allclose(numbers, numbers[0, 0] * np.eye(numbers.shape[0])))
 
 
 def _pairs(numbers: Sequence[float]) -> list[Pair]:

@@ -67,7 +67,7 @@ class PlantConfig(Config):
             points=self.robot.points,
             commands=self.robot.commands,
             spheres=tuple(sphere.name for sphere in self.robot.spheres),
-            position_unit="rad" if self.robot.input_unit.startswith("rad") else "m",
+            position_unit=self.robot.position_unit,
             input_unit=self.robot.input_unit or "units of u",
         )
 

@@ -26,6 +26,7 @@ from passafe_protocol.messages import FilterTick, PlantState
 from passafe_services.scenarios.barrier_kinds.outline import Outline
 from passafe_services.scenarios.design import robot_of
 from passafe_services.scenarios.drawn_places import DrawnPlaces
+from passafe_services.scenarios.joint_motion import JointMotion
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.viewer.view_message import ViewMessage, ViewTopic, timestamp
 
@@ -62,9 +63,10 @@ class Scene:
     """
 
     def __init__(self, scenario: Scenario) -> None:
-        self._drawn = DrawnPlaces.of(robot_of(scenario))
+        robot = robot_of(scenario)
+        self._drawn = DrawnPlaces.of(robot)
         self._points = self._drawn.count
-        self._joints = 0 if self._points else len(scenario.plant.x0) // 2
+        self._joints = JointMotion.of(robot, self._points)
         self._outlines = [(one.name, one.outline) for one in scenario.barriers if one.outline is not None]
 
     def robot(self, state: PlantState, tick: FilterTick | None, time_ns: int) -> Iterator[ViewMessage]:
@@ -75,7 +77,7 @@ class Scene:
             tick: Newest decision, whose inputs are drawn; ``None`` before the first.
             time_ns: Time of the state.
         """
-        if self._joints:
+        if self._joints.count:
             yield ViewMessage(JOINTS, self._joint_states(state, time_ns), time_ns)
         if not self._points:
             return
@@ -121,8 +123,8 @@ class Scene:
         """Return the arrows of what was asked for and of what was sent to a point."""
         found = []
         for vector, colour in ((tick.u_nominal, _ASKED), (tick.u, _SENT)):
-            pushed = self._drawn.push(tick.x_hat, vector)
-            arrow = _arrow(pushed[2 * point : 2 * point + 2], place, colour)
+            pushed = self._drawn.push(tick.x_hat, vector)[2 * point : 2 * point + 2]
+            arrow = _arrow(pushed, place, colour) if pushed else None  # what is drawn may be more than what is pushed
             found += [] if arrow is None else [arrow]
         return found
 
@@ -138,10 +140,10 @@ class Scene:
         yield ViewMessage(BARRIERS, SceneUpdate(entities=entities), time_ns)
 
     def _joint_states(self, state: PlantState, time_ns: int) -> Any:  # noqa: ANN401 - a class that protobuf makes at run time
-        n = self._joints
+        places, speeds, efforts = self._joints.at(state.x, state.u)
         joints = [
-            JointState(name=f"joint_{k + 1}", position=state.x[k], velocity=state.x[n + k], effort=state.u[k])
-            for k in range(n)
+            JointState(name=f"joint_{k + 1}", position=place, velocity=speed, effort=efforts[k] if efforts else 0.0)
+            for k, (place, speed) in enumerate(zip(places, speeds, strict=True))
         ]
         return JointStates(timestamp=timestamp(time_ns), joints=joints)
 

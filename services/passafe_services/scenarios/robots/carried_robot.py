@@ -125,6 +125,13 @@ class CarriedRobot(Config):
             raise ValueError(f"digest: got {self.digest[:8]}…, allowed that of the robot: it was changed or damaged")
         return self
 
+    @property
+    def position_unit(self) -> str:
+        """Return the unit of a coordinate of the position: of joints, that of the first state where it is known."""
+        if not self.points and self.state_units:
+            return self.state_units[0]
+        return "rad" if self.input_unit.startswith("rad") else "m"
+
     @classmethod
     def of(cls, robot: Robot, *, made_by: str, built_with: Mapping[str, float]) -> Self:
         """Return a robot as data.

@@ -11,6 +11,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from passafe_services.scenarios.design import robot_of
 from passafe_services.scenarios.drawn_places import DrawnPlaces
+from passafe_services.scenarios.joint_motion import JointMotion
 from passafe_services.scenarios.schema import Scenario
 
 STORE: Final = get_typestore(Stores.ROS2_HUMBLE)
@@ -47,9 +48,10 @@ class RosMessages:
     """
 
     def __init__(self, scenario: Scenario | None) -> None:
-        self._drawn = None if scenario is None else DrawnPlaces.of(robot_of(scenario))
+        robot = None if scenario is None else robot_of(scenario)
+        self._drawn = None if robot is None else DrawnPlaces.of(robot)
         self._points = 0 if self._drawn is None else self._drawn.count
-        self._joints = 0 if scenario is None or self._points else len(scenario.plant.x0) // 2
+        self._joints = None if robot is None else JointMotion.of(robot, self._points)
         self._of_body: Mapping[type, Callable[[Header, Any, int], Iterator[RosMessage]]] = {
             PlantState: self._state,
             FilterTick: self._tick,
@@ -83,16 +85,17 @@ class RosMessages:
                 transform=transform,
             )
             yield RosMessage("/tf", "tf2_msgs/msg/TFMessage", _make("tf2_msgs/msg/TFMessage", transforms=[stamped]))
-        if self._joints:
+        if self._joints is not None and self._joints.count:
+            positions, velocities, efforts = self._joints.at(body.x, body.u)
             yield _stamped(
                 "/joint_states",
                 "sensor_msgs/msg/JointState",
                 time_ns,
                 "",
-                name=[f"joint_{k + 1}" for k in range(self._joints)],
-                position=np.array(body.x[: self._joints]),
-                velocity=np.array(body.x[self._joints : 2 * self._joints]),
-                effort=np.array(body.u[: self._joints]),
+                name=[f"joint_{k + 1}" for k in range(self._joints.count)],
+                position=np.array(positions),
+                velocity=np.array(velocities),
+                effort=np.array(efforts),
             )
         yield _array("/passafe/state", body.x)
         yield _text("/passafe/phase", body.phase.name)
