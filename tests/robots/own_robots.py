@@ -80,4 +80,4 @@ def lift() -> Robot:
     x, u = ca.SX.sym("x", 4), ca.SX.sym("u", 1)
     pull = 60 * (x[0] - x[1])
     system = System(x=x, u=u, f=ca.vertcat(x[2:], u - pull - 6 * x[2], pull - 3 * x[3]), y=x[2])
-    return Robot(system=system, position=x[1], fail_safe=-5 * x[2])
+    return Robot(system=system, position=x[1], fail_safe=-5 * x[3])

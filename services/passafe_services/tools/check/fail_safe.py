@@ -1,10 +1,12 @@
 """Check that the plant's fail-safe, held over its period and within the input's limits, keeps each barrier."""
 
 from collections.abc import Iterator
-from typing import Final
+from math import isfinite
+from typing import Final, TypeAlias
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 
 from passafe.barrier_chain import Barrier
 from passafe.design import FilterDesign
@@ -13,7 +15,10 @@ from passafe.models.robot import NOT_STATED, Robot
 from passafe_services.scenarios.design import barriers_of
 from passafe_services.scenarios.schema import Scenario
 
+FloatArray: TypeAlias = NDArray[np.float64]
+
 TOPIC: Final = "fail-safe"
+ROUNDING: Final = 1e-9
 CURVED: Final = 1e-9
 """Curvature of h along the position below which it counts as none, in h's own units."""
 
@@ -61,28 +66,30 @@ def _kept(robot: Robot, barrier: Barrier) -> Finding:
 
 def _curves_inwards(robot: Robot, h: ca.SX) -> bool:
     """Return whether h curves down somewhere along the position: its set then is one to stay in."""
-    bend, _ = ca.hessian(h, robot.system.x)
-    k = robot.position.numel()
-    evaluate = ca.Function("bend", [robot.system.x, robot.system.t], [ca.densify(bend[:k, :k])])
-    states = np.random.default_rng(1).normal(size=(16, robot.system.n))
-    bends = (evaluate(x, 0.0).full() for x in states)
+    system = robot.system
+    states = [state for state in ca.vertsplit(system.x) if ca.depends_on(robot.position, state)]
+    bend, _ = ca.hessian(h, ca.vertcat(*states))
+    evaluate = ca.Function("bend", [system.x, system.t], [ca.densify(bend)])
+    bends = (evaluate(x, 0.0).full() for x in np.random.default_rng(1).normal(size=(16, system.n)))
     return any(np.isfinite(b).all() and np.linalg.eigvalsh(b)[0] < -CURVED for b in bends)
 
 
 def _within_limits(scenario: Scenario, robot: Robot, design: FilterDesign) -> Finding:
     """Compare what the law asks for at the largest speeds of the box of starts with the limits of the input."""
     speed = _largest_speed(scenario, robot)
-    x = np.zeros(robot.system.n)
-    velocity = slice(robot.position.numel(), robot.position.numel() + robot.velocity.numel())
-    law = ca.Function("law", [robot.system.x], [robot.fail_safe])
-    asked = 0.0
-    for sign in (-1.0, 1.0):
-        x[velocity] = sign * speed
-        asked = max(asked, float(np.abs(law(x).full()).max()))
-    most = float(min(min(abs(low), abs(high)) for low, high in zip(design.limits.low, design.limits.high, strict=True)))
+    law = ca.Function("law", [robot.system.x], [ca.densify(robot.fail_safe)])
+    asked = np.array([law(x).full().ravel() + 0.0 for x in _at_speed(scenario, robot, speed)])
+    low, high = np.asarray(design.limits.low), np.asarray(design.limits.high)
+    axis = int(np.argmax(np.maximum(asked - high, low - asked).max(axis=0)))  # that comes nearest to its limits
+    least, most = float(asked[:, axis].min()), float(asked[:, axis].max())
     top = robot.fail_safe_scope.top_speed
-    found = f"at {speed:.3g} on every axis it asks for {asked:.3g} of {most:.3g}"
-    if asked <= most and speed <= top:
+    if least == -most and low[axis] == -high[axis]:
+        found = f"at {speed:.3g} on every axis it asks for {most:.3g} of {high[axis]:.3g}"
+    else:
+        found = f"at {speed:.3g} on every axis it asks for {least:.3g} to {most:.3g} of input {axis + 1}"
+        found += f", which has {low[axis]:.3g} to {high[axis]:.3g}"
+    slack = ROUNDING * (high[axis] - low[axis])
+    if low[axis] - slack <= least and most <= high[axis] + slack and speed <= top:
         return _note("limits of the input", found)
     return Finding(
         severity=Severity.WARNING,
@@ -93,14 +100,30 @@ def _within_limits(scenario: Scenario, robot: Robot, design: FilterDesign) -> Fi
     )
 
 
+def _at_speed(scenario: Scenario, robot: Robot, speed: float) -> Iterator[FloatArray]:
+    """Yield the states beside x0 in which every coordinate of the velocity is ±speed, to first order."""
+    x0 = np.asarray(scenario.plant.x0, dtype=float)
+    if not robot.velocity.numel():
+        yield x0
+        return
+    x = robot.system.x
+    moves = ca.Function("moves", [x], [ca.densify(robot.velocity), ca.densify(ca.jacobian(robot.velocity, x))])
+    velocity, jacobian = (part.full() for part in moves(x0))
+    if not np.isfinite(velocity).all() or not np.isfinite(jacobian).all():
+        yield x0
+        return
+    for sign in (-1.0, 1.0):
+        yield x0 + np.linalg.lstsq(jacobian, sign * speed - velocity.ravel(), rcond=None)[0]
+
+
 def _largest_speed(scenario: Scenario, robot: Robot) -> float:
     """Return the largest component of the velocity that starts have and a speed limit allows."""
-    first = robot.position.numel()
     plant = scenario.plant
     corners = [corner for corner in (plant.x0, plant.start_low, plant.start_high) if corner is not None]
-    fastest = max(abs(value) for corner in corners for value in corner[first : first + robot.velocity.numel()])
+    velocity = ca.Function("velocity", [robot.system.x], [ca.densify(robot.velocity)])
+    speeds = [abs(value) for corner in corners for value in velocity(list(corner)).elements() if isfinite(value)]
     limits = (getattr(barrier, "limit_m_per_s", None) for barrier in scenario.barriers)
-    return float(max([fastest, *(limit for limit in limits if limit is not None)]))
+    return float(max([0.0, *speeds, *(limit for limit in limits if limit is not None)]))
 
 
 def _note(subject: str, found: str) -> Finding:
