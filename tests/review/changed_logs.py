@@ -22,7 +22,15 @@ from passafe_services.tools.review.core_evaluator import CoreEvaluator
 from passafe_services.tools.review.run_review import RunReview, identity_of
 from passafe_services.tools.review.verdict import Verdict
 
-AGREE = ("states-agree", "inputs-agree", "predictions-agree", "decisions-agree", "tank-agrees", "scenario-agrees")
+AGREE = (
+    "states-agree",
+    "inputs-agree",
+    "predictions-agree",
+    "decisions-agree",
+    "ticks-agree",
+    "tank-agrees",
+    "scenario-agrees",
+)
 STEPS = 400
 
 

@@ -6,7 +6,16 @@ from typing import Any
 import pytest
 from changed_logs import Recorded, loaded, of_all, of_one, plus, recorded, verdict_on
 from msgspec.structs import replace
-from passafe_protocol.messages import FilterTick, GuardAction, Header, Message, OverrideReport, PlantPhase, PlantState
+from passafe_protocol.messages import (
+    FilterTick,
+    GuardAction,
+    Header,
+    Message,
+    OperatorCommand,
+    OverrideReport,
+    PlantPhase,
+    PlantState,
+)
 from passafe_services.scenarios.schema import Scenario
 
 LINKS = {
@@ -28,7 +37,9 @@ def more(name: str, amount: int = 1) -> Callable[[Any], Any]:
 
 def first_of(field: str, **changes: Callable[[Any], object]) -> dict[str, Callable[[FilterTick], object]]:
     def change(body: FilterTick) -> object:
-        first, *others = getattr(body, field)
+        first, *others = getattr(body, field) or (None,)
+        if first is None:
+            return ()
         return replace(first, **{name: of(getattr(first, name)) for name, of in changes.items()}), *others
 
     return {field: change}
@@ -90,14 +101,32 @@ TICKS: dict[str, tuple[Callable[[Header, Any], Message], str]] = {
 }
 
 
+CONSUMED: dict[str, tuple[Callable[[Header, Any], Message], str]] = {
+    "age of the state": (of_one(FilterTick, state_age_ns=more("state_age_ns")), "age of the state"),
+    "age of the command": (of_one(FilterTick, command_age_ns=more("command_age_ns")), "age of the command"),
+    "horizon": (of_one(FilterTick, horizon_ns=more("horizon_ns")), "horizon"),
+    "u_h of one command": (of_one(OperatorCommand, u_h=plus("u_h", 1e-3)), "u_h differs by 0.001"),
+    "dead-man of one command": (of_one(OperatorCommand, enabled=lambda _: False), "counts, and was released"),
+    "state of the command": (of_one(FilterTick, command_state=lambda _: "released"), "was released, and is held"),
+    "silent command": (of_one(FilterTick, command_state=lambda _: "silent"), "does not count, and is fresh"),
+    "share": (of_one(FilterTick, command_share=lambda _: 0.5), "share of a command"),
+    "consumed nothing": (of_all(FilterTick, consumed=lambda _: ()), "an age of no state"),
+    "another message": (of_all(FilterTick, **first_of("consumed", sequence=lambda was: was + 1)), "consumed twice"),
+    "another session": (of_one(FilterTick, **first_of("consumed", epoch=lambda was: was + 1)), "no message"),
+    "another topic": (of_one(FilterTick, **first_of("consumed", topic=lambda _: "input")), "does not read"),
+    "another term": (of_one(FilterTick, **first_of("consumed", term=lambda was: was + 1)), "another term"),
+    "received later": (of_one(FilterTick, **first_of("consumed", received_ns=lambda was: was + 10**9)), "came after"),
+}
+OF_PROPERTY = {"states-agree": STATES, "decisions-agree": TICKS, "ticks-agree": CONSUMED}
+
+
 @pytest.mark.parametrize(
-    ("property_name", "name"),
-    [*(("states-agree", name) for name in STATES), *(("decisions-agree", name) for name in TICKS)],
+    ("property_name", "name"), [(of, name) for of, changes in OF_PROPERTY.items() for name in changes]
 )
 def test_a_change_is_found_and_named(
     walls: Recorded, property_name: str, name: str, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
-    change, part = (STATES if property_name == "states-agree" else TICKS)[name]
+    change, part = OF_PROPERTY[property_name][name]
     verdict = verdict_on(walls.write(tmp_path_factory.mktemp("log") / "changed.mcap", change))
 
     entry = verdict.properties[property_name]
@@ -113,3 +142,4 @@ def test_an_unchanged_log_agrees(walls: Recorded, tmp_path_factory: pytest.TempP
     assert phases == {PlantPhase.WAITING, PlantPhase.RUNNING, PlantPhase.HOLDING, PlantPhase.FAIL_SAFE}
     assert verdict.properties["states-agree"].note == ""
     assert verdict.properties["decisions-agree"].note == ""
+    assert verdict.properties["ticks-agree"].note == ""

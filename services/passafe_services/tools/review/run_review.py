@@ -18,6 +18,7 @@ from passafe_services.scenarios.schema import Scenario
 from passafe_services.scenarios.source_schema import HumanSource
 from passafe_services.scenarios.uncertain_robot import reading_error_of, uncertainty_of
 from passafe_services.tools.review.between_samples import MarginsInProgress
+from passafe_services.tools.review.consumption_check import ConsumptionCheck
 from passafe_services.tools.review.decision_check import DecisionCheck
 from passafe_services.tools.review.decision_record import DecisionRecord
 from passafe_services.tools.review.drive_record import DriveRecord
@@ -71,6 +72,7 @@ class RunReview:
         reports: What states report besides.
         inputs: Inputs sent beside those decided.
         derived: Decisions beside those derived anew.
+        consumed: Ticks beside the messages that they consumed.
         tank: The filter's tank beside what its inputs give.
         configuration: Configurations beside one another.
         model: States beside what the scenario's sets allow.
@@ -116,6 +118,7 @@ class RunReview:
         )
         self.inputs = InputAgreement(self._m)
         self.derived = DecisionCheck(scenario)
+        self.consumed = ConsumptionCheck(scenario)
         self.tank = TankCheck(
             evaluator,
             scenario.filter.passivity,
@@ -133,7 +136,7 @@ class RunReview:
         self._steered: int | None = None
         self._parts: Sequence[LogConsumer] = (
             *(self.decisions, self.plant, self.origin, self.timing, self.links, self.model, self.guard),
-            *((self.reports, self.inputs, self.derived, self.configuration) if derives else ()),
+            *((self.reports, self.inputs, self.derived, self.consumed, self.configuration) if derives else ()),
             *((self.tank,) if derives and scenario.is_exact else ()),
         )
         self.derives = derives
@@ -168,6 +171,7 @@ class RunReview:
                 required=scenario.filter.prediction and scenario.is_exact
             ),
             "decisions-agree": self.derived.agreement.property(),
+            "ticks-agree": self.consumed.finish().property(),
             "tank-agrees": self.tank.agreement.property(required=scenario.filter.prediction and scenario.is_exact),
             "scenario-agrees": self.configuration.agreement.property(),
         }

@@ -10,7 +10,7 @@ EVIDENCE: Final = ("complete", "links-reconciled")
 
 AGREEMENT: Final = (
     *("states-agree", "inputs-agree", "predictions-agree"),
-    *("decisions-agree", "tank-agrees", "scenario-agrees"),
+    *("decisions-agree", "ticks-agree", "tank-agrees", "scenario-agrees"),
 )
 """Properties that what processes report agrees with what is derived anew; without a log there is nothing to compare."""
 
