@@ -1,6 +1,7 @@
 """Norms in barriers: the same set described by a function that has a slope at the norm's centre too.
 
-√s has no slope at s = 0. Where h = c − k√s with numbers c, k > 0, the set {h ≥ 0} is also that of
+√s has no slope at s = 0. Where h = c − k√s with a number k > 0 and c a number or an expression, seen to be positive
+whatever the state is, the set {h ≥ 0} is also that of
 
     (c² − k²s)/(2c) = h − (c − k√s)²/(2c) ≤ h,
 
@@ -32,7 +33,7 @@ def without_singular_points(h: ca.SX) -> ca.SX:
         if operation.number in _ROOTS:
             rewritten = _squared(graph, place)
             if rewritten is not None:
-                return rewritten
+                return without_singular_points(rewritten)  # c may contain another norm
     off_centre: dict[int, ca.SX | Rule] = {}
     for place, operation in enumerate(graph.operations):
         if operation.number in _ROOTS and _least_square(graph, place) == 0.0:
@@ -49,11 +50,12 @@ def _squared(graph: Graph, place: int) -> ca.SX | None:
     root = ca.SX.sym("root")
     whole = rebuilt(graph, {place: root})
     slope = ca.jacobian(whole, root)
-    if not slope.is_constant() or ca.symvar(ca.substitute(whole, root, ca.SX(0))):
+    if not slope.is_constant():
         return None
-    k, c = -float(slope), float(ca.substitute(whole, root, ca.SX(0)))
-    least = _least_square(graph, place)
-    if k <= 0.0 or c <= 0.0 or not 0.0 <= least < (NEAR * c / k) ** 2:
+    c, k, least = ca.substitute(whole, root, ca.SX(0)), -float(slope), _least_square(graph, place)
+    clear = graph_of(c)
+    smallest = _least(clear, clear.outputs[0])
+    if k <= 0.0 or not 0.0 < smallest < inf or not 0.0 <= least < (NEAR * smallest / k) ** 2:
         return None
     operation = graph.operations[place]
     square = _square(operation.number, [graph.operations[i].expression for i in operation.arguments])
@@ -76,7 +78,7 @@ def _least(graph: Graph, place: int) -> float:
     arguments = operation.arguments
     if operation.number == ca.OP_CONST:
         return float(operation.expression)
-    if operation.number in {ca.OP_SQ, ca.OP_FABS, *_ROOTS}:
+    if operation.number in {ca.OP_SQ, ca.OP_FABS, ca.OP_EXP, *_ROOTS}:
         return 0.0
     if operation.number == ca.OP_ADD:
         return sum(_least(graph, i) for i in arguments)

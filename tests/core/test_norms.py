@@ -25,6 +25,8 @@ def evaluated(h: ca.SX, at: object) -> np.ndarray:
         1.2 - 2 * ca.hypot(p[0], p[1]) / 3,
         0.9 - ca.sqrt(2 * p[0] ** 2 + 3 * p[1] ** 2 + p[0] ** 2 / 4),
         0.8 - ca.norm_2(p - ca.vertcat(ca.sin(t), 0.1)),
+        0.4 + ca.sumsqr(p - 2) / 20 + ca.exp(-t) - ca.norm_2(p),
+        0.3 + ca.hypot(p[0] - 9, t) / 90 - ca.norm_2(p),
         5 * (0.3 - ca.sqrt(ca.fabs(p[0]) ** 2 + ca.sqrt(p[1] ** 4))),
     ],
 )
@@ -33,7 +35,10 @@ def test_a_ball_s_set_and_boundary_slope_are_kept(h: ca.SX) -> None:
     ring = [np.array([np.cos(a), np.sin(a)]) for a in np.linspace(0.1, 6.2, 12)]
     level = ca.Function("h", [p, t], [h])
 
+    bend = ca.Function("bend", [p, t], [ca.norm_fro(ca.densify(ca.hessian(smooth, p)[0]))])
+
     assert np.isfinite([evaluated(smooth, at) for at in ([0, 0], [np.sin(0.3), 0.1], [1e-160, -0.0])]).all()
+    assert max(float(bend(at, 0.3)) for at in ([0.01, 0.0], [np.sin(0.3), 0.11])) < 40
     for at in (radius * direction for radius in np.linspace(0.05, 3.0, 40) for direction in ring):
         value = float(level(at, 0.3))
         assert np.sign(evaluated(smooth, at)[0]) == np.sign(value) or abs(value) < 1e-12
@@ -52,6 +57,7 @@ def test_a_ball_s_set_and_boundary_slope_are_kept(h: ca.SX) -> None:
         ca.norm_2(p) - 0.5,
         2 - ca.norm_2(p) - ca.norm_2(p - 1),
         1 + p[0] / 10 - ca.norm_2(p),
+        ca.sumsqr(p - 2) / 20 - ca.norm_2(p),
         1 - ca.exp(-ca.norm_2(p)),
         ca.sqrt(ca.norm_2(p)) - 0.2,
         ca.sqrt(ca.sumsqr(p) * (1 + p[0] ** 2)) - 1,
