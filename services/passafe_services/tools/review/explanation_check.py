@@ -16,6 +16,9 @@ from passafe_services.tools.review.plant_evaluator import FloatArray
 _CLEAR: Final = 10.0
 """How many times the push from which a row is active a push has to be, so that no rounding decides about it."""
 
+SLIGHT: Final = 5e-3
+"""Share of the change that may be between two answers to one program that the certificate accepts."""
+
 
 class ExplanationCheck:
     """Differences of logged explanations from those of decisions that were made anew.
@@ -96,14 +99,34 @@ class ExplanationCheck:
 
         push, share = push[:, :count].T, share[:, :count].T
         active = (push > ACTIVE_DUAL) & ~is_plain
-        sure = ((push > _CLEAR * ACTIVE_DUAL) | (push < ACTIVE_DUAL / _CLEAR)) | is_plain
+        flags, told = logged("rows.active"), logged("rows.share")
+        sure = is_sure(push, share, flags > 0.0, told) | is_plain
         relaxed = np.zeros((count, rows.size))
         relaxed[: self._hard] = blocks[:, self._parts["relax"]].T
         return {
-            "active row": _largest(np.where(sure, np.abs(logged("rows.active") - active), 0.0), rows.size),
-            "share of a row": _largest(np.where(sure, np.abs(logged("rows.share") - active * share), 0.0), rows.size),
+            "active row": _largest(np.where(sure, np.abs(flags - active), 0.0), rows.size),
+            "share of a row": _largest(np.where(sure, np.abs(told - active * share), 0.0), rows.size),
             "relaxed row": relative(logged("rows.relaxed"), relaxed),
         }
+
+
+def is_sure(push: FloatArray, share: FloatArray, told: NDArray[np.bool_], told_share: FloatArray) -> NDArray[np.bool_]:
+    """Return of which rows it is certain whether they are active, same shape as all arguments.
+
+    Two answers that are both accepted may differ by what the certificate tolerates: one of them may have a slight push
+    by a row that the other one has none by.
+
+    Args:
+        push: Of every row, computed anew.
+        share: Its share of the change, computed anew.
+        told: Whether the log calls it active.
+        told_share: Its share in the log.
+    """
+    is_clear = (push > _CLEAR * ACTIVE_DUAL) | (push < ACTIVE_DUAL / _CLEAR)
+    is_slight = ~told & (push > ACTIVE_DUAL) & (np.abs(share) <= SLIGHT)
+    is_told_slight = told & (push <= ACTIVE_DUAL) & (told_share != 0.0) & (np.abs(told_share) <= SLIGHT)
+    sure: NDArray[np.bool_] = is_clear & ~is_slight & ~is_told_slight
+    return sure
 
 
 def _largest(difference: FloatArray, size: int) -> FloatArray:
