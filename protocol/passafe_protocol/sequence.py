@@ -3,7 +3,15 @@
 from typing import Final
 
 from passafe_protocol.messages import Header
-from passafe_protocol.sequence_window import Arrival, SequenceWindow, Session
+from passafe_protocol.sequence_window import (
+    USUAL,
+    Arrival,
+    MissingRange,
+    SequenceWindow,
+    Session,
+    WindowSize,
+    missing_of,
+)
 
 SESSIONS: Final = 8
 """Number of sessions of one sender that are remembered, the current one included."""
@@ -25,11 +33,12 @@ class SequenceGuard:
       A session that was displaced and sends numbers larger than all that were received of it has not ended.
 
     A number beyond what the session can have come to (``SequenceWindow.newest_possible``) is refused: one forged number
-    costs the rightful sender at most ``BURST`` of its own. Time and memory per message are bounded; only sessions that
+    costs the rightful sender at most a burst of its own. Time and memory per message are bounded; only sessions that
     were current are remembered, so a flood of forged ones displaces none.
 
     Args:
         hold_ns: Silence after which another session may become current, ns.
+        size: How much of a session is remembered and believed.
 
     Attributes:
         term: Number of times that the place has changed hands; orders the sessions for a node behind a link.
@@ -37,11 +46,12 @@ class SequenceGuard:
         refused: All other messages.
     """
 
-    def __init__(self, hold_ns: int) -> None:
+    def __init__(self, hold_ns: int, size: WindowSize = USUAL) -> None:
         self.term = 0
         self.received = 0
         self.refused = 0
         self._hold_ns = hold_ns
+        self._size = size
         self._epoch = -1
         self._current: SequenceWindow | None = None
         self._windows: dict[int, SequenceWindow] = {}  # of sessions that were current, by epoch; the current one last
@@ -64,6 +74,10 @@ class SequenceGuard:
         At most 2⁶⁴ − 1, so that ``Health`` can carry it whatever numbers a faulty sender uses.
         """
         return min(self._gaps_forgotten + sum(window.gaps for window in self._windows.values()), COUNT_MAX)
+
+    def missing(self) -> list[MissingRange]:
+        """Return the numbers of the current session that have not been received, as far as the window reaches back."""
+        return [] if self._current is None else missing_of({self._epoch: self._current})
 
     def newest_possible(self, now_ns: int) -> int:
         """Return the largest number that the current session can have come to; −1 before the first message.
@@ -97,7 +111,7 @@ class SequenceGuard:
         """Let another session have the place, unless it ended."""
         window = self._windows.get(header.epoch)
         if window is None:
-            window = SequenceWindow(header.sequence, now_ns)
+            window = SequenceWindow(header.sequence, now_ns, self._size)
             if len(self._windows) == SESSIONS:
                 self._gaps_forgotten += self._windows.pop(next(iter(self._windows))).gaps
         elif header.sequence <= window.newest:

@@ -4,7 +4,15 @@ from typing import Final
 
 from passafe_protocol.messages import Header
 from passafe_protocol.sequence import COUNT_MAX, SESSIONS, SequenceGuard
-from passafe_protocol.sequence_window import Arrival, SequenceWindow, Session
+from passafe_protocol.sequence_window import (
+    USUAL,
+    Arrival,
+    MissingRange,
+    SequenceWindow,
+    Session,
+    WindowSize,
+    missing_of,
+)
 from passafe_protocol.topics import Topic
 
 MIN_HOLD_S: Final = 0.25
@@ -20,6 +28,9 @@ class SessionGuards:
     No session ends another, so that neither an older nor a newer one locks it out: the node decides which counts. The
     ``SESSIONS`` received from last are remembered; an older one begins anew.
 
+    Args:
+        size: How much of a session is remembered and believed.
+
     Attributes:
         term: Always 0: the sessions have no order.
         refused: DUPLICATE and FAR_AHEAD messages.
@@ -27,8 +38,9 @@ class SessionGuards:
 
     term = 0
 
-    def __init__(self) -> None:
+    def __init__(self, size: WindowSize = USUAL) -> None:
         self.refused = 0
+        self._size = size
         self._windows: dict[int, SequenceWindow] = {}  # the one received from last comes last
         self._received = self._gaps = 0  # of sessions that are forgotten
 
@@ -52,6 +64,10 @@ class SessionGuards:
         """The remembered sessions; the one received from last comes last."""
         return tuple(Session(epoch, w.first, w.newest, w.received) for epoch, w in self._windows.items())
 
+    def missing(self) -> list[MissingRange]:
+        """Return the numbers of remembered sessions that have not been received, as far as the window reaches back."""
+        return missing_of(self._windows)
+
     def newest_possible(self, now_ns: int) -> int:
         """Return the largest number that the session received from last can have come to; −1 before the first message.
 
@@ -72,7 +88,7 @@ class SessionGuards:
         if window is None:
             if len(windows) == SESSIONS:
                 self._forget(windows.pop(next(iter(windows))))
-            windows[header.epoch] = SequenceWindow(header.sequence, now_ns)
+            windows[header.epoch] = SequenceWindow(header.sequence, now_ns, self._size)
             return Arrival.FRESH
         windows[header.epoch] = window
         arrival = window.classify(header.sequence, now_ns)
@@ -90,6 +106,11 @@ def hold_ns(topic: Topic) -> int:
     return round(1e9 * max(MIN_HOLD_S, HOLD_PERIODS * period_s))
 
 
-def guard_of(topic: Topic) -> SequenceGuard | SessionGuards:
-    """Return the guard for one source of a topic."""
-    return SessionGuards() if topic.any_session else SequenceGuard(hold_ns(topic))
+def guard_of(topic: Topic, size: WindowSize = USUAL) -> SequenceGuard | SessionGuards:
+    """Return the guard for one source of a topic.
+
+    Args:
+        topic: The topic.
+        size: How much of a session is remembered and believed.
+    """
+    return SessionGuards(size) if topic.any_session else SequenceGuard(hold_ns(topic), size)

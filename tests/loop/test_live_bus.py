@@ -10,9 +10,10 @@ import pytest
 import zenoh
 from passafe_protocol.codec import decode, encode
 from passafe_protocol.messages import Header, OperatorCommand
-from passafe_protocol.topics import COMMAND, INPUT, LINK_CONFIG
-from passafe_services.loop.bus import Bus, RecordingReader, TopicReader, open_bus
+from passafe_protocol.topics import COMMAND, INPUT, LINK_CONFIG, Topic
+from passafe_services.loop.bus import Bus, TopicReader, open_bus
 from passafe_services.loop.errors import BusError, PublisherError
+from passafe_services.loop.recording_reader import RecordingReader
 from passafe_services.loop.router_endpoint import RouterEndpoint
 
 pytestmark = [pytest.mark.live, pytest.mark.alone]
@@ -133,6 +134,28 @@ def test_a_log_reader_is_given_what_it_lost(start: Callable, router: object, por
     assert logged == list(range(logged[0], 3000))
     assert logged[0] < 100
     assert len(output["ring"]) < 3000  # what was lost to a reader that nobody helps
+
+
+def test_caches_answer_the_questions_of_a_log_reader(sender: Bus, receiver: Bus) -> None:
+    log, put = receiver.recording_reader(), sender.publisher(COMMAND, "operator")
+    for k in range(20):
+        put(message(k))
+
+    def answer(topic: Topic, source: str) -> list[tuple[str, bytes]]:
+        question = log.ask(topic.key(source), 5, 8)
+        found: list[tuple[str, bytes]] = []
+        end = time.monotonic() + PATIENCE_S
+        while not question.has_ended:
+            assert time.monotonic() < end
+            found += question.drain()
+            time.sleep(0.001)
+        return found
+
+    assert answer(INPUT, "filter") == []
+    end = time.monotonic() + PATIENCE_S
+    while not (found := answer(COMMAND, "operator")):  # the declaration of a cache takes a moment
+        assert time.monotonic() < end
+    assert found == [(COMMAND.key("operator"), message(k)) for k in range(5, 9)]
 
 
 def test_publisher_survives_a_router_outage(start: Callable, port: int) -> None:

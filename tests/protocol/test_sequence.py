@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from passafe_protocol.messages import Header
 from passafe_protocol.sequence import COUNT_MAX, SESSIONS, SequenceGuard
-from passafe_protocol.sequence_window import BURST, Arrival, Session
+from passafe_protocol.sequence_window import BURST, Arrival, MissingRange, Session
 
 MS = 1_000_000
 HOLD_NS = 250 * MS
@@ -46,6 +46,15 @@ def test_restarted_sender_is_accepted_after_the_hold(epoch: int) -> None:
     assert classify(guard, 249, epoch, 0, 1) == [Arrival.FOREIGN] * 2
     assert classify(guard, 250, epoch, 2, 3) == [Arrival.FRESH] * 2
     assert (guard.epoch, guard.term, guard.gaps) == (epoch, 1, 0)
+
+
+def test_only_the_current_session_has_missing_messages() -> None:
+    guard = SequenceGuard(HOLD_NS)
+    assert guard.missing() == []
+    classify(guard, 0, 1, 0, 3)
+    assert guard.missing() == [MissingRange(1, 1, 2)]
+    classify(guard, 1_000, 2, 5, 7)
+    assert guard.missing() == [MissingRange(2, 6, 6)]
 
 
 def test_only_accepted_messages_keep_the_place() -> None:

@@ -1,11 +1,12 @@
 """Numbers of one session, against cases by hand and an oracle that remembers each."""
 
 import tracemalloc
+from itertools import pairwise
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from passafe_protocol.sequence_window import BURST, MAX_RATE_HZ, WINDOW, Arrival, SequenceWindow
+from passafe_protocol.sequence_window import BURST, MAX_RATE_HZ, WINDOW, Arrival, SequenceWindow, WindowSize
 
 MS = 1_000_000
 S = 1_000 * MS
@@ -23,6 +24,15 @@ def test_lost_messages_are_gaps_and_late_ones_close_them() -> None:
     assert (window.received, window.gaps) == (3, 8)
     assert window.classify(2, 0) is Arrival.REORDERED
     assert (window.received, window.gaps) == (4, 7)
+
+
+def test_missing_numbers_are_known_as_far_as_the_window_reaches() -> None:
+    assert window_of(3, 4, 7, 5, 9).missing() == [(6, 6), (8, 8)]
+    assert window_of(0).missing() == []
+    window = SequenceWindow(0, 0, WindowSize(remembered=4))
+    for number in (1, 3, 6):
+        window.classify(number, 0)
+    assert (window.gaps, window.missing()) == (3, [(4, 5)])
 
 
 def test_a_late_reader_has_no_gap_before_its_first_message() -> None:
@@ -89,24 +99,30 @@ def test_memory_does_not_grow_with_the_numbers() -> None:
 class Oracle:
     """The same judgement by remembering every number."""
 
-    def __init__(self, first: int) -> None:
+    def __init__(self, first: int, size: WindowSize) -> None:
+        self.size, self.burst = size
         self.seen = {first}
         self.accepted_ns = 0
 
     def classify(self, sequence: int, now_ns: int) -> Arrival:
         """Classify a message by all messages before it."""
         newest = max(self.seen)
-        is_far = sequence - newest > BURST + MAX_RATE_HZ * (now_ns - self.accepted_ns) // S
-        if len(self.seen) == 1 and (is_far or sequence <= newest - WINDOW):
+        is_far = sequence - newest > self.burst + MAX_RATE_HZ * (now_ns - self.accepted_ns) // S
+        if len(self.seen) == 1 and (is_far or sequence <= newest - self.size):
             self.seen.clear()
             newest = -1
         elif is_far:
             return Arrival.FAR_AHEAD
-        elif sequence in self.seen or sequence <= newest - WINDOW:
+        elif sequence in self.seen or sequence <= newest - self.size:
             return Arrival.DUPLICATE
         self.seen.add(sequence)
         self.accepted_ns = now_ns
         return Arrival.FRESH if sequence > newest else Arrival.REORDERED
+
+    def missing(self) -> set[int]:
+        """Return the numbers that did not come, as far as a window reaches back."""
+        newest = max(self.seen)
+        return {*range(max(min(self.seen), newest - self.size + 1), newest)} - self.seen
 
 
 NUMBERS = st.one_of(
@@ -115,11 +131,20 @@ NUMBERS = st.one_of(
 
 
 @settings(deadline=None)
-@given(NUMBERS, st.lists(st.tuples(st.integers(0, 2 * S), NUMBERS), max_size=60))
-def test_agrees_with_an_oracle_that_forgets_nothing(first: int, stream: list[tuple[int, int]]) -> None:
-    window, oracle, now_ns = SequenceWindow(first, 0), Oracle(first), 0
+@given(
+    st.sampled_from((WindowSize(), WindowSize(7, 3), WindowSize(WINDOW, 5 * WINDOW))),
+    NUMBERS,
+    st.lists(st.tuples(st.integers(0, 2 * S), NUMBERS), max_size=60),
+)
+def test_agrees_with_an_oracle_that_forgets_nothing(
+    size: WindowSize, first: int, stream: list[tuple[int, int]]
+) -> None:
+    window, oracle, now_ns = SequenceWindow(first, 0, size), Oracle(first, size), 0
     for pause_ns, sequence in stream:
         now_ns += pause_ns
         assert window.classify(sequence, now_ns) is oracle.classify(sequence, now_ns)
         assert window.received == len(oracle.seen)
         assert window.gaps == max(oracle.seen) - min(oracle.seen) + 1 - len(oracle.seen)
+    ranges = window.missing()
+    assert {number for begin, end in ranges for number in range(begin, end + 1)} == oracle.missing()
+    assert all(end + 1 < begin for (_, end), (begin, _) in pairwise(ranges))

@@ -2,7 +2,7 @@
 
 from passafe_protocol.messages import Header
 from passafe_protocol.sequence import SESSIONS, SequenceGuard
-from passafe_protocol.sequence_window import Arrival, Session
+from passafe_protocol.sequence_window import Arrival, MissingRange, Session
 from passafe_protocol.session_guards import SessionGuards, guard_of, hold_ns
 from passafe_protocol.topics import COMMAND, HEALTH, INPUT, LEASE, LINK_CONFIG, STATE, STOP, TOPICS
 
@@ -19,6 +19,7 @@ def test_no_session_ends_another() -> None:
     assert found == [Arrival.FRESH] * 5 + [Arrival.DUPLICATE]
     assert (guards.received, guards.gaps, guards.refused) == (5, 1, 1)
     assert guards.sessions == (Session(2, 3, 3, 1), Session(9, 0, 2, 2), Session(5, 0, 1, 2))
+    assert guards.missing() == [MissingRange(9, 1, 1)]
 
 
 def test_the_longest_silent_session_is_forgotten_first() -> None:

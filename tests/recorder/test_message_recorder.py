@@ -15,10 +15,12 @@ from passafe_protocol.messages import (
     RecordedSession,
     TopicHealth,
 )
+from passafe_protocol.sequence_window import MissingRange
 from passafe_protocol.topics import EVENT, RECEIPT, STATE
 from passafe_services.log.log_writer import LogWriter
 from passafe_services.log.wire_header import read_header
 from passafe_services.recorder.message_recorder import OTHERS, MessageRecorder
+from passafe_services.recorder.record_loop import HELD_UP
 
 NOW_NS = 5_000_000
 
@@ -112,7 +114,7 @@ def test_a_receipt_says_how_far_each_session_has_come(tmp_path: Path) -> None:
     samples += [(EVENT.key("filter"), event(0, source="filter", epoch=9))]
     recording, _ = recorded(tmp_path, samples)
 
-    assert recording.receipt() == Receipt(
+    assert recording.receipt(lambda _, __: False) == Receipt(
         (RecordedSession("plant", "event", 1, 7), RecordedSession("filter", "event", 9, 0))
     )
 
@@ -123,3 +125,40 @@ def test_its_own_receipts_are_not_logged(tmp_path: Path) -> None:
 
     assert found == []
     assert (recording.others, recording.last_other) == (1, f"{len(data)} bytes under {RECEIPT.key('plant')}")
+
+
+def test_only_what_is_missing_is_logged_from_a_cache(tmp_path: Path) -> None:
+    key, other = EVENT.key("plant"), EVENT.key("filter")
+    with LogWriter(tmp_path / "run.mcap", {}) as log:
+        recording = MessageRecorder(log)
+        recording.record([(key, event(k)) for k in (3, 4, 7, 9)], NOW_NS, 7)
+        assert recording.missing() == {key: [MissingRange(1, 5, 6), MissingRange(1, 8, 8)]}
+
+        answer = [event(4), event(6), event(6), event(5, epoch=2), event(7), event(9), b"damaged"]
+        recording.record_missed([*((key, data) for data in answer), (other, event(0, source="filter"))], NOW_NS, 8)
+
+        assert recording.missing() == {key: [MissingRange(1, 5, 5), MissingRange(1, 8, 8)]}
+        assert recording.health() == (TopicHealth("event", received=5, gaps=2, refused=0),)
+
+
+def test_a_receipt_ends_before_what_is_waited_for(tmp_path: Path) -> None:
+    key = EVENT.key("plant")
+    with LogWriter(tmp_path / "run.mcap", {}) as log:
+        recording = MessageRecorder(log)
+        recording.record([(key, event(k)) for k in (3, 4, 7, 9)], NOW_NS, 7)
+
+    def newest(*given_up: int) -> int:
+        [session] = recording.receipt(lambda _, missing: missing.first not in given_up).sessions
+        return session.newest
+
+    assert (newest(), newest(5), newest(5, 8)) == (4, 7, 9)
+
+
+def test_what_was_held_up_on_its_way_is_believed(tmp_path: Path) -> None:
+    key = EVENT.key("plant")
+    with LogWriter(tmp_path / "run.mcap", {}) as log:
+        recording = MessageRecorder(log, HELD_UP)
+        for number in (0, 1, 1_500):
+            recording.record([(key, event(number))], NOW_NS, 7)
+
+    assert recording.missing() == {key: [MissingRange(1, 2, 1_499)]}

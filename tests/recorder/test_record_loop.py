@@ -29,13 +29,37 @@ CHILD = Path(__file__).with_name("writing_child.py")
 PATIENCE_S = 30.0
 
 
-class Desk:
-    """Clock, bus and stop request of a recorder under test: a message every 10 ms, all but 7 and 8."""
+def made(number: int) -> tuple[str, bytes]:
+    """Return the key and the bytes of a message."""
+    header = Header("plant", 1, number, 0, 0, 0, number * 10 * MS)
+    return EVENT.key("plant"), encode(header, Event("info", "x"))
 
-    def __init__(self, *, stop_after_s: float, late_messages: int = 0) -> None:
+
+class Answer:
+    """Answer of a cache that has ended."""
+
+    has_ended = True
+
+    def __init__(self, samples: list[tuple[str, bytes]]) -> None:
+        self.samples = samples
+
+    def drain(self) -> list[tuple[str, bytes]]:
+        """Return all of it."""
+        return self.samples
+
+
+class Desk:
+    """Clock, bus and stop request of a recorder under test: a message every 10 ms, all but 7 and 8.
+
+    The cache of their publisher is asked in vain, or only so often.
+    """
+
+    def __init__(self, *, stop_after_s: float, late_messages: int = 0, asked_in_vain: int | None = None) -> None:
         self.now_ns = 0
         self.stop_ns = int(stop_after_s * S)
         self.late_messages = late_messages
+        self.asked_in_vain = asked_in_vain
+        self.asked: list[tuple[str, int, int]] = []
         self.made = 0
         self.published: list[tuple[Topic, Message]] = []
         self.log: BackgroundLog | None = None
@@ -48,10 +72,13 @@ class Desk:
             self.late_messages = 0
         numbers = [k for k in range(self.made, newest) if k not in {7, 8}]
         self.made = max(newest, self.made)
-        return [
-            (EVENT.key("plant"), encode(Header("plant", 1, k, 0, 0, 0, k * 10 * MS), Event("info", "x")))
-            for k in numbers
-        ]
+        return [made(k) for k in numbers]
+
+    def ask(self, key: str, first: int, last: int) -> Answer:
+        """Ask the publisher's cache."""
+        self.asked.append((key, first, last))
+        answers = self.asked_in_vain is not None and len(self.asked) > self.asked_in_vain
+        return Answer([made(k) for k in range(first, last + 1)] if answers else [])
 
     def wait(self, timeout_s: float | None = None) -> bool:
         """Let time pass."""
@@ -125,13 +152,15 @@ def test_health_every_second_and_a_warning_for_missing_messages(tmp_path: Path) 
 
 
 def test_receipts_say_ten_times_a_second_what_it_has(tmp_path: Path) -> None:
-    desk = Desk(stop_after_s=1.05)
+    desk = Desk(stop_after_s=1.05, asked_in_vain=0)
     desk.run(new_log(tmp_path / "run.mcap"))
     receipts = [body for topic, body in desk.published if topic is RECEIPT]
     newest = [body.sessions[0].newest for body in receipts if isinstance(body, Receipt)]
 
     assert len(newest) == pytest.approx(10, abs=1)
-    assert newest == sorted(set(newest))
+    after = [number for number in newest if number != 6]  # the last one before those that are missing for a while
+    assert newest == sorted(newest)
+    assert len({*after}) == len(after) > 5
     last = receipts[-1]
     assert isinstance(last, Receipt)
     assert last.sessions == (RecordedSession("plant", "event", last.sessions[0].epoch, newest[-1]),)
@@ -150,6 +179,21 @@ def test_messages_under_strange_keys_are_reported_once(tmp_path: Path) -> None:
     assert isinstance(warning, Event)
     assert warning.text.startswith("messages that are none of the topic table's, not logged so far: ")
     assert sequences(tmp_path / "run.mcap") == []
+
+
+def test_a_cache_is_asked_until_it_answers(tmp_path: Path) -> None:
+    desk = Desk(stop_after_s=3.0, asked_in_vain=4)
+    desk.run(new_log(tmp_path / "run.mcap"))
+
+    assert desk.asked == [(EVENT.key("plant"), 7, 8)] * 5
+    assert sorted(sequences(tmp_path / "run.mcap")) == list(range(desk.made))
+    assert LogReader(tmp_path / "run.mcap").shortcomings == []
+    newest = [
+        body.sessions[0].newest for topic, body in desk.published if topic is RECEIPT and isinstance(body, Receipt)
+    ]
+    waits = [number for number in newest if number == 6]
+    assert newest[: len(waits)] == waits
+    assert newest[len(waits)] > 100
 
 
 def test_logged_messages_are_on_disk_within_a_quarter_second(tmp_path: Path) -> None:

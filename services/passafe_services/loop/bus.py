@@ -20,17 +20,12 @@ from passafe_services.keys.errors import KeysMismatchError
 from passafe_services.loop.admission import Admission
 from passafe_services.loop.errors import BusError, PublisherError, RoleError
 from passafe_services.loop.handshake import refusal_of
+from passafe_services.loop.recording_reader import CACHED_SAMPLES, RECORDING_QUEUE, RecordingReader
 from passafe_services.loop.router_endpoint import RouterEndpoint
 from passafe_services.loop.session import client_settings, open_session
 
-CACHED_SAMPLES: Final = 16_384
-"""Messages that a publisher caches for the recorder: 16 s at 1 kHz, longer than a restart of the router takes."""
-
 HEARTBEAT_S: Final = 0.5
 """Interval at which a publisher says how far it has come, so that the loss of its last message is detected."""
-
-RECORDING_QUEUE: Final = 16_384
-"""Capacity of a recording reader. A full one blocks the session; the publishers' caches then fill the gap."""
 
 _CONGESTION: Final = {
     Congestion.DROP: zenoh.CongestionControl.DROP,
@@ -57,27 +52,6 @@ class TopicReader:
         """
         samples = islice(iter(self._subscriber.try_recv, None), at_most or self._capacity)
         return [sample.payload.to_bytes() for sample in samples]
-
-
-class RecordingReader:
-    """Reader of every message of every topic, without loss as far as the publishers' caches reach back.
-
-    It also receives what was published while no router was running, but not what was published before it discovered
-    the publisher.
-    """
-
-    def __init__(self, subscriber: ext.AdvancedSubscriber[handlers.Handler[zenoh.Sample]]) -> None:
-        self._subscriber = subscriber
-
-    def end(self) -> None:
-        """Stop reading and drop the messages in the buffer."""
-        undeclare: Callable[[], None] = self._subscriber.undeclare  # without types in its stub
-        undeclare()
-
-    def drain(self) -> list[tuple[str, bytes]]:
-        """Return key expressions and payloads received since the last call; those of one publisher in order."""
-        samples = islice(iter(self._subscriber.try_recv, None), RECORDING_QUEUE)
-        return [(str(sample.key_expr), sample.payload.to_bytes()) for sample in samples]
 
 
 class Bus:
@@ -158,12 +132,13 @@ class Bus:
         """Return a reader of all topics of the robot, for the recorder."""
         self._recording_readers.append(
             RecordingReader(
+                self._session,
                 ext.declare_advanced_subscriber(
                     self._session,
                     key_of(self._robot, "*", "*"),
                     handlers.FifoChannel(RECORDING_QUEUE),
                     recovery=ext.RecoveryConfig(periodic_queries=None, heartbeat=True),
-                )
+                ),
             )
         )
         return self._recording_readers[-1]

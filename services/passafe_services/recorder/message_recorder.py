@@ -1,7 +1,7 @@
 """Logs each message of the topic table unchanged and counts missing ones."""
 
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Final, Protocol
 
@@ -9,6 +9,7 @@ from passafe_protocol.codec import MAX_MESSAGE_BYTES
 from passafe_protocol.keys import parts_of
 from passafe_protocol.messages import Header, Receipt, RecordedSession, TopicHealth
 from passafe_protocol.sequence import SequenceGuard
+from passafe_protocol.sequence_window import USUAL, MissingRange, WindowSize
 from passafe_protocol.session_guards import SessionGuards, guard_of
 from passafe_protocol.topics import TOPIC_OF_NAME, Topic
 
@@ -48,6 +49,7 @@ class MessageRecorder:
 
     Args:
         log: Log to write to.
+        size: How much of a session is remembered and believed.
 
     Attributes:
         bytes_recorded: Wire bytes logged so far.
@@ -55,11 +57,12 @@ class MessageRecorder:
         last_other: Description of the last of these; empty without one.
     """
 
-    def __init__(self, log: MessageSink) -> None:
+    def __init__(self, log: MessageSink, size: WindowSize = USUAL) -> None:
         self.bytes_recorded = 0
         self.others = 0
         self.last_other = ""
         self._log = log
+        self._size = size
         self._channels: dict[str, _Channel] = {}
 
     def record(self, samples: Iterable[tuple[str, bytes]], wall_ns: int, now_ns: int) -> None:
@@ -92,6 +95,34 @@ class MessageRecorder:
         """Return the number of messages missing so far, by key expression; keys without gaps are omitted."""
         return {key: channel.guard.gaps for key, channel in self._channels.items() if channel.guard.gaps}
 
+    def missing(self) -> dict[str, list[MissingRange]]:
+        """Return what publishers may still have, by key expression: numbers missing in their current sessions."""
+        found = {key: channel.guard.missing() for key, channel in self._channels.items() if channel.guard.gaps}
+        return {key: ranges for key, ranges in found.items() if ranges}
+
+    def record_missed(self, samples: Sequence[tuple[str, bytes]], wall_ns: int, now_ns: int) -> None:
+        """Log those messages from the publishers' caches that are still missing.
+
+        Args:
+            samples: Key expression and wire bytes of each message.
+            wall_ns: Wall time now, ns.
+            now_ns: Monotonic time now, ns.
+
+        Raises:
+            LogWriteError: The log cannot be written.
+        """
+        missing = self.missing()
+        wanted: list[tuple[str, bytes]] = []
+        taken: set[tuple[str, int, int]] = set()
+        for key, data in samples:
+            header = read_header(self._channels[key].topic, data) if key in missing else None
+            if header is None or (one := (key, header.epoch, header.sequence)) in taken:
+                continue
+            if any(each.epoch == header.epoch and each.first <= header.sequence <= each.last for each in missing[key]):
+                taken.add(one)
+                wanted.append((key, data))
+        self.record(wanted, wall_ns, now_ns)
+
     def health(self) -> tuple[TopicHealth, ...]:
         """Return the counts of each topic over all its publishers, sorted by name; those not logged at the end."""
         totals: defaultdict[str, list[int]] = defaultdict(lambda: [0, 0, 0])
@@ -106,22 +137,28 @@ class MessageRecorder:
         ]
         return (*rows, TopicHealth(OTHERS, 0, 0, self.others)) if self.others else tuple(rows)
 
-    def receipt(self) -> Receipt:
-        """Return the newest recorded message of each session that is remembered, those of each publisher and topic."""
-        return Receipt(
-            tuple(
-                RecordedSession(channel.source, channel.topic.name, session.epoch, session.newest)
-                for channel in self._channels.values()
-                for session in channel.guard.sessions
-            )
-        )
+    def receipt(self, expects: Callable[[str, MissingRange], bool]) -> Receipt:
+        """Return how far each session that is remembered is recorded: up to the first message that is waited for.
+
+        Args:
+            expects: Tells whether missing messages under a key may still come.
+        """
+        missing = self.missing()
+        sessions: list[RecordedSession] = []
+        for key, channel in self._channels.items():
+            waited_for = [each for each in missing.get(key, ()) if expects(key, each)]
+            for session in channel.guard.sessions:
+                first = min((each.first for each in waited_for if each.epoch == session.epoch), default=None)
+                newest = session.newest if first is None else first - 1
+                sessions.append(RecordedSession(channel.source, channel.topic.name, session.epoch, newest))
+        return Receipt(tuple(sessions))
 
     def _open(self, key: str) -> _Channel | None:
         """Return a new channel; ``None`` for a key that is not of the table."""
         found = _row_of(key)
         if found is None or not found[0].recorded:
             return None
-        self._channels[key] = channel = _Channel(*found, guard_of(found[0]))
+        self._channels[key] = channel = _Channel(*found, guard_of(found[0], self._size))
         return channel
 
     def _count(self, channel: _Channel, data: bytes, now_ns: int) -> Header | None:

@@ -5,15 +5,20 @@ from collections.abc import Callable
 from typing import Final, Protocol
 
 from passafe_protocol.messages import Event, Health, Message
+from passafe_protocol.sequence_window import WindowSize
 from passafe_protocol.topics import EVENT, HEALTH, RECEIPT, Topic
 
 from passafe_services.log.errors import LogWriteError
 from passafe_services.loop.pace import Pace
 from passafe_services.loop.rate_limited_log import RateLimitedLog
+from passafe_services.loop.recording_reader import CACHED_SAMPLES
 from passafe_services.recorder.background_log import BackgroundLog
+from passafe_services.recorder.cache_recovery import CacheRecovery, Caches
 from passafe_services.recorder.message_recorder import MessageRecorder
 
 DRAIN_RATE_HZ: Final = 50.0
+HELD_UP: Final = WindowSize(remembered=CACHED_SAMPLES, burst=CACHED_SAMPLES)
+"""What was held up on its way comes at once, up to all that a cache has."""
 FLUSH_PERIOD_NS: Final = 150_000_000
 """Together with a drain period, the hand-over and the flush itself below the 300 ms that a kill may lose."""
 HEALTH_PERIOD_NS: Final = 1_000_000_000
@@ -24,7 +29,7 @@ SETTLE_S: Final = 0.1
 """Silence after which no message is in flight any more."""
 
 
-class RawReader(Protocol):
+class RawReader(Caches, Protocol):
     """Source of messages: the recording reader of the bus."""
 
     def drain(self) -> list[tuple[str, bytes]]:
@@ -103,8 +108,9 @@ class _Loop:
         monotonic_ns: Callable[[], int],
         wall_ns: Callable[[], int],
     ) -> None:
-        self.recording = MessageRecorder(log)
+        self.recording = MessageRecorder(log, HELD_UP)
         self._reader = reader
+        self._recovery = CacheRecovery(reader)
         self._log = log
         self._publish = publish
         self._monotonic_ns = monotonic_ns
@@ -121,11 +127,14 @@ class _Loop:
         return max(self.pace.due_ns - self._monotonic_ns(), 0) * 1e-9
 
     def drain(self) -> int:
-        """Log the messages received; return their number."""
+        """Log the messages received, and those missed that publishers' caches still have; return their number."""
         samples = self._reader.drain()
         self.recording.record(samples, self._wall_ns(), self._monotonic_ns())
+        missed = self._recovery.drain(self._monotonic_ns())
+        self.recording.record_missed(missed, self._wall_ns(), self._monotonic_ns())
+        self._recovery.ask(self.recording.missing(), self._monotonic_ns())
         self._log.hand_over()
-        return len(samples)
+        return len(samples) + len(missed)
 
     def step(self) -> None:
         """Drain; flush and report if due."""
@@ -133,7 +142,7 @@ class _Loop:
         self.pace.begin(now_ns)
         self.drain()
         if now_ns - self._acknowledged_ns >= RECEIPT_PERIOD_NS:
-            self._publish(RECEIPT, self.recording.receipt(), now_ns)
+            self._publish(RECEIPT, self.recording.receipt(self._recovery.expects), now_ns)
             self._acknowledged_ns = now_ns
         if now_ns - self._flushed_ns >= FLUSH_PERIOD_NS:
             self._log.flush(self.recording.gaps())
