@@ -111,9 +111,9 @@ class SentMessages:
         self._of: dict[int, tuple[IntArray, dict[str, NDArray[Any]]]] = {}
 
     @property
-    def has_messages(self) -> bool:
-        """True if there were any."""
-        return bool(self._of)
+    def sessions(self) -> int:
+        """Number of sessions that sent any."""
+        return len(self._of)
 
     def knows(self, epoch: int) -> bool:
         """Return whether a session sent any."""

@@ -5,7 +5,7 @@ from typing import ClassVar, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from passafe_protocol.messages import UNKNOWN_CLOCK, CommandState
-from passafe_protocol.topics import COMMAND, STATE, TICK
+from passafe_protocol.topics import COMMAND, LINK_EVENT, LINKS, STATE, TICK, TOPIC_OF_NAME
 
 from passafe_services.log.chunk_decoding import Wants
 from passafe_services.log.log_pass import LogSlice
@@ -13,12 +13,15 @@ from passafe_services.log.message_block import MessageBlock
 from passafe_services.scenarios.design import robot_of
 from passafe_services.scenarios.schema import Scenario, WhiteAccelerationEstimator
 from passafe_services.tools.review.agreement import LogAgreement
-from passafe_services.tools.review.consumed_messages import ConsumedMessages, Newest, SentMessages
+from passafe_services.tools.review.consumed_messages import MOST_KEPT, ConsumedMessages, Newest, SentMessages
 from passafe_services.tools.review.filter_claims import IntArray
 from passafe_services.tools.review.plant_evaluator import FloatArray
 from passafe_services.tools.review.trajectory import NS_PER_S
 
 Rows = NDArray[np.bool_]
+
+_WHOLLY: Final = ("loss", "outage")
+"""Causes of a drop that leave no copy of the message."""
 
 _HEADER: Final = ("header.scheduled_ns", "header.clock_id")
 
@@ -50,6 +53,7 @@ class ConsumptionCheck:
             *(f"consumed.{name}" for name in ("topic", "sequence", "received_ns", "epoch", "term")),
         ),
         STATE.name: ("plant_ns", "stop", "stops_cleared", *_HEADER),
+        LINK_EVENT.name: ("link", "cause", "sequence"),
         COMMAND.name: ("u_h", "u_h_rate", "enabled", *_HEADER),
     }
 
@@ -67,6 +71,7 @@ class ConsumptionCheck:
         }
         self._newest = {name: Newest() for name in self._sent}
         self._waiting: list[_Ticks] = []
+        self._dropped = {name: np.zeros(0, dtype=np.int64) for name in self._sent}
         self._terms: dict[tuple[int, int], int] = {}
         self._was_stopped = False
         self._whole: set[int] = set()
@@ -78,6 +83,7 @@ class ConsumptionCheck:
                 sent.add(block)
         for block in part.blocks(STATE.name):
             self._was_stopped |= bool(((block.numbers("stop") != 0) | (block.numbers("stops_cleared") != 0)).any())
+        self._take_drops(part)
         waiting, self._waiting = self._waiting, []
         for ticks in waiting:
             self._check(ticks)
@@ -94,10 +100,20 @@ class ConsumptionCheck:
             self._check(ticks)
         for name, newest in self._newest.items():
             for epoch, tick in newest.epochs.items():
-                if self._sent[name].has_messages and not self._sent[name].knows(epoch):
+                if self._sent[name].sessions and not self._sent[name].knows(epoch):
                     text = f"tick {tick}: consumed a {name} of a session of which the log has no message"
                     self.agreement.note("session", text)
         return self.agreement
+
+    def _take_drops(self, part: LogSlice) -> None:
+        """Remember the numbers of messages that links to the filter dropped."""
+        for block in part.blocks(LINK_EVENT.name):
+            dropped = block.texts("cause").are(*_WHOLLY)
+            for name, numbers in self._dropped.items():
+                links = [link for link, place in LINKS.items() if place == (TOPIC_OF_NAME[name], "filter")]
+                rows = dropped & block.texts("link").are(*links)
+                found = block.numbers("sequence")[rows].astype(np.int64)
+                self._dropped[name] = np.concatenate((numbers, found))[-MOST_KEPT:]
 
     def _take_consumed(self, block: MessageBlock) -> None:
         """Check what ticks say of each message that they consumed."""
@@ -133,6 +149,11 @@ class ConsumptionCheck:
             newest = self._newest[name]
             twice = consumed.twice(len(block))
             self.agreement.refute(f"a {name} was consumed twice", twice, at_s, lambda row: f"tick {int(numbers[row])}")
+            if self._sent[name].sessions == 1:  # else numbers of one are those of another
+                lost = np.zeros(len(block), dtype=np.bool_)
+                lost[consumed.row[np.isin(consumed.sequence, self._dropped[name])]] = True
+                what = f"a {name} was consumed that its link dropped"
+                self.agreement.refute(what, lost, at_s, lambda row: f"tick {int(numbers[row])}")
             heard = newest.follow(block.epoch, consumed, numbers)
             if heard is None:
                 self.agreement.left_out += len(block)

@@ -10,8 +10,9 @@ counts available from two sources must agree.
 """
 
 from collections import Counter, deque
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import ClassVar, Self, TypeAlias
+from typing import ClassVar, Final, Self, TypeAlias
 
 import numpy as np
 from passafe_protocol.link_effect import CAUSES
@@ -24,10 +25,16 @@ from passafe_services.log.column import Texts
 from passafe_services.log.log_pass import LogSlice
 from passafe_services.log.message_block import MessageBlock
 from passafe_services.log.message_columns import RECORD
+from passafe_services.scenarios.schema import Scenario
+from passafe_services.tools.review.link_states import LinkStateCheck, count_differences, start_settings
 from passafe_services.tools.review.run_log import RunLog
 
 LinkSession: TypeAlias = tuple[str, str, int | None]
 """Link, process that reads it, and its session; ``None`` in lockstep, where a link outlives its reader's sessions."""
+
+
+NO_MESSAGE: Final = -1
+"""Number of a message of another topic than the link's: nobody sent it through the link."""
 
 
 class LinkAccount(BaseModel):
@@ -82,7 +89,14 @@ class LinkAccount(BaseModel):
         )
 
     @classmethod
-    def of(cls, key: LinkSession, state: LinkState, events: "EventCounts", sent: "SentNumbers") -> Self:
+    def of(
+        cls,
+        key: LinkSession,
+        state: LinkState,
+        events: "EventCounts",
+        sent: "SentNumbers",
+        contradictions: Mapping[str, int],
+    ) -> Self:
         """Return the account of one link.
 
         Args:
@@ -90,6 +104,7 @@ class LinkAccount(BaseModel):
             state: Its last state.
             events: Its events up to that state.
             sent: Messages of the link's topic in the log.
+            contradictions: What its states say and cannot be, by kind.
         """
         logged = sum(sent.count(source) for source in state.sources)
         offered = sum(_span(source) for source in state.sources)
@@ -102,7 +117,8 @@ class LinkAccount(BaseModel):
             "events of messages that were not sent": events.not_offered(state),
             "entered and sent": abs(offered - lost_on_bus - state.entered),
             "balance": abs(offered - lost_on_bus + state.duplicated - accounted),
-            **_compared(state, dropped, events.counts),
+            **count_differences(state, dropped, events.counts),
+            **contradictions,
         }
         return cls(
             link=key[0],
@@ -125,7 +141,7 @@ class LinkAccount(BaseModel):
 
 def link_accounts(log: RunLog) -> list[LinkAccount]:
     """Return the account of every link with a state in the log, in the order of the topic table, then by session."""
-    record = LinkRecord(is_live=log.identity.driver == "live")
+    record = LinkRecord(log.identity.scenario, is_live=log.identity.driver == "live")
     for part in log.slices(LinkRecord.wants):
         record.take(part)
     return record.accounts()
@@ -194,17 +210,20 @@ class LinkRecord:
     """Accounts of the links of a run, as its messages come.
 
     Args:
+        scenario: The scenario.
         is_live: Whether each reader has a session of its own; in lockstep, a link outlives it.
     """
 
     wants: ClassVar[Wants] = {
         LINK_STATE.name: (RECORD,),
-        LINK_EVENT.name: ("link", "effect", "cause", "sequence"),
+        LINK_EVENT.name: ("link", "effect", "cause", "topic", "sequence"),
         **{place.topic.name: () for place in LINKS.values()},
     }
 
-    def __init__(self, *, is_live: bool) -> None:
+    def __init__(self, scenario: Scenario, *, is_live: bool) -> None:
         self._is_live = is_live
+        self._starts = start_settings(scenario)
+        self._checks: dict[LinkSession, LinkStateCheck] = {}
         self._last: dict[LinkSession, LinkState] = {}
         self._events: dict[LinkSession, EventCounts] = {}
         self._missing: dict[tuple[str, int | None], int] = {}
@@ -220,9 +239,13 @@ class LinkRecord:
             self._take_events(block)
         for block in part.blocks(LINK_STATE.name):
             for _, state in block.objects(RECORD):
-                self._last[self._key(state.link, block)] = state
-        for key, events in self._events.items():
-            events.settle(self._last.get(key))
+                key = self._key(state.link, block)
+                self._last[key] = state
+                if key not in self._checks:
+                    self._checks[key] = LinkStateCheck(state.link, self._starts.get(state.link))
+                self._checks[key].take(state)
+        for session, events in self._events.items():
+            events.settle(self._last.get(session))
 
     def accounts(self) -> list[LinkAccount]:
         """Return the account of every link with a state, in the order of the topic table, then by session."""
@@ -234,15 +257,20 @@ class LinkRecord:
                     events.settle(state)
                     if events.counts.total() < events.wanted:  # all of the reader's were looked through
                         events.missing = self._missing.get(key[1:], 0)
-                    found.append(LinkAccount.of(key, state, events, self._sent[place.topic.name]))
+                    found.append(
+                        LinkAccount.of(key, state, events, self._sent[place.topic.name], self._checks[key].found)
+                    )
         return found
 
     def _take_events(self, block: MessageBlock) -> None:
-        links, effects, causes = (_words(block.texts(path)) for path in ("link", "effect", "cause"))
+        links, effects, causes, topics = (_words(block.texts(path)) for path in ("link", "effect", "cause", "topic"))
         session = (block.source, block.epoch)
         reader = (block.source, block.epoch if self._is_live else None)
-        numbers, messages = block.sequence.tolist(), block.numbers("sequence").tolist()
-        for number, link, effect, cause, message in zip(numbers, links, effects, causes, messages, strict=True):
+        numbers, messages = block.sequence.tolist(), block.numbers("sequence").astype(np.int64)
+        messages[[topic != LINKS[link].topic.name for link, topic in zip(links, topics, strict=True)]] = NO_MESSAGE
+        for number, link, effect, cause, message in zip(
+            numbers, links, effects, causes, messages.tolist(), strict=True
+        ):
             missing = self._missing.get(reader, 0) + number - self._expected.get(session, 0)
             self._missing[reader], self._expected[session] = missing, number + 1
             events = self._events.setdefault(self._key(link, block), EventCounts())
@@ -264,15 +292,3 @@ def _span(source: LinkSource) -> int:
 
 def _is_offered(sequence: int, state: LinkState) -> bool:
     return any(source.first <= sequence <= source.newest for source in state.sources)
-
-
-def _compared(state: LinkState, dropped: dict[str, int], events: Counter[tuple[str, str]]) -> dict[str, int]:
-    """Return the differences between the counts of the state and of the events."""
-    counts = Counter(events)
-    differences = {
-        f"dropped by {cause}": abs(number - counts.pop(("dropped", cause), 0)) for cause, number in dropped.items()
-    }
-    differences["duplicated"] = abs(state.duplicated - counts.pop(("duplicated", ""), 0))
-    differences["corrupted"] = abs(state.corrupted - counts.pop(("corrupted", ""), 0))
-    differences["events of no known effect"] = sum(counts.values())
-    return differences

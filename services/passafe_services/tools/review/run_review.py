@@ -35,6 +35,7 @@ from passafe_services.tools.review.properties import Tolerances
 from passafe_services.tools.review.property import Property
 from passafe_services.tools.review.run_identity import RunIdentity, identify
 from passafe_services.tools.review.scenario_check import ScenarioCheck
+from passafe_services.tools.review.sent_inputs import SentInputCheck
 from passafe_services.tools.review.state_check import StateCheck
 from passafe_services.tools.review.state_reports import StateReportCheck
 from passafe_services.tools.review.steering_in_progress import SteeringInProgress
@@ -71,6 +72,7 @@ class RunReview:
         states: States beside the model.
         reports: What states report besides.
         inputs: Inputs sent beside those decided.
+        sent: What inputs say besides.
         derived: Decisions beside those derived anew.
         consumed: Ticks beside the messages that they consumed.
         tank: The filter's tank beside what its inputs give.
@@ -117,6 +119,7 @@ class RunReview:
             len(scenario.plant.x0), is_predicted=scenario.filter.prediction and scenario.is_exact
         )
         self.inputs = InputAgreement(self._m)
+        self.sent = SentInputCheck(scenario, self._m, self.inputs.agreement)
         self.derived = DecisionCheck(scenario)
         self.consumed = ConsumptionCheck(scenario)
         self.tank = TankCheck(
@@ -130,13 +133,17 @@ class RunReview:
         self.model = ModelCheck(growth_of(scenario), len(scenario.plant.x0), self._m)
         self.guard = GuardRecord()
         self.timing = TimingRecord(is_live=identity.driver == "live", period_ns=period_ns)
-        self.links = LinkRecord(is_live=identity.driver == "live")
+        self.links = LinkRecord(scenario, is_live=identity.driver == "live")
         person = scenario.operator.source
         self.steering = SteeringInProgress(person) if isinstance(person, HumanSource) else None
         self._steered: int | None = None
         self._parts: Sequence[LogConsumer] = (
             *(self.decisions, self.plant, self.origin, self.timing, self.links, self.model, self.guard),
-            *((self.reports, self.inputs, self.derived, self.consumed, self.configuration) if derives else ()),
+            *(
+                (self.reports, self.inputs, self.sent, self.derived, self.consumed, self.configuration)
+                if derives
+                else ()
+            ),
             *((self.tank,) if derives and scenario.is_exact else ()),
         )
         self.derives = derives

@@ -36,10 +36,15 @@ class ScenarioCheck:
         """Take the next messages."""
         for block in part.blocks(SCENARIO.name):
             for header, info in block.objects(RECORD):
-                self._compare(f"scenario {header.sequence} of {header.source}", info)
+                self.compare(f"scenario {header.sequence} of {header.source}", info)
 
-    def _compare(self, name: str, info: ScenarioInfo) -> None:
+    def compare(self, name: str, info: ScenarioInfo) -> None:
+        """Compare a published configuration with the log's."""
         self.agreement.compared += 1
+        if info.driver != self._identity.driver:
+            text = f"{name}: driver: the log has {self._identity.driver}, the filter published {info.driver}"
+            self.agreement.note("driver", text)
+        self._compare_versions(name, info)
         try:
             published = Scenario.model_validate(json.loads(info.scenario_json)).model_dump(mode="json")
         except (ValidationError, ValueError) as error:
@@ -47,6 +52,25 @@ class ScenarioCheck:
             return
         for path, ours, theirs in _differences(self._identity.scenario.model_dump(mode="json"), published):
             self.agreement.note(path, f"{name}: {path}: the log has {ours}, the filter published {theirs}")
+
+    def _compare_versions(self, name: str, info: ScenarioInfo) -> None:
+        """Compare the versions of packages that both the log and the filter name."""
+        published, logged = _versions(info.versions_json), self._identity.versions
+        if logged and not published:
+            self.agreement.note("versions", f"{name}: versions: cannot be read")
+        for package in sorted(published.keys() & logged.keys()):
+            if published[package] != logged[package]:
+                said = f"the log has {logged[package]}, the filter published {published[package]}"
+                self.agreement.note("versions", f"{name}: version of {package}: {said}")
+
+
+def _versions(text: str) -> Mapping[str, object]:
+    """Return published versions; nothing of a text that holds none."""
+    try:
+        found = json.loads(text)
+    except ValueError:
+        return {}
+    return found if isinstance(found, Mapping) else {}
 
 
 def _differences(ours: object, theirs: object, path: str = "") -> list[tuple[str, object, object]]:
