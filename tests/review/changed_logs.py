@@ -38,8 +38,8 @@ def metadata_of(scenario: Scenario) -> dict[str, dict[str, str]]:
     return run_metadata(scenario_json=scenario.model_dump_json(), versions={}, driver="lockstep")
 
 
-def loaded(name: str) -> Scenario:
-    return load_scenario(name)
+def loaded(name: str, changes: dict[str, Any] | None = None) -> Scenario:
+    return load_scenario(name, changes)
 
 
 def recorded(path: Path, scenario: Scenario, steps: int = STEPS) -> list[tuple[Header, Message]]:

@@ -122,8 +122,8 @@ def test_the_verdict_tells_it_and_needs_it(run: Simulated) -> None:
     assert bad.verdict != "holds"
 
 
-def test_a_log_without_states_is_not_judged(run: Simulated) -> None:
-    log = run.log(lambda sent: [each for each in sent if not isinstance(each[2], LinkState)])
+def test_a_log_without_links_is_not_judged(run: Simulated) -> None:
+    log = run.log(lambda sent: [each for each in sent if not isinstance(each[2], LinkState | LinkEvent)])
     verdict = Verdict.of(log, CoreEvaluator(run.scenario))
 
     assert verdict.links == []
@@ -131,6 +131,13 @@ def test_a_log_without_states_is_not_judged(run: Simulated) -> None:
         None,
         False,
     )
+
+
+def test_events_without_states_are_unproven(run: Simulated) -> None:
+    log = run.log(lambda sent: [each for each in sent if not isinstance(each[2], LinkState)])
+    entry = Verdict.of(log, CoreEvaluator(run.scenario)).properties["links-reconciled"]
+
+    assert (entry.holds, entry.required) == (None, True)
 
 
 def end_of(run: Simulated) -> LinkState:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from io import BytesIO
 from typing import Final, NamedTuple, TypeAlias
 
+import numpy as np
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import EndOfFile
 from mcap.opcode import Opcode
@@ -14,10 +15,10 @@ from passafe_protocol import codec
 from passafe_protocol.topics import TOPIC_OF_NAME, Topic
 
 from passafe_services.log.chunk import DAMAGE, chunk_contents
-from passafe_services.log.column import Column
+from passafe_services.log.column import Column, Numbers
 from passafe_services.log.column_records import records_of
 from passafe_services.log.log_writer import topic_of_key
-from passafe_services.log.message_columns import RECORD, WIRE, ColumnDecoder, objects
+from passafe_services.log.message_columns import CHECKSUM, RECORD, WIRE, ColumnDecoder, objects
 from passafe_services.log.message_field import fields_of
 from passafe_services.log.record_scan import Damage
 
@@ -200,6 +201,7 @@ def _decode(topic: Topic, messages: Sequence[bytes], paths: Collection[str], fou
     if not table.valid.size:
         return
     found.tables[topic.name] = columns = {path: table.columns[path] for path in wanted}
+    columns[CHECKSUM] = _checksums([messages[number][-4:] for number in table.valid.tolist()])
     wire = [messages[number] for number in table.valid.tolist()] if RECORD in paths or WIRE in paths else []
     if WIRE in paths:
         columns[WIRE] = objects(wire)
@@ -207,6 +209,11 @@ def _decode(topic: Topic, messages: Sequence[bytes], paths: Collection[str], fou
         columns[RECORD] = objects(records_of(topic, table.columns))
     elif RECORD in paths:
         columns[RECORD] = objects([codec.decode(topic, data) for data in wire])
+
+
+def _checksums(ends: Sequence[bytes]) -> Numbers:
+    """Return the numbers in the last four bytes of messages, shape (N,)."""
+    return np.frombuffer(b"".join(ends), dtype="<u4")
 
 
 def _damaged(record: Chunk | Channel | Message, end: int, error: Exception) -> Damage:

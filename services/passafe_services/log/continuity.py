@@ -30,6 +30,7 @@ class TopicCount:
         undecodable: Messages that are not valid for their topic.
         first_gap_wall_ns: Wall time of the message before the first gap, ns.
         out_of_order: Messages that came too late to be put in order, see ``session_order``; they are left out.
+        contradicting: Messages with the number of another one, and other content; the first of each counts.
     """
 
     received: int = 0
@@ -40,6 +41,7 @@ class TopicCount:
     sessions: int = 0
     first_gap_wall_ns: int | None = None
     out_of_order: int = 0
+    contradicting: int = 0
 
 
 def in_order(found: Iterable[LoggedMessage[Message]], count: TopicCount) -> list[LoggedMessage[Message]]:
@@ -63,6 +65,7 @@ def in_order(found: Iterable[LoggedMessage[Message]], count: TopicCount) -> list
             count.sessions += 1
         elif header.sequence == last.sequence:
             count.duplicates += 1
+            count.contradicting += message != ordered[-1]
             continue
         else:
             expected = last.sequence + 1

@@ -36,6 +36,7 @@ from passafe_services.log.chunk_decoding import Decode, DecodedStretch, Stretch,
 from passafe_services.log.continuity import LoggedMessage, TopicCount
 from passafe_services.log.decoding_workers import DecodingWorkers
 from passafe_services.log.errors import ForeignLogError, LogReadError
+from passafe_services.log.key_check import key_shortcomings
 from passafe_services.log.log_reader import LogReader, definitions
 from passafe_services.log.log_writer import RECOVERED_RECORD, SCENARIO_RECORD, topic_of_key
 from passafe_services.log.message_block import MessageBlock
@@ -165,6 +166,8 @@ class LogPass:
             keys = ", ".join(self.foreign_keys[:3]) or "none"
             raise ForeignLogError(self.path, f"is no log of passafe: got channels {keys}, allowed {KEY_ROOT}/…")
         yield LogSlice({name: [*order.finish()] for name, order in orders.items()})
+        sources = {name: order.sources for name, order in orders.items()}
+        self.shortcomings = [*self.shortcomings, *key_shortcomings(self._channels.values(), sources)]
         self.counts = {name: order.count(self._undecodable.get(name, 0)) for name, order in orders.items()}
 
     def _is_of_passafe(self, orders: Mapping[str, SessionOrder], *, wanted_only: bool) -> bool:

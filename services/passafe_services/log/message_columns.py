@@ -35,6 +35,9 @@ from passafe_services.log.wire_layout import (
 RECORD: Final = "record"
 """Path of the column of decoded messages, each as (header, body)."""
 
+CHECKSUM: Final = "checksum"
+"""Column with the checksum of each message, which tells a copy from another message of the same number."""
+
 WIRE: Final = "wire"
 """Path of the column of wire bytes."""
 

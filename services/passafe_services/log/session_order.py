@@ -15,6 +15,10 @@ from passafe_protocol.topics import Topic
 from passafe_services.log.column import Column, Places, joined, take
 from passafe_services.log.continuity import TopicCount
 from passafe_services.log.message_block import MessageBlock
+from passafe_services.log.message_columns import CHECKSUM
+
+KEPT: Final = 1 << 17
+"""Messages of a session whose checksums are kept for copies that come later."""
 
 WINDOW: Final = 1 << 16
 """Messages of a session that may come before a message that precedes them: a minute at 1 kHz."""
@@ -37,6 +41,7 @@ class _Session:
         missing: Messages missing between others.
         first_gap_wall_ns: Wall time of the message before the first gap.
         waiting: Tables of messages after a gap, in order.
+        given: Numbers and checksums of messages that were given out, the newest ones.
     """
 
     source: str
@@ -49,6 +54,7 @@ class _Session:
     missing: int = 0
     first_gap_wall_ns: int | None = None
     waiting: list[Table] = field(default_factory=list)
+    given: tuple[NDArray[Any], NDArray[Any]] = (np.zeros(0, dtype=np.uint64), np.zeros(0, dtype=np.uint32))
 
 
 class SessionOrder:
@@ -62,12 +68,17 @@ class SessionOrder:
         self.topic = topic
         self._window = WINDOW
         self._sessions: dict[tuple[str, int], _Session] = {}
-        self._received = self._duplicates = self._out_of_order = 0
+        self._received = self._duplicates = self._out_of_order = self._contradicting = 0
 
     @property
     def has_messages(self) -> bool:
         """True if any came."""
         return bool(self._sessions)
+
+    @property
+    def sources(self) -> set[str]:
+        """Processes that sent any."""
+        return {source for source, _ in self._sessions}
 
     def take(self, table: Table) -> Iterator[MessageBlock]:
         """Take messages as they are in the log, and yield those that are in order now."""
@@ -88,6 +99,7 @@ class SessionOrder:
             duplicates=self._duplicates,
             undecodable=undecodable,
             out_of_order=self._out_of_order,
+            contradicting=self._contradicting,
             sessions=len(self._sessions),
         )
         before: _Session | None = None
@@ -150,6 +162,7 @@ class SessionOrder:
             given_up = sum(_is_in(number, session.gaps) for number in sequence[late].tolist())
             self._out_of_order += given_up
             self._duplicates += int(late.sum()) - given_up
+            self._contradicting += _differing(session.given, sequence[late], _integers(table, CHECKSUM)[late])
             table = _rows(table, np.nonzero(~late)[0])
             sequence = _sequence(table)
         if not sequence.size:
@@ -161,6 +174,8 @@ class SessionOrder:
         order = np.argsort(sequence, kind="stable")
         first = np.diff(sequence[order], prepend=sequence[order[:1]] + np.uint64(1)) != 0
         self._duplicates += int((~first).sum())
+        checksums = _integers(table, CHECKSUM)[order]
+        self._contradicting += int((~first[1:] & (np.diff(checksums.astype(np.int64)) != 0)).sum())
         return _rows(table, order[first])
 
     def _give_up(self, session: _Session) -> Iterator[MessageBlock]:
@@ -194,6 +209,11 @@ class SessionOrder:
         session.expected = int(sequence[-1]) + 1
         session.last_wall_ns = int(walls[-1])
         self._received += sequence.size
+        numbers, checksums = session.given
+        session.given = (
+            np.concatenate((numbers, sequence))[-KEPT:],
+            np.concatenate((checksums, _integers(table, CHECKSUM)))[-KEPT:],
+        )
         return MessageBlock(self.topic, session.source, session.epoch, session.number, table)
 
     @staticmethod
@@ -202,6 +222,15 @@ class SessionOrder:
         session.missing += end - begin
         if session.first_gap_wall_ns is None or wall_ns < session.first_gap_wall_ns:
             session.first_gap_wall_ns = wall_ns
+
+
+def _differing(given: tuple[NDArray[Any], NDArray[Any]], numbers: NDArray[Any], checksums: NDArray[Any]) -> int:
+    """Return how many messages differ from those of the same number that were given out."""
+    known, before = given
+    if not known.size:
+        return 0
+    place = np.minimum(np.searchsorted(known, numbers), known.size - 1)
+    return int(((known[place] == numbers) & (before[place] != checksums)).sum())
 
 
 def _sequence(table: Table) -> NDArray[np.uint64]:

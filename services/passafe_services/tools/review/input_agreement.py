@@ -58,6 +58,7 @@ class InputAgreement:
         self._none = _Numbered(none, none, np.zeros((m, 0)))
         self._sent: dict[int, _Numbered] = {}
         self._decided: dict[int, _Numbered] = {}
+        self._newest: dict[int, int] = {}
 
     def take(self, part: LogSlice) -> None:
         """Take the next messages."""
@@ -66,6 +67,24 @@ class InputAgreement:
                 waiting[block.epoch] = waiting.get(block.epoch, self._none).followed_by(self._numbered(block))
         for epoch in self._sent.keys() & self._decided.keys():
             self._compare(epoch)
+
+    def finish(self, most_missing: int) -> LogAgreement:
+        """Note inputs without their ticks at the end of a session, and return the agreement.
+
+        Args:
+            most_missing: Ticks that may be missing there: those of the last step of a filter that was killed.
+        """
+        for epoch, sent in self._sent.items():
+            decided = self._decided.get(epoch, self._none)
+            newest = int(decided.tick[-1]) if decided.tick.size else self._newest.get(epoch, 0)
+            missing = np.unique(sent.tick[sent.tick > newest])
+            if missing.size > most_missing:
+                text = f"input of tick {int(missing[0])} and {missing.size - 1} after it: the log has no such tick"
+                self.agreement.note(
+                    "inputs without a tick", text, float(sent.at_ns[sent.tick == missing[0]][0]) / NS_PER_S
+                )
+        self._sent = {}
+        return self.agreement
 
     def _numbered(self, block: MessageBlock) -> _Numbered:
         vectors = block.ragged("u")
@@ -90,6 +109,7 @@ class InputAgreement:
             late_s = np.abs(ours.at_ns - theirs.at_ns) / NS_PER_S
             self.agreement.compare("time of effect, s,", late_s, at_s, 0.0, name)
         newest = int(decided.tick[-1]) if decided.tick.size else 0
+        self._newest[epoch] = max(newest, self._newest.get(epoch, 0))
         self._repeats(decided)
         self._sent[epoch] = sent.take(np.flatnonzero(sent.tick > newest)[-MOST_WAITING:])
         last = int(sent.tick[-1]) if sent.tick.size else 0

@@ -26,7 +26,7 @@ from passafe_services.log.log_pass import LogSlice
 from passafe_services.log.message_block import MessageBlock
 from passafe_services.log.message_columns import RECORD
 from passafe_services.scenarios.schema import Scenario
-from passafe_services.tools.review.link_states import LinkStateCheck, count_differences, start_settings
+from passafe_services.tools.review.link_states import END, LinkStateCheck, count_differences, start_settings
 from passafe_services.tools.review.run_log import RunLog
 
 LinkSession: TypeAlias = tuple[str, str, int | None]
@@ -119,6 +119,7 @@ class LinkAccount(BaseModel):
             "balance": abs(offered - lost_on_bus + state.duplicated - accounted),
             **count_differences(state, dropped, events.counts),
             **contradictions,
+            "state at the end": int(key[2] is None and state.trigger != END),
         }
         return cls(
             link=key[0],

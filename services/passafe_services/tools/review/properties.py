@@ -20,13 +20,11 @@ from passafe_services.tools.review.trajectory import NS_PER_S, Trajectory
 
 CONTROL_TOPICS: Final = (COMMAND, INPUT, STATE, TICK)
 
-
 ENFORCE_SAFETY: Final = ("safe", "both")
 """Modes that keep barriers."""
 
 START_ROUNDING: Final = 1e-9
 """How far below 0 a value of the start may be: one on the boundary of the protected set counts as in it."""
-
 
 END_PERIODS: Final = 2
 """Periods by which the last state of a whole run may come before its end."""
@@ -151,8 +149,9 @@ class Completeness(NamedTuple):
     """Evidence of whether a log contains the whole run.
 
     Attributes:
-        gaps: Messages of the loop that are missing between others.
+        gaps: Messages that are missing between others, or before the first one of the filter.
         out_of_order: Messages that came too late in the log to be looked at.
+        contradicting: Messages with the number of another one.
         first_gap_s: Plant time of the last state before the first gap, s.
         is_finished: Whether its writer finished the log.
         shows_start: Whether it starts before the plant's first input, or at most one period after it.
@@ -162,6 +161,7 @@ class Completeness(NamedTuple):
 
     gaps: int
     out_of_order: int
+    contradicting: int
     first_gap_s: float | None
     is_finished: bool
     shows_start: bool
@@ -171,17 +171,18 @@ class Completeness(NamedTuple):
 
 def judge_completeness(found: Completeness) -> Property:
     """Return the property that the log contains the whole run."""
-    missing = found.gaps + found.out_of_order
+    missing = found.gaps + found.out_of_order + found.contradicting
     doubt = found.cut_short or "; ".join(found.shortcomings)
     late = f"{found.out_of_order} messages came too late in the log to be looked at" if found.out_of_order else ""
+    other = f"{found.contradicting} messages have the number of another one" if found.contradicting else ""
     return Property(
         holds=missing == 0 and found.is_finished and found.shows_start and not doubt,
         required=True,
         worst=float(missing) if missing or not doubt else None,  # then it is not messages that are missing
         at_s=found.first_gap_s,
-        requirement="messages of command, input, state and tick missing = 0, from the first state to the end",
+        requirement="messages missing between others, or before the first one of the filter = 0, to the end",
         allowed="= 0",
-        note=", ".join(note for note in (doubt, late) if note),
+        note=", ".join(note for note in (doubt, late, other) if note),
     )
 
 
@@ -273,16 +274,17 @@ def judge_certificates(
     )
 
 
-def judge_links(accounts: Sequence[LinkAccount]) -> Property:
-    """Return the property that every message of every link is accounted for; required if the log has link states.
+def judge_links(accounts: Sequence[LinkAccount], *, has_events: bool = False) -> Property:
+    """Return the property that every message of every link is accounted for; required if the log has links.
 
     Args:
         accounts: Account of each link; empty for logs without link states.
+        has_events: Whether links report what they did to messages.
     """
     worst = max((max(account.differences.values(), default=0) for account in accounts), default=None)
     return Property(
         holds=None if worst is None else worst == 0,
-        required=bool(accounts),
+        required=bool(accounts) or has_events,
         worst=None if worst is None else float(worst),
         at_s=None,
         requirement="differences between the states, the events and the logged messages of a link = 0",

@@ -10,6 +10,7 @@ from passafe_protocol.messages import PlantPhase, ScenarioInfo
 from passafe_protocol.topics import INPUT, STATE, TICK
 
 from passafe.state_set import ErrorGrowth
+from passafe_services.filter.decision_loop import MOST_AT_ONCE
 from passafe_services.log.chunk_decoding import Wants
 from passafe_services.log.log_pass import LogConsumer, LogPass, LogSlice
 from passafe_services.log.log_writer import SCENARIO_RECORD
@@ -173,14 +174,14 @@ class RunReview:
         scenario = self.identity.scenario
         return {
             "states-agree": self.states.agreement.property(),
-            "inputs-agree": self.inputs.agreement.property(),
+            "inputs-agree": self.inputs.finish(MOST_AT_ONCE if self.identity.driver == "live" else 0).property(),
             "predictions-agree": self.origin.agreement.property(
                 required=scenario.filter.prediction and scenario.is_exact
             ),
             "decisions-agree": self.derived.agreement.property(),
             "ticks-agree": self.consumed.finish().property(),
             "tank-agrees": self.tank.agreement.property(required=scenario.filter.prediction and scenario.is_exact),
-            "scenario-agrees": self.configuration.agreement.property(),
+            "scenario-agrees": self.configuration.property(is_published=self.decisions.ticks > 0),
         }
 
     def _steer(self, part: LogSlice, steering: SteeringInProgress) -> None:

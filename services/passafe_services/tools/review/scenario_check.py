@@ -13,6 +13,7 @@ from passafe_services.log.log_pass import LogSlice
 from passafe_services.log.message_columns import RECORD
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.review.agreement import LogAgreement
+from passafe_services.tools.review.property import Property
 from passafe_services.tools.review.run_identity import RunIdentity
 
 
@@ -37,6 +38,17 @@ class ScenarioCheck:
         for block in part.blocks(SCENARIO.name):
             for header, info in block.objects(RECORD):
                 self.compare(f"scenario {header.sequence} of {header.source}", info)
+
+    def property(self, *, is_published: bool) -> Property:
+        """Return the property that all configurations are one.
+
+        Args:
+            is_published: Whether the log has ticks of a filter, which publishes its configuration before its first.
+        """
+        found = self.agreement.property()
+        if self.agreement.compared or not is_published:
+            return found
+        return found.model_copy(update={"required": True, "note": "no configuration of the filter is in the log"})
 
     def compare(self, name: str, info: ScenarioInfo) -> None:
         """Compare a published configuration with the log's."""

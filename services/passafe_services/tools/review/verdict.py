@@ -5,7 +5,7 @@ from math import inf
 from typing import Final, Protocol, Self
 
 from passafe_protocol.messages import PlantState
-from passafe_protocol.topics import COMMAND, STATE, TICK
+from passafe_protocol.topics import COMMAND, LINK_EVENT, STATE, TICK, TOPICS
 from pydantic import BaseModel, ConfigDict
 
 from passafe_services.log.continuity import TopicCount
@@ -39,6 +39,10 @@ from passafe_services.tools.review.verdict_words import Outcome, decide, in_word
 
 CONTROL_LOOP: Final = {"operator": COMMAND, "filter": TICK, "plant": STATE}
 """Topic that each process of the loop publishes in every step."""
+
+
+OF_THE_FILTER: Final = tuple(topic for topic in TOPICS if topic.recorded and topic.publishers == ("filter",))
+"""Topics whose numbers begin when a filter does, and with it the run."""
 
 
 class ReadLog(Protocol):
@@ -268,7 +272,7 @@ def _properties(
         **review.assumption(),
         **review.agreement(),
         "complete": judge_completeness(_completeness(review, log)),
-        "links-reconciled": judge_links(accounts),
+        "links-reconciled": judge_links(accounts, has_events=log.counts[LINK_EVENT.name].received > 0),
     }
 
 
@@ -280,8 +284,10 @@ def _completeness(review: RunReview, log: ReadLog) -> Completeness:
     first_s, lasted_s = ((moving[0].first_ns or 0) / NS_PER_S, moving[-1].last_ns / NS_PER_S) if moving else (inf, 0.0)
     waited = bool(moving) and next(iter(plant.sessions.values())).waited
     return Completeness(
-        gaps=sum(count.gaps for count in counts),
+        gaps=sum(count.gaps for count in log.counts.values())
+        + sum(log.counts[topic.name].missed_at_start for topic in OF_THE_FILTER),
         out_of_order=sum(count.out_of_order for count in counts),
+        contradicting=sum(count.contradicting for count in log.counts.values()),
         first_gap_s=plant.plant_s(min(walls)) if walls else None,
         is_finished=log.finished,
         shows_start=waited or first_s <= period_s,
