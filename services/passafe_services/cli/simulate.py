@@ -22,6 +22,7 @@ from passafe_services.cli.options import (
 from passafe_services.cli.output_files import require_separate
 from passafe_services.cli.robot_option import OwnRobotOption
 from passafe_services.cli.verdict import exit_code, print_verdict
+from passafe_services.log.log_file import in_place_of
 from passafe_services.log.log_writer import LogWriter, run_metadata
 from passafe_services.recorder.lockstep_log import LockstepLog
 from passafe_services.scenarios.info import versions
@@ -58,7 +59,8 @@ def simulate(
     steps = steps_of(chosen)
     chunk = max(1, steps // 100)
     with (
-        LogWriter(out, metadata) as log,
+        in_place_of(out, replace=True) as unfinished,
+        LogWriter(unfinished, metadata) as log,
         Progress(*Progress.get_default_columns()[:3], TimeRemainingColumn()) as bar,
     ):
         loop = lockstep_loop(chosen, observer=LockstepLog(log))

@@ -17,20 +17,28 @@ LIBRARY = "passafe"
 
 
 @contextmanager
-def in_place_of(path: Path) -> Iterator[Path]:
+def in_place_of(path: Path, *, replace: bool = False) -> Iterator[Path]:
     """Yield the path of a file to write, which becomes ``path`` at the end of the block; after an error it is removed.
+
+    Args:
+        path: The file.
+        replace: Whether it may exist, and is replaced then; of a link the file that it leads to.
 
     Raises:
         LogWriteError: ``path`` exists, at the beginning or at the end, or cannot become a file.
     """
-    fresh = path.with_name(f".{path.name}.part")
+    place = Path(os.path.realpath(path)) if replace else path
+    fresh = place.with_name(f".{place.name}.part")
     try:
-        if path.exists():
+        if path.exists() and not replace:
             raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST))
         fresh.unlink(missing_ok=True)  # of a recovery that was killed
         try:
             yield fresh
-            _become(fresh, path)
+            if replace:
+                fresh.replace(place)
+            else:
+                _become(fresh, path)
         finally:
             fresh.unlink(missing_ok=True)
     except OSError as error:

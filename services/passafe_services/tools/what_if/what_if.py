@@ -11,6 +11,7 @@ from passafe_protocol.messages import Header, Message
 from passafe_protocol.topics import Topic
 from pydantic import BaseModel, ConfigDict
 
+from passafe_services.log.log_file import in_place_of
 from passafe_services.log.log_files import files_of
 from passafe_services.log.log_writer import LogWriter, run_metadata
 from passafe_services.recorder.lockstep_log import LockstepLog
@@ -146,7 +147,7 @@ class Question:
             "operator": shown,
             "links": links,
         }
-        with LogWriter(out, metadata) as writer:
+        with in_place_of(out, replace=True) as unfinished, LogWriter(unfinished, metadata) as writer:
             write = LockstepLog(writer)
 
             def observe(topic: Topic, header: Header, body: Message) -> None:
