@@ -106,7 +106,7 @@ def test_packed_output_is_read_too(tmp_path: Path) -> None:
     [
         ("{", "contents"),
         ('{"round_trips": []}', "round_trips"),
-        ('{"round_trips": [{"seqno": 1, "lost": "perhaps"}, {}]}', r"round_trips\.0\.lost: got perhaps"),
+        ('{"round_trips": [{"seqno": 1, "lost": "perhaps"}, {}]}', r"round_trips\.0\.lost: got 'perhaps'"),
         (json.dumps({"round_trips": [trip(0, 1, 1), trip(1, 0, 0, lost="true")]}), "1 answers"),
         (json.dumps({"round_trips": [trip(0, 1, 1), trip(1, 90_000, 1)]}), "at most 10 s"),
         (json.dumps({"round_trips": [trip(0, 1, 1), trip(0, 1, 1)]}), "all the same"),
@@ -128,3 +128,27 @@ def test_files_that_cannot_be_read_are_refused(tmp_path: Path) -> None:
     for path, named in ((tmp_path / "none", "No such file"), (torn, "ended before"), (tmp_path, "regular file")):
         with pytest.raises(MeasurementError, match=named):
             read_measurement(path)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("{}", "round_trips: got nothing, allowed a value: this key is required"),
+        ('{"round_trips": null}', "round_trips: got None, allowed a list"),
+        ('{"round_trips": [', "allowed JSON of irtt"),
+    ],
+)
+def test_what_is_wrong_is_said_in_words(text: str, said: str, tmp_path: Path) -> None:
+    path = tmp_path / "measured.json"
+    path.write_text(text)
+    with pytest.raises(MeasurementError) as refused:
+        delays_ms(path)
+
+    assert said in str(refused.value)
+
+
+def test_a_mark_of_byte_order_is_no_part_of_the_text(tmp_path: Path) -> None:
+    path = written(tmp_path / "measured.json", [trip(0, 10, 20), trip(1, 12, 20)])
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
+
+    assert len(delays_ms(path)) == 2

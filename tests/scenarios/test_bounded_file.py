@@ -59,3 +59,24 @@ def test_large_file_is_refused_everywhere(large: Path) -> None:
         load_scenario(str(large))
     with pytest.raises(UnreadableExperimentError, match="bytes, more than"):
         load_study(str(large))
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [(None, "got No such file or directory"), (b"\x1f\x8b\x08", "got bytes that are no text in UTF-8")],
+)
+def test_why_a_file_cannot_be_read_is_said_in_words(content: bytes | None, said: str, tmp_path: Path) -> None:
+    path = tmp_path / "trace.csv"
+    if content is not None:
+        path.write_bytes(content)
+    with pytest.raises(LinkTraceError) as refused:
+        read_trace(path)
+
+    assert said in str(refused.value)
+
+
+def test_a_trace_may_begin_with_a_mark_of_byte_order(tmp_path: Path) -> None:
+    path = tmp_path / "trace.csv"
+    path.write_bytes(b"\xef\xbb\xbfsent_s,delay_s\r\n0,0.01\r\n0.01,0.02\r\n")
+
+    assert len(read_trace(path).delay_trace_s) == 2

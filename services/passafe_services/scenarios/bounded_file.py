@@ -21,3 +21,12 @@ def require_bounded(path: Path, most_bytes: int = MOST_BYTES) -> None:
         raise OSError(errno.EINVAL, f"a {kind}, not a regular file")
     if found.st_size > most_bytes:
         raise OSError(errno.EFBIG, f"{found.st_size} bytes, more than {most_bytes}")
+
+
+def why_unreadable(error: Exception) -> str:
+    """Return in words why a file of text cannot be read, without the numbers that only programmers know."""
+    if isinstance(error, OSError):
+        return error.strerror or str(error)
+    if isinstance(error, UnicodeDecodeError):
+        return "bytes that are no text in UTF-8"
+    return str(error)

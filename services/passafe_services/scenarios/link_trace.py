@@ -8,7 +8,7 @@ from typing import Final, NamedTuple
 from passafe_protocol.errors import LinkSettingsError
 from passafe_protocol.link_settings import LinkSettings, Span
 
-from passafe_services.scenarios.bounded_file import require_bounded
+from passafe_services.scenarios.bounded_file import require_bounded, why_unreadable
 from passafe_services.scenarios.errors import LinkTraceError
 
 UNITS_S: Final = {"time_s": 1.0, "time_ms": 1e-3}
@@ -53,10 +53,10 @@ def read_trace(path: Path) -> LinkTrace:
     """
     try:
         require_bounded(path)
-        with path.open(newline="", encoding="utf-8") as file:
+        with path.open(newline="", encoding="utf-8-sig") as file:
             lines = [(number, row) for number, row in enumerate(csv.reader(file), start=1) if row]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise LinkTraceError(path, str(error), "a readable CSV file") from error
+        raise LinkTraceError(path, why_unreadable(error), "a readable CSV file") from error
     is_of_delays = bool(lines) and len(lines[0][1]) > 1
     trace = LinkTrace(delay_trace_s=_delays(path, lines)) if is_of_delays else LinkTrace(trace_s=_times(path, lines))
     if not any(trace):

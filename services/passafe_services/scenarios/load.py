@@ -9,7 +9,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from passafe_services.scenarios.bounded_file import require_bounded
+from passafe_services.scenarios.bounded_file import require_bounded, why_unreadable
 from passafe_services.scenarios.errors import ScenarioError, UnknownScenarioError, UnreadableScenarioError
 from passafe_services.scenarios.field_problems import problems_of, shown
 from passafe_services.scenarios.links import link_changes, link_settings
@@ -51,7 +51,7 @@ def load_scenario(name_or_file: str, overrides: Mapping[str, Any] | None = None,
         text = path.read_text(encoding="utf-8")
         data = json.loads(text) if path.suffix == ".json" else tomllib.loads(text)
     except (OSError, ValueError, RecursionError) as error:
-        raise UnreadableScenarioError(path, str(error)) from error
+        raise UnreadableScenarioError(path, why_unreadable(error)) from error
     return scenario_from(data, str(path), overrides, robot, runs_code=True)
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, JsonValue, ValidationError
 
-from passafe_services.scenarios.bounded_file import require_bounded
+from passafe_services.scenarios.bounded_file import require_bounded, why_unreadable
 from passafe_services.scenarios.field_problems import problems_of
 from passafe_services.scenarios.load import load_scenario, scenario_from, shipped_scenarios
 from passafe_services.scenarios.robots.robot_source import is_installed
@@ -73,7 +73,7 @@ def load_study(name_or_file: str, robot: str | None = None) -> Study:
             raise UnknownExperimentError(name_or_file, shipped_experiments())
         data = tomllib.loads(text)
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError) as error:
-        raise UnreadableExperimentError(path, str(error)) from error
+        raise UnreadableExperimentError(path, why_unreadable(error)) from error
     experiment = experiment_from(data, name_or_file)
     named = experiment.scenario
     scenario = load_scenario(named if named in shipped_scenarios() else str(folder / named), robot=robot)

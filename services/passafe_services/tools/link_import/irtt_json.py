@@ -7,6 +7,7 @@ from typing import Final, Literal, NamedTuple
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from passafe_services.scenarios.field_problems import problems_of
 from passafe_services.tools.link_import.errors import MeasurementError
 from passafe_services.tools.link_import.probes import LOST, Measurement, Probe, from_begin
 
@@ -107,9 +108,10 @@ def read_irtt(path: Path, text: str, direction: Direction, clocks: Clocks) -> Me
     try:
         output = IrttOutput.model_validate_json(text)
     except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"])
-        raise MeasurementError(path, f", {where or 'contents'}", str(first["input"])[:60], first["msg"]) from error
+        first = problems_of(error, IrttOutput)[0]
+        if error.errors()[0]["type"] == "json_invalid":
+            raise MeasurementError(path, ", contents", error.errors()[0]["msg"], "JSON of irtt") from error
+        raise MeasurementError(path, f", {first.field or 'contents'}", first.got, first.allowed) from error
     arrivals = _arrivals(output)
     if len(arrivals) < LEAST_PROBES:
         raise MeasurementError(path, "", f"{len(arrivals)} answers with times of both directions", "two or more")

@@ -8,7 +8,7 @@ from typing import Final
 
 from passafe_protocol.link_settings import MAX_DELAY_S
 
-from passafe_services.scenarios.bounded_file import MOST_BYTES, require_bounded
+from passafe_services.scenarios.bounded_file import MOST_BYTES, require_bounded, why_unreadable
 from passafe_services.scenarios.link_trace import LOST as LOST_WORD
 from passafe_services.tools.link_import.errors import MeasurementError
 from passafe_services.tools.link_import.irtt_json import Clocks, Direction, read_irtt
@@ -74,6 +74,6 @@ def _text(path: Path) -> str:
             content = file.read(MOST_BYTES + 1)
         if len(content) > MOST_BYTES:
             raise MeasurementError(path, "", f"more than {MOST_BYTES} bytes unpacked", "less")
-        return content.decode("utf-8")
+        return content.decode("utf-8-sig")
     except (OSError, EOFError, UnicodeDecodeError) as error:
-        raise MeasurementError(path, "", str(error), "a readable text file") from error
+        raise MeasurementError(path, "", why_unreadable(error), "a readable text file") from error

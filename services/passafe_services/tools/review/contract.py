@@ -8,7 +8,7 @@ from typing import Annotated, ClassVar, Final
 from passafe_protocol.topics import TOPIC_OF_NAME
 from pydantic import AfterValidator, Field, ValidationError
 
-from passafe_services.scenarios.bounded_file import require_bounded
+from passafe_services.scenarios.bounded_file import require_bounded, why_unreadable
 from passafe_services.scenarios.errors import ConfigurationError
 from passafe_services.scenarios.field_problems import problems_of
 from passafe_services.scenarios.fields import Config
@@ -115,7 +115,7 @@ def load_contract(path: Path) -> LogContract:
         require_bounded(path)
         data = tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError) as error:
-        raise ContractError(str(path), "file", str(error), "a readable TOML file") from error
+        raise ContractError(str(path), "file", why_unreadable(error), "a readable TOML file") from error
     try:
         return LogContract.of_file(data)
     except ValidationError as error:
