@@ -18,7 +18,7 @@ PARALLEL := -n auto --dist loadfile --no-loadscope-reorder
 COVERING := tests/core tests/protocol tests/keys tests/loop tests/tables
 CAMPAIGN ?= $(filter-out arm-%,$(basename $(notdir $(wildcard services/passafe_services/scenarios/*.toml))))
 
-.PHONY: help demo test check lint types current fast proto lock docs site pictures screenshots bench campaign generated-campaign uncertain-campaign arm-campaign atlas delay-atlas worker-kills resumes faults recovery mutation wheel wheel-test container-test network-test fuzz soak clean golden what-if-pairs
+.PHONY: help demo test check lint types current fast proto lock docs site pictures screenshots bench campaign core-campaign generated-campaign uncertain-campaign arm-campaign atlas delay-atlas worker-kills resumes faults recovery mutation wheel wheel-test container-test network-test fuzz soak clean golden what-if-pairs
 
 help:  ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 13
@@ -87,7 +87,10 @@ bench: $(STAMP)  ## docs/benchmarks.md: ratios of every benchmark; some 10 minut
 campaign: $(STAMP)  ## 10,000 adversarial rollouts of every shipped scenario; about an hour; resumes where it was interrupted
 	$(BIN)/passafe campaign $(CAMPAIGN) --rollouts 10000 --out runs/campaign
 
-generated-campaign: $(STAMP)  ## 20,000 closed loops of systems made from seeds; about an hour; resumes where it was interrupted
+core-campaign: $(STAMP)  ## the random requests of the core's tests, of which CI asks the first third; some minutes
+	$(BIN)/python -m pytest -n auto -m campaign tests/core
+
+generated-campaign: $(STAMP)  ## 20,000 closed loops of systems made from seeds; hours; resumes where it was interrupted
 	$(BIN)/passafe campaign --generated --rollouts 20000 --out runs/generated
 
 arm-campaign: $(STAMP)  ## 200 runs of 10 s of the arm in MuJoCo, pushed and steered at obstacles; an hour

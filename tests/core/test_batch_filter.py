@@ -17,6 +17,7 @@ from core_designs import (
     row_state,
 )
 from random_programs import unit
+from random_requests import requests_of
 
 from passafe.batch.batch_filter import BatchFilter
 from passafe.decision import Decision, Status
@@ -105,11 +106,12 @@ def assert_same(many: BatchFilter, expected: Sequence[Decision]) -> None:
         assert status is decision.status or (nearly and {status, decision.status} <= {Status.MODIFIED, Status.RELAXED})
 
 
+@requests_of(200, some=60)
 @pytest.mark.parametrize("name", DESIGNS)
-def test_random_requests_get_the_decisions_of_the_filter(name: str) -> None:
+def test_random_requests_get_the_decisions_of_the_filter(name: str, count: int) -> None:
     core = SafetyPassivityFilter(DESIGNS[name])
-    many = BatchFilter(core, 200)
-    asked = requests(DESIGNS[name], 200, seed=17)
+    many = BatchFilter(core, count)
+    asked = requests(DESIGNS[name], count, seed=17)
     many.decide(*asked)
     assert_same(many, one_by_one(core, asked))
 
@@ -123,11 +125,12 @@ def test_random_requests_get_the_decisions_of_the_filter(name: str) -> None:
     assert many.scalar[protected].mean() < 0.5
 
 
+@requests_of(200, some=60)
 @pytest.mark.parametrize("name", DESIGNS)
-def test_every_decision_meets_the_certificate_or_is_the_filter_s(name: str) -> None:
+def test_every_decision_meets_the_certificate_or_is_the_filter_s(name: str, count: int) -> None:
     design = DESIGNS[name]
-    many = BatchFilter(SafetyPassivityFilter(design), 200)
-    many.decide(*requests(design, 200, seed=18))
+    many = BatchFilter(SafetyPassivityFilter(design), count)
+    many.decide(*requests(design, count, seed=18))
     at_once = ~many.scalar
     primal, dual, gap = (many.part(name)[0, at_once] for name in ("primal", "dual", "gap"))
 

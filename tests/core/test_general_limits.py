@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from core_designs import DESIGNS, Builder, drag_design, jerk_design, paper_design, row_filter, row_state
 from limit_sets import LIMIT_SETS, directions, limited, random_inputs
+from random_requests import requests_of
 from scipy.optimize import linprog
 
 from passafe.admissible_shapes import HalfSpace, NormBound
@@ -27,13 +28,14 @@ TWO_AXES: tuple[Builder, ...] = tuple(builder for builder in DESIGNS if builder 
 ROUNDED = 1e-12
 
 
+@requests_of(160, some=60)
 @pytest.mark.parametrize("name", LIMIT_SETS)
 @pytest.mark.parametrize("builder", TWO_AXES)
-def test_every_decision_is_within_all_limits(builder: Builder, name: str) -> None:
+def test_every_decision_is_within_all_limits(builder: Builder, name: str, count: int) -> None:
     made = SafetyPassivityFilter(limited(builder(), name))
     limits, dt_s, n = made.design.limits, made.design.dt_s, made.design.system.n
     rng = np.random.default_rng(91)
-    for k, u in enumerate(random_inputs(limits, 160, rng)):
+    for k, u in enumerate(random_inputs(limits, count, rng)):
         numbers = np.concatenate((rng.normal(size=n) * 2, u, rng.normal(size=2) * 10 ** rng.uniform(-1, 3)))
         if k % 2:
             numbers[rng.integers(len(numbers))] = HOSTILE[k % len(HOSTILE)]
@@ -46,14 +48,15 @@ def test_every_decision_is_within_all_limits(builder: Builder, name: str) -> Non
             assert limits.excess(np.array(decision.u), before, dt_s) <= ROUNDED * limits.reach
 
 
+@requests_of(150, some=60)
 @pytest.mark.parametrize("name", [name for name in LIMIT_SETS if name != "everything"])
-def test_answers_are_the_nearest_and_conflicts_are_real(name: str) -> None:
+def test_answers_are_the_nearest_and_conflicts_are_real(name: str, count: int) -> None:
     """Against the whole program with the balls as polygons, by another method: what it cannot solve is infeasible."""
     made = SafetyPassivityFilter(limited(row_filter(hard=2, soft=False).design, name))
     limits = made.design.limits
     rng, seen = np.random.default_rng(92), set()
     edges, ends = directions(limits, 720)
-    for _ in range(150):
+    for _ in range(count):
         G, d = rng.normal(size=(2, 2)), rng.normal(size=2) * 10
         decision = made.decide(
             row_state([(*G[i], -d[i]) for i in range(2)]), (0.0, 0.0), (0.0, 0.0), (0.0, 0.0), start=True
