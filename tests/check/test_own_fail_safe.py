@@ -1,4 +1,4 @@
-"""What a check says of the fail-safe of robots whose states are not positions, then velocities."""
+"""The check of the fail-safe of robots whose states are not positions, then velocities."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""What inputs, links and configurations say: a change of it is found, and named."""
+"""Changes of what inputs, links and configurations report are found and named."""
 
 from collections.abc import Callable
 from typing import Any

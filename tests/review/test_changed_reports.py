@@ -1,4 +1,4 @@
-"""What states and ticks say besides the motion and the decision: a change of it is found, too, and named."""
+"""Changes of what states and ticks report besides the motion and the decision are found and named, too."""
 
 from collections.abc import Callable
 from typing import Any

@@ -6,7 +6,7 @@ from passafe_services.tools.review.explanation_check import is_sure
 
 
 @pytest.mark.parametrize(
-    ("push", "share", "told", "told_share", "sure"),
+    ("push", "share", "logged_active", "logged_share", "sure"),
     [
         (0.0, 0.0, False, 0.0, True),
         (0.0, 0.0, True, 0.0, True),
@@ -19,8 +19,8 @@ from passafe_services.tools.review.explanation_check import is_sure
     ],
 )
 def test_slight_push_is_what_two_accepted_answers_differ_by(
-    push: float, share: float, *, told: bool, told_share: float, sure: bool
+    push: float, share: float, *, logged_active: bool, logged_share: float, sure: bool
 ) -> None:
-    found = is_sure(np.array([[push]]), np.array([[share]]), np.array([[told]]), np.array([[told_share]]))
+    found = is_sure(np.array([[push]]), np.array([[share]]), np.array([[logged_active]]), np.array([[logged_share]]))
 
     assert found.tolist() == [[sure]]

@@ -40,7 +40,7 @@ class Caches(Protocol):
 
 
 class _Asked(NamedTuple):
-    """How often messages were asked for, and when they may be asked for again, ns."""
+    """Number of questions for some messages, and when they may be asked for again, ns."""
 
     times: int
     due_ns: int

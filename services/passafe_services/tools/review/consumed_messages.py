@@ -69,7 +69,7 @@ class Newest:
     def follow(
         self, session: int, consumed: ConsumedMessages, ticks: IntArray
     ) -> tuple[int, IntArray, IntArray] | None:
-        """Return the newest message at each tick of a block; ``None`` if the filter heard several sessions.
+        """Return the newest message at each tick of a block; ``None`` if the filter received from several sessions.
 
         Args:
             session: Session of the filter.
@@ -83,11 +83,11 @@ class Newest:
         for epoch in np.unique(consumed.epoch).tolist():
             self.epochs.setdefault(epoch, int(ticks[int(consumed.row[consumed.epoch == epoch][0])]))
         epoch, before, received = self._last.get(session, (0, -1, 0))
-        heard = {*np.unique(consumed.epoch).tolist(), *({epoch} if before >= 0 else ())}
-        if len(heard) > 1 or session in self._several:
+        found = {*np.unique(consumed.epoch).tolist(), *({epoch} if before >= 0 else ())}
+        if len(found) > 1 or session in self._several:
             self._several.add(session)
             return None
-        epoch = next(iter(heard), 0)
+        epoch = next(iter(found), 0)
         numbers = np.concatenate(([before], consumed.sequence))
         newest = np.maximum.accumulate(numbers)
         at = np.concatenate(([received], consumed.received_ns))
@@ -98,7 +98,7 @@ class Newest:
         return epoch, newest[place], at[first[place]]
 
 
-class SentMessages:
+class LoggedMessages:
     """Messages of one topic that were sent, the newest of each session, by number.
 
     Args:

@@ -13,7 +13,7 @@ from passafe_services.log.message_block import MessageBlock
 from passafe_services.scenarios.design import robot_of
 from passafe_services.scenarios.schema import Scenario, WhiteAccelerationEstimator
 from passafe_services.tools.review.agreement import LogAgreement
-from passafe_services.tools.review.consumed_messages import MOST_KEPT, ConsumedMessages, Newest, SentMessages
+from passafe_services.tools.review.consumed_messages import MOST_KEPT, ConsumedMessages, LoggedMessages, Newest
 from passafe_services.tools.review.filter_claims import IntArray
 from passafe_services.tools.review.plant_evaluator import FloatArray
 from passafe_services.tools.review.trajectory import NS_PER_S
@@ -36,7 +36,7 @@ class _Ticks(NamedTuple):
 class ConsumptionCheck:
     """Check of ticks beside the messages that they consumed, as both come.
 
-    A session of the filter counts while it hears one session of the plant, and one of the operator: who holds the lease
+    A session of the filter counts while it receives from one session of the plant, and one of the operator: who holds the lease
     is decided by more than the log's order. Ages are looked at where sender and filter read one clock.
 
     Args:
@@ -66,8 +66,8 @@ class ConsumptionCheck:
         is_estimated = isinstance(scenario.operator.estimator, WhiteAccelerationEstimator)
         self._passes_through = not is_estimated and robot.task is None
         self._sent = {
-            STATE.name: SentMessages(("plant_ns", *_HEADER)),
-            COMMAND.name: SentMessages(("enabled", *_HEADER), vectors={"u_h": self._m, "u_h_rate": self._m}),
+            STATE.name: LoggedMessages(("plant_ns", *_HEADER)),
+            COMMAND.name: LoggedMessages(("enabled", *_HEADER), vectors={"u_h": self._m, "u_h_rate": self._m}),
         }
         self._newest = {name: Newest() for name in self._sent}
         self._waiting: list[_Ticks] = []
@@ -154,11 +154,11 @@ class ConsumptionCheck:
                 lost[consumed.row[np.isin(consumed.sequence, self._dropped[name])]] = True
                 what = f"a {name} was consumed that its link dropped"
                 self.agreement.refute(what, lost, at_s, lambda row: f"tick {int(numbers[row])}")
-            heard = newest.follow(block.epoch, consumed, numbers)
-            if heard is None:
+            received = newest.follow(block.epoch, consumed, numbers)
+            if received is None:
                 self.agreement.left_out += len(block)
                 continue
-            epoch, sequence, received_ns = heard
+            epoch, sequence, received_ns = received
             sent, known = self._sent[name].find(epoch, sequence)
             if block.epoch in self._whole:
                 of_none = (sequence < 0) & (block.numbers(f"{name}_age_ns") >= 0)
@@ -198,8 +198,8 @@ class ConsumptionCheck:
         refute("a command that counts, and was released", in_time & counts & ~sent["enabled"].astype(np.bool_))
         refute("a command that counts, and is too old", in_time & counts & (age_ns > self._stale_ns))
         fresh = in_time & (age_ns <= self._stale_ns) & sent["enabled"].astype(np.bool_)
-        unheard = block.texts("command_state").are(CommandState.SILENT, CommandState.DELAYED, CommandState.NONE)
-        refute("a command that does not count, and is fresh", fresh & unheard)
+        without_command = block.texts("command_state").are(CommandState.SILENT, CommandState.DELAYED, CommandState.NONE)
+        refute("a command that does not count, and is fresh", fresh & without_command)
         released = block.texts("command_state").are(CommandState.RELEASED, CommandState.STOPPED)
         refute("a command that was released, and is held", fresh & released & (not self._was_stopped))
         share = block.numbers("command_share")

@@ -1,4 +1,4 @@
-"""What ticks say of the reasons for their decisions, beside the same computed anew."""
+"""Check of what ticks report of the reasons for their decisions, beside the same computed anew."""
 
 from typing import ClassVar, Final
 
@@ -99,18 +99,20 @@ class ExplanationCheck:
 
         push, share = push[:, :count].T, share[:, :count].T
         active = (push > ACTIVE_DUAL) & ~is_plain
-        flags, told = logged("rows.active"), logged("rows.share")
-        sure = is_sure(push, share, flags > 0.0, told) | is_plain
+        flags, logged_share = logged("rows.active"), logged("rows.share")
+        sure = is_sure(push, share, flags > 0.0, logged_share) | is_plain
         relaxed = np.zeros((count, rows.size))
         relaxed[: self._hard] = blocks[:, self._parts["relax"]].T
         return {
             "active row": _largest(np.where(sure, np.abs(flags - active), 0.0), rows.size),
-            "share of a row": _largest(np.where(sure, np.abs(told - active * share), 0.0), rows.size),
+            "share of a row": _largest(np.where(sure, np.abs(logged_share - active * share), 0.0), rows.size),
             "relaxed row": relative(logged("rows.relaxed"), relaxed),
         }
 
 
-def is_sure(push: FloatArray, share: FloatArray, told: NDArray[np.bool_], told_share: FloatArray) -> NDArray[np.bool_]:
+def is_sure(
+    push: FloatArray, share: FloatArray, logged_active: NDArray[np.bool_], logged_share: FloatArray
+) -> NDArray[np.bool_]:
     """Return of which rows it is certain whether they are active, same shape as all arguments.
 
     Two answers that are both accepted may differ by what the certificate tolerates: one of them may have a slight push
@@ -119,13 +121,13 @@ def is_sure(push: FloatArray, share: FloatArray, told: NDArray[np.bool_], told_s
     Args:
         push: Of every row, computed anew.
         share: Its share of the change, computed anew.
-        told: Whether the log calls it active.
-        told_share: Its share in the log.
+        logged_active: Whether the log calls it active.
+        logged_share: Its share in the log.
     """
     is_clear = (push > _CLEAR * ACTIVE_DUAL) | (push < ACTIVE_DUAL / _CLEAR)
-    is_slight = ~told & (push > ACTIVE_DUAL) & (np.abs(share) <= SLIGHT)
-    is_told_slight = told & (push <= ACTIVE_DUAL) & (told_share != 0.0) & (np.abs(told_share) <= SLIGHT)
-    sure: NDArray[np.bool_] = is_clear & ~is_slight & ~is_told_slight
+    is_slight = ~logged_active & (push > ACTIVE_DUAL) & (np.abs(share) <= SLIGHT)
+    is_logged_slight = logged_active & (push <= ACTIVE_DUAL) & (logged_share != 0.0) & (np.abs(logged_share) <= SLIGHT)
+    sure: NDArray[np.bool_] = is_clear & ~is_slight & ~is_logged_slight
     return sure
 
 

@@ -40,7 +40,7 @@ class LinkStateCheck:
 
     @property
     def found(self) -> dict[str, int]:
-        """What cannot be so, by kind; nothing that was not found."""
+        """Numbers of what cannot be so, by kind; nothing that was not found."""
         return {what: number for what, number in self.contradictions.items() if number}
 
     def take(self, state: LinkState) -> None:

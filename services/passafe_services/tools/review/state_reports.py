@@ -1,4 +1,4 @@
-"""What states report besides the motion, beside the state before each and the rules of the plant."""
+"""Check of what states report besides the motion, beside the state before each and the rules of the plant."""
 
 from collections.abc import Callable
 from functools import cache
