@@ -36,8 +36,8 @@ class _Ticks(NamedTuple):
 class ConsumptionCheck:
     """Check of ticks beside the messages that they consumed, as both come.
 
-    A session of the filter counts while it receives from one session of the plant, and one of the operator: who holds the
-    lease is decided by more than the log's order. Ages are looked at where sender and filter read one clock.
+    A session of the filter counts while it receives from one session of the plant, and one of the operator: who
+    holds the lease is decided by more than the log's order. Ages are looked at where sender and filter read one clock.
 
     Args:
         scenario: The scenario.
