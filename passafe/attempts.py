@@ -22,6 +22,7 @@ from passafe.design import FilterDesign
 from passafe.fixed_order import length
 from passafe.fixed_point import FixedPoint
 from passafe.quadratic_program import ALL, BY_INSPECTION, QUICK, SLOW, QuadraticProgram
+from passafe.slack_descent import SlackDescent, settled_but_for_slack
 from passafe.solvers.solver import INFEASIBLE, SOLVED
 from passafe.symbolic.trust_region import LEAST_TRUST
 from passafe.symbolic.whole_program import shape_tolerance
@@ -80,6 +81,7 @@ class Attempts:
         self._first_tightening = first_tightening(design)
         self._least_trust: Array = LEAST_TRUST * np.array(design.limits.magnitude)
         self._reach = design.limits.reach
+        self._descent = SlackDescent(design, block, self)
 
     def first(self, prepare: Callable[[], None]) -> Attempt:
         """Derive the rows, solve over the constraints and certify; if that is refused, solve the whole program."""
@@ -97,19 +99,22 @@ class Attempts:
             return Attempt(_UNCERTIFIED, solver, False, assessment)
         return self._attempt_whole()
 
-    def confined(self, u_lin: Array, trust: Array, *, with_margins: bool = True, with_sets: bool = True) -> Attempt:
+    def confined(
+        self, u_lin: Array, trust: Array, *, with_margins: bool = True, with_sets: bool = True, share: float = 1.0
+    ) -> Attempt:
         """Attempt once about an input, with answers from its trust region only.
 
         The answer is the nearest one there. Where margins grow steeply with the input, programs that may leave the
-        region lead to inputs whose own margins are too large.
+        region lead to inputs whose own margins are too large. On the border of the region rounding may put an answer
+        outside, unless a smaller share of it is asked for.
         """
         program = self._block.program
         self._linearize(u_lin, trust, with_margins=with_margins, with_sets=with_sets)
 
         def prepare() -> None:
             self._functions.prepare()
-            np.maximum(program.low, u_lin - trust, out=program.low)
-            np.minimum(program.high, u_lin + trust, out=program.high)
+            np.maximum(program.low, u_lin - share * trust, out=program.low)
+            np.minimum(program.high, u_lin + share * trust, out=program.high)
 
         return self.first(prepare)
 
@@ -136,6 +141,11 @@ class Attempts:
                     nearest, best, u_best = distance, (u_lin, trust), u_plus.copy()
         if best is not None:
             return self.confined(*best)
+        return self.again(attempt, before)
+
+    def again(self, attempt: Attempt, before: tuple[Array, Array, Array]) -> Attempt:
+        """Make a settled attempt once more, from what margins and tangents it had: input, trust region, tightening."""
+        linearization = self._block.linearization
         linearization.u_lin[:], linearization.trust_asked[:], linearization.tightening[:] = before
         again = self.first(self._functions.prepare)
         return Attempt(attempt.status, again.solver, True, again.assessment)
@@ -227,7 +237,7 @@ class Attempts:
         for k in range(ATTEMPTS):
             if attempt.status is _UNCERTIFIED:
                 return attempt
-            if attempt.assessment.slack < least_slack and _settled_but_for_slack(attempt):
+            if attempt.assessment.slack < least_slack and settled_but_for_slack(attempt):
                 least_slack = attempt.assessment.slack
                 best = (u_lin.copy(), trust.copy(), linearization.tightening.copy())
             if attempt.status is _INFEASIBLE or attempt.assessment.unknown_margins > 0.0:
@@ -246,9 +256,10 @@ class Attempts:
             attempt = self.first(self._functions.prepare)
             gave_up = attempt.status is _INFEASIBLE and (trust <= least).all()
             if attempt.is_settled or gave_up:
-                return attempt
+                return self._descent.cheaper(attempt) if attempt.status is _RELAXED else attempt
         if attempt.status in ANSWERS and keeps_barriers(attempt.assessment):
-            return Attempt(attempt.status, attempt.solver, True, attempt.assessment)
+            settled = Attempt(attempt.status, attempt.solver, True, attempt.assessment)
+            return self._descent.cheaper(settled) if attempt.status is _RELAXED else settled
         return attempt
 
     def about(self, u_lin: Array, *, with_margins: bool, with_sets: bool = True) -> Attempt:
@@ -264,10 +275,3 @@ class Attempts:
         linearization.u_lin[:], linearization.trust_asked[:] = u_lin, trust
         linearization.tightening[:] = self._first_tightening if with_margins else 0.0
         linearization.with_margins[:], linearization.with_sets[:] = with_margins, with_sets
-
-
-def _settled_but_for_slack(attempt: Attempt) -> bool:
-    """Return whether hard rows are kept, with margins that are valid for the answer."""
-    assessment = attempt.assessment
-    worst = max(assessment.shortfall, assessment.outside_trust_region, assessment.unknown_margins)
-    return attempt.status in ANSWERS and worst <= 0.0
