@@ -28,6 +28,7 @@ from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.review.agreement import LogAgreement, relative
 from passafe_services.tools.review.explanation_check import ExplanationCheck
 from passafe_services.tools.review.filter_claims import ANSWERED, IntArray
+from passafe_services.tools.review.limit_pushes import pushed_to_limits, unlike_pull
 from passafe_services.tools.review.plant_evaluator import FloatArray
 from passafe_services.tools.review.trajectory import NS_PER_S
 
@@ -189,10 +190,14 @@ class DecisionCheck:
             "last ψ": relative(logged.psi[self._is_last], psi[self._is_last]),
             "power margin": relative(logged.power_margin, batch.evaluation.h_u[:, used]),
             "margin of a row": self._apart(batch, logged.margin, size),
-            "dual of a row": self._pull(batch, logged.dual - lam, logged.dual),
+            "dual of a row": unlike_pull(batch, logged.dual - lam, logged.dual),
             "slack": relative(logged.slack, batch.assessment.slack[:, used]),
             **self._explanation.differences(
-                logged.block, logged.rows, batch.batch.block[:, used].T, batch.status[used] == Status.PASSED
+                logged.block,
+                logged.rows,
+                batch.batch.block[:, used].T,
+                batch.status[used] == Status.PASSED,
+                pushed_to_limits(batch, size),
             ),
         }
 
@@ -208,16 +213,6 @@ class DecisionCheck:
             return np.zeros(size)
         apart = np.abs(margin - batch.evaluation.margins[: batch.constraints, :size]).max(axis=0)
         found: FloatArray = apart / (1 + np.linalg.norm(batch.part("z")[:, :size], axis=0))
-        return found
-
-    @staticmethod
-    def _pull(batch: _BoundedFilter, difference: FloatArray, dual: FloatArray) -> FloatArray:
-        """Return by how much duals pull differently on the input: where rows coincide, many are right."""
-        if not difference.shape[0]:
-            return np.zeros(difference.shape[1])
-        gradients = batch.program.G[:, :, : difference.shape[1]]
-        pull = np.abs(np.einsum("kce,ce->ke", gradients, difference)).max(axis=0)
-        found: FloatArray = np.maximum(pull, -dual.min(axis=0)) / (1 + np.abs(dual).max(axis=0))
         return found
 
     def _retry(self, batch: _BoundedFilter, logged: "_Logged", row: int, differences: dict[str, FloatArray]) -> None:

@@ -50,7 +50,12 @@ class ExplanationCheck:
         return barriers | _named(block.texts("rows.name"), self._row_names, self._constraints)
 
     def differences(
-        self, block: MessageBlock, rows: Places, blocks: FloatArray, passed: NDArray[np.bool_]
+        self,
+        block: MessageBlock,
+        rows: Places,
+        blocks: FloatArray,
+        passed: NDArray[np.bool_],
+        contested: NDArray[np.bool_],
     ) -> dict[str, FloatArray]:
         """Return the largest difference of each tick by quantity, shape (N,) each.
 
@@ -59,6 +64,7 @@ class ExplanationCheck:
             rows: Those of which decisions were made anew.
             blocks: Blocks of these decisions, shape (N, numbers of a decision).
             passed: Which of them have passed what was asked for, shape (N,).
+            contested: Rows whose push may be that of a limit as well, shape (rows, N).
         """
         found = self._explainer.explain(blocks)
         is_plain = passed & ~found.change.any(axis=1)
@@ -66,7 +72,7 @@ class ExplanationCheck:
         held_back = np.where(is_plain[:, None], found.change, found.held_back)
         return {
             "margin ε of a barrier": self._eps(block, rows, blocks),
-            **self._of_rows(block, rows, blocks, found.push, found.share, is_plain),
+            **self._of_rows(block, rows, blocks, found.push, found.share, is_plain, contested),
             "held back": relative(block.ragged("override.held_back").take(rows).matrix(self._m).T, held_back.T),
             "allowed fraction": np.abs(
                 block.numbers("override.allowed_fraction")[rows] - np.where(is_plain, 1.0, np.maximum(fraction, 0.0))
@@ -90,6 +96,7 @@ class ExplanationCheck:
         push: FloatArray,
         share: FloatArray,
         is_plain: NDArray[np.bool_],
+        contested: NDArray[np.bool_],
     ) -> dict[str, FloatArray]:
         count = self._constraints
 
@@ -100,7 +107,7 @@ class ExplanationCheck:
         push, share = push[:, :count].T, share[:, :count].T
         active = (push > ACTIVE_DUAL) & ~is_plain
         flags, logged_share = logged("rows.active"), logged("rows.share")
-        sure = is_sure(push, share, flags > 0.0, logged_share) | is_plain
+        sure = (is_sure(push, share, flags > 0.0, logged_share) & ~contested) | is_plain
         relaxed = np.zeros((count, rows.size))
         relaxed[: self._hard] = blocks[:, self._parts["relax"]].T
         return {
