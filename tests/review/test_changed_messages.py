@@ -66,7 +66,7 @@ CONTRADICTIONS: dict[str, tuple[Change, str]] = {
     "refused": (of_link(refused_corrupted=more("refused_corrupted")), "neither corrupted nor copies"),
     "request": (of_link(config_sequence=more("config_sequence")), "requests of nobody"),
     "trace": (of_link(trace_opportunities=more("trace_opportunities")), "traces that"),
-    "end": (of_link(trigger=lambda _: "end"), "states after the end"),
+    "end": (of_link(trigger=lambda _: "end"), "ends without a beginning"),
 }
 
 

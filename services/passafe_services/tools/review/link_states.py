@@ -57,9 +57,10 @@ class LinkStateCheck:
         found["traces that the scenario does not have"] += has_trace and self._expected is not None
         found["states with settings of nobody"] += self._has_other_settings(state)
         if before is None:
+            found["ends without a beginning"] += state.trigger == END
             return
         found["balance of a state"] += _imbalance(before) != 0  # that of the last one is in the account
-        found["states after the end"] += before.trigger == END
+        found["states after the end"] += before.trigger == END != state.trigger  # an end may be reported twice
         found["starts after the first state"] += state.trigger == START
         found["counts that go back"] += any(getattr(state, name) < getattr(before, name) for name in COUNTS)
         configured = (state.config_source, state.config_epoch, state.config_sequence, state.refusal)
