@@ -90,6 +90,7 @@ def test_robot_says_of_its_fail_safe_that_nothing_is_stated() -> None:
         ({"power_bounds": 1}, "robot power_bounds: got 1 .* allowed a passafe.DerivativeBounds, or None"),
         ({"spheres": (1,)}, "robot spheres: got 1 .* allowed a sequence of spheres"),
         ({"input_unit": 3}, "robot input_unit: got 3 .* allowed text"),
+        ({"input_unit": "N" * 201}, "robot input_unit: got 201 characters, allowed at most 200"),
         ({"state_units": 5}, "robot state_units: got 5 .* allowed a sequence of 2 words"),
         ({"state_units": ("m", 3)}, "robot state_units: got 3 .* allowed text"),
         ({"barriers": {"": X[0]}}, "robot barriers: got no characters, allowed a name of 1 to 200 characters"),

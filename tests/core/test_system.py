@@ -70,6 +70,12 @@ def test_dynamics_and_output_have_their_shapes(part: str, expression: ca.SX, mes
     assert str(refused.value) == message
 
 
+@pytest.mark.parametrize("t", [ca.SX(0), ca.SX.sym("t", 2)])
+def test_time_is_one_symbol(t: ca.SX) -> None:
+    with pytest.raises(ShapeError, match=r"system t: got .* allowed one symbol"):
+        System(x=x, u=u, f=f, y=x[1], t=t)
+
+
 def test_foreign_symbols_are_named() -> None:
     with pytest.raises(DesignError) as in_f:
         System(x=x, u=u, f=f + ca.SX.sym("wind"), y=x[1])

@@ -31,7 +31,7 @@ from refused_bytes import unchecked, wire
 BAD: list[tuple[type, dict[str, Any], str]] = [
     (PlantState, {"x": (1.0, float("nan"))}, "x"),
     (PlantState, {"energy_in_j": float("inf")}, "energy_in_j"),
-    (PlantState, {"u": (1.0,)}, "u"),
+    (PlantState, {"u": ()}, "u"),
     (FilterTick, {"rows": (RowReport("", 0.0, 0.0, active=True),)}, "rows[0].name"),
     (FilterTick, {"barriers": (BarrierReport("disk", (float("nan"),)),)}, "barriers[0].psi"),
     (LinkConfig, {"link": "filter-to-moon"}, "link"),
