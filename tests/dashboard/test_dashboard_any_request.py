@@ -71,6 +71,7 @@ def test_every_method_is_answered_or_not_allowed(page: ServedPage, path: str, me
     kind=st.sampled_from(["application/json", "text/plain", "application/json; charset=\xff", ""]),
 )
 @example(path="/api/links/{name}", method="PUT", name="plant-to-filter", body=b'{"loss": NaN}', kind="application/json")
+@example(path="/api/clear/{stop}", method="POST", name="0/", body=b"", kind="application/json")
 def test_no_request_makes_the_server_fail(
     page: ServedPage, path: str, method: str, name: str, body: bytes, kind: str
 ) -> None:

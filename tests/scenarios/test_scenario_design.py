@@ -139,7 +139,7 @@ def test_limits_of_a_coordinate_that_is_not_there_are_refused() -> None:
     joints = {"kind": "coordinate-limits", "name": "joint", "low": [-1] * 3, "high": [1] * 3, "class_k": CHAIN}
     scenario = with_plant("joint-chain", 4, joints)
 
-    with pytest.raises(DesignError, match="barrier 'joint 3 low': got coordinate 3, allowed 1 to 2"):
+    with pytest.raises(DesignError, match="barrier 'joint 3 low': got position coordinate 3, allowed 1 to 2"):
         barriers_of(scenario, robot_of(scenario))
 
 

@@ -22,7 +22,9 @@ def short_run(name: str, folder: Path) -> tuple[RunLog, Verdict]:
     path = folder / "run.mcap"
     metadata = run_metadata(scenario_json=scenario.model_dump_json(), versions={}, driver="lockstep")
     with LogWriter(path, metadata) as log:
-        lockstep_loop(scenario, observer=LockstepLog(log)).run(round(SHORT_S * scenario.rate_hz))
+        loop = lockstep_loop(scenario, observer=LockstepLog(log))
+        loop.run(round(SHORT_S * scenario.rate_hz))
+        loop.finish()
     read = RunLog.read(path)
     return read, Verdict.of(read, CoreEvaluator(scenario))
 

@@ -141,6 +141,7 @@ def _bare_app(lifespan: Lifespan[FastAPI], hosts: OwnHosts | None, access: PageA
         docs_url=None,
         redoc_url=None,
         openapi_url="/openapi.json",
+        redirect_slashes=False,  # a path that nobody has is not found, also with a slash behind it
         max_body_size=MAX_BODY_BYTES,
         responses=ANY_ROUTE,
     )

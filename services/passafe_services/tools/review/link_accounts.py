@@ -244,7 +244,7 @@ class LinkRecord:
                 self._last[key] = state
                 if key not in self._checks:
                     self._checks[key] = LinkStateCheck(state.link, self._starts.get(state.link))
-                self._checks[key].take(state)
+                self._checks[key].take(state, block.epoch)
         for session, events in self._events.items():
             events.settle(self._last.get(session))
 

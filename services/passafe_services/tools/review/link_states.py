@@ -37,19 +37,27 @@ class LinkStateCheck:
         self._topic = LINKS[name].topic.name if name in LINKS else ""
         self._expected = expected
         self._before: LinkState | None = None
+        self._epoch: int | None = None
 
     @property
     def found(self) -> dict[str, int]:
         """Numbers of what cannot be so, by kind; nothing that was not found."""
         return {what: number for what, number in self.contradictions.items() if number}
 
-    def take(self, state: LinkState) -> None:
-        """Take the next state."""
+    def take(self, state: LinkState, epoch: int) -> None:
+        """Take the next state.
+
+        Args:
+            state: The state.
+            epoch: Session of the reader that published it; in lockstep, a link outlives its reader's session.
+        """
         found, before = self.contradictions, self._before
         self._before = state
+        self._epoch = epoch if self._epoch is None else self._epoch
+        is_one_session = epoch == self._epoch  # what is in flight at a restart makes numbers jump, which are refused
         found["states of another topic"] += state.topic != self._topic
         found["refused messages that were neither corrupted nor copies"] += (
-            state.refused_corrupted > state.corrupted or state.refused_duplicate > state.duplicated
+            state.refused_corrupted > state.corrupted or (is_one_session and state.refused_duplicate > state.duplicated)
         )
         requested = state.config_epoch or state.config_sequence or state.refusal
         found["requests of nobody"] += bool(requested and not state.config_source)
