@@ -132,7 +132,7 @@ def test_task_refuses_a_command_that_is_no_symbol() -> None:
     with pytest.raises(DesignError, match="task axes: got 1 words, allowed 2"):
         TaskFrame(command=W, u_h=W, axes=("x",))
     with pytest.raises(DesignError, match=r"task axes: got 2 .* allowed text"):
-        TaskFrame(command=W, u_h=W, axes=("x", 2))  # type: ignore[arg-type]
+        TaskFrame(command=W, u_h=W, axes=("x", 2))  # type: ignore[arg-type]  # wrong on purpose
 
 
 @pytest.mark.parametrize(

@@ -50,6 +50,10 @@ def recorded(path: Path, scenario: Scenario, steps: int = STEPS) -> list[tuple[H
     return [(m.header, m.body) for m in LogPass(path).messages(*TOPIC_OF_BODY)]
 
 
+def more(name: str, amount: int = 1) -> Callable[[Any], Any]:
+    return lambda body: getattr(body, name) + amount
+
+
 def verdict_on(path: Path) -> Verdict:
     run = LogPass(path)
     identity = identity_of(run)
@@ -74,6 +78,11 @@ class Recorded:
                 data = encode(header, change(header, body))
                 log.write(TOPIC_OF_BODY[type(body)].key(header.source), data, sequence=header.sequence, wall_ns=5)
         return path
+
+
+def walls_with(links: dict[str, dict[str, Any]], folder: Path) -> Recorded:
+    scenario = Scenario.model_validate(loaded("walls-and-disks").model_dump(mode="json") | {"links": links})
+    return Recorded(scenario, recorded(folder / "walls.mcap", scenario))
 
 
 def of_all(kind: type[Message], **changes: Callable[[Any], object]) -> Callable[[Header, Any], Message]:

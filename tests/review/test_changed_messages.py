@@ -4,10 +4,9 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from changed_logs import Recorded, loaded, of_all, of_one, plus, recorded, verdict_on
+from changed_logs import Recorded, more, of_all, of_one, plus, verdict_on, walls_with
 from msgspec.structs import replace
 from passafe_protocol.messages import Header, LinkEvent, LinkState, Message, PlantInput, ScenarioInfo
-from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.review.run_identity import RunIdentity
 from passafe_services.tools.review.scenario_check import ScenarioCheck
 
@@ -21,13 +20,7 @@ LINKS = {
 
 @pytest.fixture(scope="module")
 def walls(tmp_path_factory: pytest.TempPathFactory) -> Recorded:
-    content = loaded("walls-and-disks").model_dump(mode="json")
-    scenario = Scenario.model_validate(content | {"links": LINKS})
-    return Recorded(scenario, recorded(tmp_path_factory.mktemp("log") / "walls.mcap", scenario))
-
-
-def more(name: str, amount: int = 1) -> Callable[[Any], Any]:
-    return lambda body: getattr(body, name) + amount
+    return walls_with(LINKS, tmp_path_factory.mktemp("log"))
 
 
 def of_link(**changes: Callable[[Any], object]) -> Change:

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from changed_logs import Recorded, loaded, of_all, of_one, plus, recorded, verdict_on
+from changed_logs import Recorded, more, of_all, of_one, plus, verdict_on, walls_with
 from msgspec.structs import replace
 from passafe_protocol.messages import (
     FilterTick,
@@ -16,7 +16,6 @@ from passafe_protocol.messages import (
     PlantPhase,
     PlantState,
 )
-from passafe_services.scenarios.schema import Scenario
 
 LINKS = {
     "plant-to-filter": {"delay_s": 0.02, "jitter_s": 0.005, "loss": 0.1},
@@ -26,13 +25,7 @@ LINKS = {
 
 @pytest.fixture(scope="module")
 def walls(tmp_path_factory: pytest.TempPathFactory) -> Recorded:
-    content = loaded("walls-and-disks").model_dump(mode="json")
-    scenario = Scenario.model_validate(content | {"links": LINKS})
-    return Recorded(scenario, recorded(tmp_path_factory.mktemp("log") / "walls.mcap", scenario))
-
-
-def more(name: str, amount: int = 1) -> Callable[[Any], Any]:
-    return lambda body: getattr(body, name) + amount
+    return walls_with(LINKS, tmp_path_factory.mktemp("log"))
 
 
 def first_of(field: str, **changes: Callable[[Any], object]) -> dict[str, Callable[[FilterTick], object]]:
