@@ -1,7 +1,8 @@
 """Runs of the seven-joint arm in MuJoCo: pushed by a hand, steered at obstacles over a slow link, wrong by 5 %.
 
-Each run has its own hand and its own operator: even seeds command another acceleration of the tip about once a second,
-odd ones push the tip along the scenario's way into table, ball and post. Masses are 5 % larger than the joints' own
+Each run has its own start, hand and operator. Every second seed steers the tip at ball, table and post in a random
+order, for a random while each; the others take the adversaries in turn: another command about once a second, a chirp,
+against the tightest row, the same with alternating sign, against the tank. Masses are 5 % larger than the joints' own
 controller takes them for, every joint has 0.5 N·m of dry friction, and the operator's link takes 300 ms.
 
     python benchmarks/arm_in_mujoco.py --runs 200 --duration 10 --workers 2
@@ -35,9 +36,18 @@ from passafe_services.scenarios.links import link_settings
 from passafe_services.scenarios.load import load_scenario
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.simulation import CompiledScenario
+from passafe_services.tools.campaign.safe_starts import SafeStarts
 
 STRENGTH: Final = 5.0
-"""Largest magnitude of each axis of a random command, m/s²."""
+"""Largest magnitude of each axis of an adversary's command, m/s²."""
+
+ADVERSARIES: Final = ("piecewise-constant", "chirp", "against-h", "bang-bang", "against-the-tank")
+
+TIP: Final = (0.45, 0.0, 0.5)
+"""About where the tip begins, m."""
+
+OBSTACLES: Final = {"ball": (0.55, 0.32, 0.35), "post": (0.15, -0.42, 0.62), "table": (0.5, 0.0, 0.0)}
+"""Where the tip is steered: centres of the scenario's balls and a place on its table, m."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,15 +78,30 @@ def scenario_of(seed: int, duration_s: float) -> Scenario:
         "plant.driver": driver,
         "links.operator-to-filter": {"delay_s": 0.3},
         "operator.stale_s": 0.6,
+        "operator.source": operator_of(seed, duration_s),
     }
-    if seed % 2 == 0:
-        changes["operator.source"] = {
-            "kind": "adversary",
-            "strategy": "piecewise-constant",
-            "strength": STRENGTH,
-            "seed": seed,
-        }
     return load_scenario("arm-over-table", changes)
+
+
+def operator_of(seed: int, duration_s: float) -> dict[str, Any]:
+    """Return the operator of one run, as keys of a scenario."""
+    if seed % 2 == 0:
+        strategy = ADVERSARIES[seed // 2 % len(ADVERSARIES)]
+        return {"kind": "adversary", "strategy": strategy, "strength": STRENGTH, "seed": seed}
+    return {"kind": "waypoints", "points": steered(np.random.default_rng((seed, 1)), duration_s)}
+
+
+def steered(rng: np.random.Generator, duration_s: float) -> list[dict[str, Any]]:
+    """Return commands that accelerate the tip from one obstacle to the next, aimed with an error of about 0.1 m."""
+    points: list[dict[str, Any]] = []
+    place, at_s = np.array(TIP), 0.0
+    while at_s < duration_s:
+        goal = np.array(OBSTACLES[str(rng.choice(list(OBSTACLES)))]) + rng.normal(scale=0.1, size=3)
+        way = goal - place
+        value = rng.uniform(2.0, 8.0) * way / max(float(np.linalg.norm(way)), 0.05)
+        points.append({"at_s": at_s, "value": value.tolist()})
+        place, at_s = goal, at_s + float(rng.uniform(0.5, 3.0))
+    return points
 
 
 @cache
@@ -85,14 +110,22 @@ def compiled(duration_s: float) -> CompiledScenario:
     return CompiledScenario.of(scenario_of(1, duration_s))
 
 
+@cache
+def starts(duration_s: float) -> SafeStarts:
+    """Return where runs may begin."""
+    return SafeStarts(scenario_of(1, duration_s), compiled(duration_s).filter.core)
+
+
 def run(seed: int, duration_s: float) -> ArmRun:
     """Run once."""
     scenario, shared = scenario_of(seed, duration_s), compiled(duration_s)
+    x0 = tuple(starts(duration_s).draw(np.random.default_rng((seed, 2))).tolist())
+    scenario = scenario.model_copy(update={"plant": scenario.plant.model_copy(update={"x0": x0})})
     model = shared.model
     config = scenario.plant.driver
     if not isinstance(config, MujocoDriverConfig):
         raise TypeError(f"driver: got {config.kind}, allowed mujoco")
-    driver = MujocoDriver(config, model.dynamics, x0=scenario.plant.x0, period_ns=model.period_ns)
+    driver = MujocoDriver(config, model.dynamics, x0=x0, period_ns=model.period_ns)
     states: list[PlantState] = []
     statuses: Counter[str] = Counter()
 
