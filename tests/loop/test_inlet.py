@@ -1,10 +1,12 @@
 """The way of a message into a node."""
 
+import gc
 from collections.abc import Sequence
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from passafe_protocol.checksum import with_checksum
 from passafe_protocol.codec import encode
 from passafe_protocol.errors import ProtocolError, SessionError
 from passafe_protocol.link_settings import LinkSettings
@@ -49,6 +51,19 @@ def test_garbage_is_counted_and_reported_without_harm(garbage: bytes) -> None:
     assert inlet.receive_bytes(0, encode(header(0), BODY)) == ()
     assert len(inlet.pop_received(0)) == 1
     assert inlet.health == TopicHealth("command", 1, 0, 1)
+
+
+@pytest.mark.parametrize("garbage", [b"", b"no checksum", with_checksum(b"\xff" * 9)])
+def test_refusals_leave_nothing_to_the_collector(garbage: bytes) -> None:
+    inlet = Inlet(COMMAND)
+
+    def refuse() -> None:
+        outcome = inlet.receive_bytes(0, garbage)  # while this frame holds it
+        assert isinstance(outcome, ProtocolError)
+
+    gc.collect()
+    refuse()
+    assert gc.collect() == 0
 
 
 def test_duplicates_are_refused_and_reordered_messages_delivered() -> None:

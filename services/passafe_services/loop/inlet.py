@@ -59,7 +59,7 @@ class Inlet:
             header, body = decode(self.topic, data)
         except ProtocolError as error:
             self.undecodable += 1
-            return error
+            return _by_itself(error)
         return self.receive(now_ns, header, body)
 
     def receive(self, now_ns: int, header: Header, body: Message) -> Sequence[LinkEvent] | SessionError:
@@ -123,6 +123,16 @@ class Inlet:
             gaps=sum(guard.gaps for guard in guards),
             refused=sum(guard.refused for guard in guards) + refused,
         )
+
+
+def _by_itself(error: ProtocolError) -> ProtocolError:
+    """Return an error without traceback and cause.
+
+    These hold the frames that in turn hold the error. Such cycles wait for the garbage collector, which would stop a
+    loop for 20 ms once a second under a flood of garbage.
+    """
+    error.__cause__ = error.__context__ = None
+    return error.with_traceback(None)
 
 
 def inlets_of(node: Node, links: Mapping[str, LinkSettings]) -> tuple[Inlet, ...]:
