@@ -1,5 +1,6 @@
 """Functions that return robots: every wrong one is one clear line."""
 
+import sys
 from importlib.metadata import EntryPoint
 from pathlib import Path
 
@@ -21,6 +22,11 @@ y = ca.MX.sym("y", 2)
 def cart(*, rows=2, **other):
     system = passafe.System(x=x, u=u, f=ca.vertcat(x[1], u)[:rows], y=x[1])
     return passafe.Robot(system=system, position=x[0], fail_safe=-GAIN * x[1], **other)
+
+
+def braked():
+    from beside_only_when_called import BRAKE
+    return cart()
 
 
 def number():
@@ -75,6 +81,22 @@ def test_function_of_a_file_makes_the_robot(folder: Path) -> None:
     assert made.robot().system.n == 2
 
 
+def test_function_imports_a_file_beside_its_own(folder: Path) -> None:
+    (folder / "beside_only_when_called.py").write_text("BRAKE = 1.0\n", encoding="utf-8")
+    before = list(sys.path)
+
+    assert robot_of_file("mine.py:braked", {}).states == 2
+    assert sys.path == before
+
+
+def test_file_may_hold_a_dataclass_with_deferred_types(folder: Path) -> None:
+    head = "from __future__ import annotations\nfrom dataclasses import dataclass\n"
+    more = "\n@dataclass\nclass Motor:\n    torque: float = 1.0\n"
+    (folder / "mine.py").write_text(head + CODE + more, encoding="utf-8")
+
+    assert robot_of_file("mine.py:cart", {}).states == 2
+
+
 def test_what_the_code_prints_stays_out_of_the_output(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert folder.is_dir()
     robot_of_file("mine.py:speaks", {})
@@ -102,8 +124,8 @@ def test_file_is_run_once(folder: Path) -> None:
         ("mine.py:constant", "got no function 'constant'"),
         ("broken.py:f", "got SyntaxError"),
         ("mine.py:number", "got the return value 3 (int), allowed a passafe.Robot"),
-        ("mine.py:raises", "KeyError in line 20: 'two\\\\nlines'"),
-        ("mine.py:ends", "got SystemExit in line 24: 0"),
+        ("mine.py:raises", "KeyError in line 25: 'two\\\\nlines'"),
+        ("mine.py:ends", "got SystemExit in line 29: 0"),
         ("mine.py:asks", "missing 1 required positional argument"),
         ("mine.py:symbols", "allowed a casadi.SX expression"),
         ("mine.py:many", "got states 65, allowed at most 64"),
@@ -141,6 +163,22 @@ def test_entry_point_makes_the_robot(monkeypatch: pytest.MonkeyPatch) -> None:
     assert made is not None
     assert made.states == 2
     assert installed_robot("horse", {}) is None
+
+
+@pytest.mark.parametrize(("others", "refused"), [(("theirs:cart",), True), (("mine:cart",), False)])
+@pytest.mark.usefixtures("folder")
+def test_name_of_two_distributions_is_refused(
+    monkeypatch: pytest.MonkeyPatch, others: tuple[str, ...], refused: bool
+) -> None:
+    monkeypatch.syspath_prepend(str(Path.cwd()))
+    entries = [EntryPoint("cart", value, robot_source.ENTRY_POINTS) for value in ("mine:cart", *others)]
+    monkeypatch.setattr(robot_source, "entry_points", lambda **_: entries)
+
+    if not refused:  # one distribution, found twice
+        assert installed_robot("cart", {}) is not None
+        return
+    with pytest.raises(RobotCodeError, match=r"entry point cart: .* mine:cart and theirs:cart, allowed one of them"):
+        installed_robot("cart", {})
 
 
 def test_data_from_elsewhere_runs_no_code() -> None:

@@ -1,13 +1,14 @@
 """Functions that return robots: of a file that the command line names, or of an installed distribution."""
 
 import sys
-from collections.abc import Callable, Mapping
-from contextlib import redirect_stdout
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, redirect_stdout
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import Any, Final
+from zlib import crc32
 
 from pydantic import ValidationError
 
@@ -28,9 +29,12 @@ FORM: Final = "FILE.py:FUNCTION"
 RobotFunction = Callable[..., Any]
 
 
-def installed_robots() -> Mapping[str, EntryPoint]:
-    """Return the entry points of robots by name; none of them is loaded."""
-    return {entry.name: entry for entry in sorted(entry_points(group=ENTRY_POINTS), key=lambda entry: entry.name)}
+def installed_robots() -> Mapping[str, Sequence[EntryPoint]]:
+    """Return the entry points of robots by name, several where distributions share one; none of them is loaded."""
+    found: dict[str, list[EntryPoint]] = {}
+    for entry in sorted(entry_points(group=ENTRY_POINTS), key=lambda entry: (entry.name, entry.value)):
+        found.setdefault(entry.name, []).append(entry)
+    return found
 
 
 def is_installed(name: str) -> bool:
@@ -42,15 +46,24 @@ def installed_robot(name: str, parameters: Mapping[str, float]) -> CarriedRobot 
     """Return a robot that passafe ships, or that of an entry point; ``None`` if there is none of that name.
 
     Raises:
-        RobotCodeError: Its function cannot be loaded, raises, or returns no robot.
+        RobotCodeError: Its function cannot be loaded, raises, or returns no robot; or several distributions have that
+            name.
     """
     if name in SHIPPED:
         return carried(SHIPPED[name], f"{SHIPPED[name].__module__}:{name}", parameters)
-    entry = installed_robots().get(name)
-    if entry is None:
+    entries = installed_robots().get(name, ())
+    if not entries:
         return None
     source = f"entry point {name}"
-    return carried(_loaded(entry.load, source), source, parameters)
+    if len({entry.value for entry in entries}) > 1:
+        found = " and ".join(_origin(entry) for entry in entries)
+        raise RobotCodeError(source, found, "one of them: uninstall the other, or name its file with --robot")
+    return carried(_loaded(entries[0].load, source), source, parameters)
+
+
+def _origin(entry: EntryPoint) -> str:
+    """Return which function an entry point names, and of which distribution it is where that is known."""
+    return entry.value if entry.dist is None else f"{entry.value} of {entry.dist.name}"
 
 
 def is_robot_file(text: str) -> bool:
@@ -74,12 +87,14 @@ def robot_of_file(text: str, parameters: Mapping[str, float]) -> CarriedRobot:
     file = Path(path)
     if not file.is_file():
         raise RobotCodeError(text, "no such file", FORM)
-    functions = _functions(file.resolve())
+    file = file.resolve()
+    functions = _functions(file)
     function = functions.get(name)
     if not callable(function):
         known = [each for each, value in functions.items() if callable(value) and not each.startswith("_")]
         raise RobotCodeError(text, f"no function {name!r}", "one of the file" + suggestion(name, known))
-    return carried(function, text, parameters)
+    with _importing_beside(file):
+        return carried(function, text, parameters)
 
 
 def carried(function: RobotFunction, source: str, parameters: Mapping[str, float]) -> CarriedRobot:
@@ -103,16 +118,31 @@ def carried(function: RobotFunction, source: str, parameters: Mapping[str, float
 @cache
 def _functions(path: Path) -> Mapping[str, Any]:
     """Return the names that a file defines; the files beside it can be imported while it runs."""
-    spec = spec_from_file_location(f"passafe_robot_{path.stem}", path)
+    name = f"passafe_robot_{crc32(bytes(path)):08x}_{path.stem}"
+    spec = spec_from_file_location(name, path)
     if spec is None or spec.loader is None:
         raise RobotCodeError(str(path), "a file that is no Python", FORM)
     module, loader = module_from_spec(spec), spec.loader
-    sys.path.insert(0, str(path.parent))
+    sys.modules[name] = module  # dataclasses and pickle look a class's module up there
     try:
-        _loaded(lambda: loader.exec_module(module), str(path))
-    finally:
-        sys.path.remove(str(path.parent))
+        with _importing_beside(path):
+            _loaded(lambda: loader.exec_module(module), str(path))
+    except RobotCodeError:
+        del sys.modules[name]
+        raise
     return vars(module)
+
+
+@contextmanager
+def _importing_beside(path: Path) -> Iterator[None]:
+    """Let the code of a file import the files beside it: when it is run, and when its function is called."""
+    folder = str(path.parent)
+    sys.path.insert(0, folder)
+    try:
+        yield
+    finally:
+        if folder in sys.path:  # that code may have changed the list, too
+            sys.path.remove(folder)
 
 
 def _loaded(run: Callable[[], Any], source: str) -> Any:  # noqa: ANN401 - a stranger's function may return anything
