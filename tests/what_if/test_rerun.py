@@ -107,6 +107,19 @@ def test_log_of_a_what_if_says_what_it_was_made_from(log: RunLog, tmp_path: Path
     assert again.answer(Conditions(scenario=again.run.scenario), tmp_path / "twice.mcap").is_exact
 
 
+@pytest.mark.parametrize("name", ["live", "live-bad-links"])
+def test_what_if_of_a_live_log_is_exact_itself(name: str, tmp_path: Path) -> None:
+    log = RunLog.read(GOLDEN / f"{name}.mcap")
+    asked(log, tmp_path / "first.mcap", changed(log.identity.scenario, filter__k_i=5.0))
+    first = RunLog.read(tmp_path / "first.mcap")
+
+    result = asked(first, tmp_path / "second.mcap", first.identity.scenario)
+
+    assert result.first_difference is None
+    assert result.is_exact
+    assert RunLog.read(tmp_path / "second.mcap").identity.timing == "live"
+
+
 def test_script_under_a_delay_is_the_run_recorded_under_it(log: RunLog, tmp_path: Path) -> None:
     delayed = changed(log.identity.scenario, **{"links.plant-to-filter": {"delay_s": 0.152}})
     recorded = simulated(tmp_path / "recorded.mcap", delayed)

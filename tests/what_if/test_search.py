@@ -1,5 +1,7 @@
 """Search for the value at which a verdict changes."""
 
+from math import isfinite
+
 from passafe_services.tools.what_if.search import Search, SearchResult, Trial
 
 
@@ -61,3 +63,15 @@ def test_interrupt_before_anything() -> None:
         raise KeyboardInterrupt
 
     assert Search(key="k", low=0.0, high=1.0, tolerance=0.1, most_runs=9).run(attempt).text == "k: nothing was tried"
+
+
+def test_ends_far_apart_are_divided_all_the_same() -> None:
+    tried: list[float] = []
+
+    def attempt(value: float) -> Trial:
+        tried.append(value)
+        return Trial(value=value, verdict="holds" if value < 1.6e308 else "fails", h_min=None, words="")
+
+    Search(key="k", low=-1.7e308, high=1.7e308, tolerance=1e300, most_runs=12).run(attempt)
+    assert len(tried) == 12
+    assert all(map(isfinite, tried))

@@ -63,6 +63,9 @@ def test_bad_options_are_one_clear_line(tmp_path: Path) -> None:
     assert "--links: got 'lost', allowed recorded, drawn" in refused(LOG, "--links", "lost", *out)
     assert "--search: got 'filter.k_i=1', allowed KEY=LOW..HIGH" in refused(LOG, "--search", "filter.k_i=1")
     assert "a lower end below the upper one" in refused(LOG, "--search", "filter.k_i=5..1")
+    assert "filter.k_j: got an unknown key" in refused(LOG, "--set", "filter.k_j=3")
+    assert "both ends finite" in refused(LOG, "--search", "filter.k_i=1..1e400")
+    assert "both ends finite" in refused(LOG, "--search", "filter.k_i=nan..1")
     assert "--tolerance: got 0, allowed" in refused(LOG, "--search", "filter.k_i=1..5", "--tolerance", "0")
 
 

@@ -3,7 +3,7 @@
 import json
 import tomllib
 from collections.abc import Mapping, Sequence
-from math import isnan, nan
+from math import isfinite, nan
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
@@ -90,8 +90,8 @@ def interval_of(text: str) -> Interval:
         numbers = (float(low), float(high))
     except ValueError:
         numbers = (nan, nan)
-    if not equals or not dots or isnan(sum(numbers)):
-        allowed = "KEY=LOW..HIGH, such as link.plant-to-filter.delay=0..0.5 or filter.k_i=1..50"
+    if not equals or not dots or not all(map(isfinite, numbers)):
+        allowed = "KEY=LOW..HIGH, such as link.plant-to-filter.delay=0..0.5 or filter.k_i=1..50, both ends finite"
         raise OptionError("--search", repr(text), allowed)
     interval = Interval(key, field_of(key, "--search"), *numbers)
     if not interval.low < interval.high:

@@ -139,8 +139,8 @@ def whatif(
         require_unset(overrides, interval.field, "--search")
         attempt = SearchedRun(question, interval.field, lambda more: asked.conditions(question.log, more)[0])
         search_and_exit(attempt, interval, tolerance=tolerance, most_runs=runs, json=json)
-    target = _new_log(out)
     conditions, fit = asked.conditions(question.log, {})
+    target = _new_log(out)
     result = _rerun(question, conditions, target, asked.words(fit))
     reviewed = [ReviewedRun.of(question.log), ReviewedRun.of(RunLog.read(target))]
     comparison = Comparison.of(reviewed, align)

@@ -22,6 +22,7 @@ class RunIdentity(BaseModel):
         scenario: Effective scenario.
         driver: Driver of the nodes.
         versions: Versions of passafe and its numerical dependencies, by name.
+        steps: Driver of the run whose steps a re-run took again; ``None``: it took its own.
         planned_s: Plant time that the run was to last, s; ``None`` if it was to last until it was stopped.
     """
 
@@ -30,7 +31,13 @@ class RunIdentity(BaseModel):
     scenario: Json[Scenario]
     driver: DriverName
     versions: Json[dict[str, str]]
+    steps: DriverName | None = None
     planned_s: Annotated[float | None, Field(allow_inf_nan=False)] = None
+
+    @property
+    def timing(self) -> DriverName:
+        """Return the driver whose times the steps have."""
+        return self.steps or self.driver
 
 
 def identify(path: Path, metadata: Mapping[str, Mapping[str, str]], info: ScenarioInfo | None) -> RunIdentity:
@@ -50,6 +57,7 @@ def identify(path: Path, metadata: Mapping[str, Mapping[str, str]], info: Scenar
             "driver": metadata.get(DRIVER_RECORD, {}).get("kind", ""),
             "versions": json.dumps(dict(metadata.get(VERSIONS_RECORD, {}))),
             "planned_s": metadata.get(DRIVER_RECORD, {}).get("planned_s"),
+            "steps": metadata.get(DRIVER_RECORD, {}).get("steps"),
         }
     elif info is not None:
         fields = {"scenario": info.scenario_json, "driver": info.driver, "versions": info.versions_json}

@@ -47,7 +47,7 @@ class RecordedRun:
     Attributes:
         path: The log.
         scenario: Its scenario.
-        is_virtual: Whether it ran in virtual time.
+        is_virtual: Whether its steps are those of virtual time: not of a live run, nor of a re-run of one.
         sessions: Sessions of every process, by its name; of the operator, its first one.
         offsets_ns: Clock of the filter minus that of a process, ns.
         arrivals: Arrivals of each topic at the filter or the plant.
@@ -90,7 +90,7 @@ class RecordedRun:
         begins_ns = states[0].body.plant_ns
         if begins_ns:
             raise RerunError(log.path, f"cannot be run again: got plant time {begins_ns / 1e9:g} s first, allowed 0")
-        scenario, is_virtual = log.identity.scenario, log.identity.driver == "lockstep"
+        scenario, is_virtual = log.identity.scenario, log.identity.timing == "lockstep"
         period = period_ns(scenario)
         sessions = {name: sessions_of(log, name, period) for name in (PLANT, FILTER)}
         if is_virtual:

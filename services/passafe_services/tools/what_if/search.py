@@ -95,13 +95,14 @@ class Search:
         """Yield the values to try; each is in ``found`` before the next one is asked for."""
         number = min(SAMPLES, self.most_runs)
         for k in range(number):
-            yield self.low + (self.high - self.low) * k / max(number - 1, 1)
+            share = k / max(number - 1, 1)
+            yield self.low * (1 - share) + self.high * share  # a difference of the ends may exceed all numbers
         while len(found) < self.most_runs:
             result = self.result(found)
             below, above = result.same_up_to, result.differs_from
             if result.is_finished or below is None or above is None:
                 return
-            yield (below + above) / 2
+            yield below / 2 + above / 2
 
     def run(self, attempt: Callable[[float], Trial]) -> SearchResult:
         """Search until the interval is narrow enough; an interrupt ends it with what was found.

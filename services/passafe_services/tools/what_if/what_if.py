@@ -13,7 +13,7 @@ from pydantic import BaseModel, ConfigDict
 
 from passafe_services.log.log_file import in_place_of
 from passafe_services.log.log_files import files_of
-from passafe_services.log.log_writer import LogWriter, run_metadata
+from passafe_services.log.log_writer import DRIVER_RECORD, LogWriter, run_metadata
 from passafe_services.recorder.lockstep_log import LockstepLog
 from passafe_services.scenarios.info import versions
 from passafe_services.simulation import CompiledScenario
@@ -140,6 +140,7 @@ class Question:
             versions=versions(),
             driver="lockstep",
         )
+        metadata[DRIVER_RECORD]["steps"] = self.log.identity.timing
         metadata[WHAT_IF_RECORD] = {
             "source": self.log.path.name,
             "source_digest": self.digest,
