@@ -1,15 +1,19 @@
 """Drivers by name: of a scenario, of the command line, of an installed distribution."""
 
 import sys
+from collections.abc import Callable
+from importlib import import_module
 from importlib.metadata import EntryPoint
 
 import pytest
+from passafe_protocol.messages import Vector
 from passafe_services.cli.driver_text import driver_from
 from passafe_services.cli.errors import OptionError
 from passafe_services.drivers import build
 from passafe_services.drivers.build import driver_of
 from passafe_services.drivers.errors import DriverError
 from passafe_services.drivers.model_driver import ModelDriver
+from passafe_services.drivers.strange_driver import StrangeDriver
 from passafe_services.drivers.udp_servo import UdpServo
 from passafe_services.plant.build import plant_node
 from passafe_services.plant_contract.plant_model import PlantModel
@@ -24,9 +28,37 @@ SCENARIO = load_scenario("notomista-cai-2020")
 
 class Rail:
     has_own_clock = True
+    closed = False
 
-    def __init__(self, **settings: object) -> None:
+    def __init__(self, *, fault: str = "", **settings: object) -> None:
         self.settings = settings
+        self.fault = fault
+        Rail.closed = False
+        self.at("made")
+
+    def at(self, place: str) -> None:
+        if place == self.fault:
+            raise OSError(f"no bus\nin {place}")
+
+    def open(self) -> None:
+        self.at("open")
+
+    def read(self, at_ns: int) -> None:
+        self.at("read")
+
+    def apply(self, u: Vector, at_ns: int) -> None:
+        self.at("apply")
+
+    def close(self) -> None:
+        self.at("close")
+        Rail.closed = True
+
+
+def installed(monkeypatch: pytest.MonkeyPatch, load: Callable[[], object], *values: str) -> InstalledDriverConfig:
+    entries = [EntryPoint("rail", value, build.ENTRY_POINTS) for value in values or ("mine:rail",)]
+    monkeypatch.setattr(EntryPoint, "load", lambda _: load())
+    monkeypatch.setattr(build, "entry_points", lambda group: entries if group == build.ENTRY_POINTS else [])
+    return InstalledDriverConfig(kind="installed", name="rail")
 
 
 @pytest.fixture(scope="module")
@@ -40,15 +72,14 @@ def test_the_model_drives_unless_something_else_is_named(model: PlantModel) -> N
 
 
 def test_an_installed_driver_gets_robot_and_settings(model: PlantModel, monkeypatch: pytest.MonkeyPatch) -> None:
-    entry = EntryPoint("rail", f"{__name__}:Rail", build.ENTRY_POINTS)
-    monkeypatch.setattr(EntryPoint, "load", lambda _: Rail)
-    monkeypatch.setattr(build, "entry_points", lambda group: [entry] if group == build.ENTRY_POINTS else [])
-    config = InstalledDriverConfig(kind="installed", name="rail", settings={"device": "/dev/rail1"})
+    config = installed(monkeypatch, lambda: Rail).model_copy(update={"settings": {"device": "/dev/rail1"}})
 
     made = driver_of(SCENARIO, model, config)
 
-    assert isinstance(made, Rail)
-    assert made.settings == {
+    assert isinstance(made, StrangeDriver)
+    assert isinstance(made.driver, Rail)
+    assert made.has_own_clock
+    assert made.driver.settings == {
         "robot": model.robot,
         "x0": SCENARIO.plant.x0,
         "period_ns": 1_000_000,
@@ -56,6 +87,50 @@ def test_an_installed_driver_gets_robot_and_settings(model: PlantModel, monkeypa
     }
     with pytest.raises(DriverError, match="driver rial: got no such entry point, allowed rail"):
         driver_of(SCENARIO, model, config.model_copy(update={"name": "rial"}))
+
+
+@pytest.mark.parametrize("place", ["made", "open", "read", "apply", "close"])
+def test_what_an_installed_driver_raises_is_one_line(
+    place: str, model: PlantModel, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    config = installed(monkeypatch, lambda: Rail).model_copy(update={"settings": {"fault": place}})
+
+    def driven() -> None:
+        made = driver_of(SCENARIO, model, config)
+        made.open()
+        made.read(0)
+        made.apply((), 0)
+        made.close()
+
+    with pytest.raises(DriverError) as raised:
+        driven()
+
+    words = f"driver rail: {place}: got OSError: no bus in {place}, allowed no exception but DriverError"
+    assert str(raised.value) == words
+    assert Rail.closed == (place in {"open", "read", "apply"})  # closed at once
+
+
+@pytest.mark.parametrize(
+    ("load", "message"),
+    [
+        (lambda: lambda **_: None, r"driver rail: got None without open, read, apply, close, has_own_clock"),
+        (lambda: lambda **_: Rail, r"driver rail: open: got TypeError"),
+        (lambda: 5, r"driver rail: made: got TypeError: 'int' object is not callable"),
+        (lambda: int, r"driver rail: made: got TypeError"),
+        (lambda: import_module("no_such_module_of_rails"), r"driver rail: made: got ModuleNotFoundError"),
+    ],
+)
+def test_what_is_no_driver_is_refused(
+    load: Callable[[], object], message: str, model: PlantModel, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    config = installed(monkeypatch, load)
+    with pytest.raises(DriverError, match=message):
+        driver_of(SCENARIO, model, config).open()
+
+
+def test_two_drivers_of_one_name_are_refused(model: PlantModel, monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(DriverError, match="driver rail: got 2 entry points: mine:rail and theirs:rail, allowed one"):
+        driver_of(SCENARIO, model, installed(monkeypatch, lambda: Rail, "theirs:rail", "mine:rail"))
 
 
 def test_hardware_is_refused_in_virtual_time() -> None:

@@ -213,6 +213,16 @@ def test_start_and_router_restart_are_reported(start: Callable, port: int) -> No
         assert again in operator.end()[1]
 
 
+def test_error_that_ends_a_node_stands_in_the_log(start: Callable, port: int, log: Log) -> None:
+    operator = start("operator", "--port", port, "--broken-at", 50)
+    operator.wait_ready("operator")
+
+    said = "ended by an error after 50 steps: ValueError: no such stick"
+    log.wait_for("passafe/robot/operator/event", lambda logged: Event("error", said) in [e for _, e in logged])
+    assert operator.output()["ended"] == 50
+    assert operator.end()[0] == 1
+
+
 def test_link_events_are_link_events(start: Callable, port: int, log: Log) -> None:
     start("filter", "--port", port, "--loss", 1.0).wait_ready("filter")
     start("operator", "--port", port, "--steps", 20).wait_ready("operator")

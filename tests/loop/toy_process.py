@@ -32,14 +32,16 @@ class Metronome:
     name = "operator"
     subscribes = ()
 
-    def __init__(self, *, non_finite: bool = False) -> None:
-        """``non_finite``: every tenth command is not finite."""
+    def __init__(self, *, non_finite: bool = False, broken_at: int | None = None) -> None:
+        """``non_finite``: every tenth command is not finite. ``broken_at``: step that raises."""
         self.steps = 0
-        self._non_finite = non_finite
+        self._non_finite, self._broken_at = non_finite, broken_at
 
     def step(self, now_ns: int, inbox: Sequence[Received]) -> Sequence[Outgoing]:
         """Send one command."""
         del inbox
+        if self.steps == self._broken_at:
+            raise ValueError("no such\nstick")
         count = float("nan") if self._non_finite and self.steps % 10 == 9 else float(self.steps)
         self.steps += 1
         body = OperatorCommand((count, now_ns / 1.0), (), enabled=True, device="metronome")
@@ -80,7 +82,7 @@ def hold_up(seconds: float) -> None:
 def live(options: argparse.Namespace) -> None:
     if options.held_up:
         hold_up(options.held_up)
-    node = Echo() if options.kind == "filter" else Metronome(non_finite=options.non_finite)
+    node = Echo() if options.kind == "filter" else Metronome(non_finite=options.non_finite, broken_at=options.broken_at)
     steps_wanted = options.steps
     report = run_live(
         node,
@@ -91,6 +93,7 @@ def live(options: argparse.Namespace) -> None:
         epoch=options.epoch,
         lifeline=options.lifeline,
         finished=None if steps_wanted is None else lambda: node.steps >= steps_wanted,
+        ended=lambda: say(ended=node.steps) if options.broken_at is not None else None,
     )
     say(steps=report.steps, missed=report.steps_skipped, withheld=report.withheld, reason=report.reason.name)
 
@@ -152,6 +155,7 @@ def main() -> None:
     parser.add_argument("--rate", type=float, default=1000.0)
     parser.add_argument("--duration", type=float)
     parser.add_argument("--steps", type=int)
+    parser.add_argument("--broken-at", type=int)
     parser.add_argument("--epoch", type=int)
     parser.add_argument("--delay", type=float, default=0.0)
     parser.add_argument("--loss", type=float, default=0.0)

@@ -1,7 +1,7 @@
 """States of a robot that is not its model: readings that are old, missing, or of a robot with a clock of its own."""
 
 from collections.abc import Sequence
-from math import exp
+from math import exp, inf, isfinite, nan
 from typing import cast
 
 import pytest
@@ -15,10 +15,12 @@ from passafe_protocol.messages import (
     Received,
     Vector,
 )
+from passafe_services.drivers.errors import DriverError
 from passafe_services.drivers.plant_driver import Reading
 from passafe_services.plant.driven_robot import DrivenRobot
 from passafe_services.plant.node import PlantNode
-from passafe_services.plant.state_reader import OLDEST_NS, StateReader
+from passafe_services.plant.reading_check import OLDEST_NS
+from passafe_services.plant.state_reader import StateReader
 from passafe_services.plant.unpredicted_node import UnpredictedPlantNode
 from passafe_services.plant_contract.fail_safe import FailSafe
 
@@ -136,7 +138,9 @@ def test_a_blind_robot_brakes_and_tells_no_state(kind: type[PlantNode | Unpredic
 
     assert isinstance(event, Event)
     assert event.text == "no state from the robot: fail-safe law in force at plant time 0.001 s"
-    assert driver.applied[-1] == ((-18.0, 0.0), 101 * MS)  # K = γ₁ − σ = 9, at the last speed known
+    speed = 2.0 * exp(-1e-3) + 1.0 - exp(-1e-3)  # by the model, under the input in force: 1
+    [(u, at_ns)] = driver.applied[-1:]
+    assert (u, at_ns) == (pytest.approx((-9.0 * speed, 0.0), rel=1e-12), 101 * MS)  # K = γ₁ − σ = 9
     driver.reading = Reading(REST, 102 * MS)
     states = [body for body in bodies(node, 102) if isinstance(body, PlantState)]
     assert [(state.plant_ns, state.x) for state in states] == [(2 * MS, REST)]
@@ -167,3 +171,95 @@ def test_a_simulation_is_stepped_through_a_stall() -> None:
 
     assert [state.plant_ns for state in states if isinstance(state, PlantState)] == [k * MS for k in range(1, 6)]
     assert [at_ns for _, at_ns in driver.applied] == [k * MS for k in range(100, 106)]
+
+
+def test_law_does_not_push_a_blind_robot_that_must_have_stopped() -> None:
+    driver = ScriptedDriver()
+    node = node_of(driver)
+    driver.reading = Reading((0.0, 0.0, 2.0, 0.0), 100 * MS)
+    bodies(node, 100, sent(1, 100))
+    driver.reading = None
+    for at_ms in range(101, 2101):
+        bodies(node, at_ms)
+
+    assert driver.applied[-1] == (pytest.approx((0.0, 0.0), abs=1e-6), 2100 * MS)
+
+
+def test_energy_of_a_blind_stretch_is_that_of_the_model() -> None:
+    driver = ScriptedDriver()
+    reader = reader_of(driver)
+    driver.reading = Reading((0.0, 0.0, 2.0, 0.0), 100 * MS)
+    reader.read(100 * MS)
+    reader.apply((0.0, 0.0), 100 * MS)
+    driver.reading = None
+
+    assert [reader.read((100 + k) * MS).energy_in_j for k in range(1, 4)] == [0.0, 0.0, 0.0]
+    assert reader.sample.x[2] == pytest.approx(2.0 * exp(-3e-3), rel=1e-12)
+
+
+def test_stall_of_an_hour_takes_no_hour() -> None:
+    driver = ScriptedDriver()
+    reader = reader_of(driver)
+    driver.reading = Reading((0.0, 0.0, 2.0, 0.0), 0)
+    reader.read(0)
+    reader.apply((0.0, 0.0), 0)
+
+    assert reader.read(3_600_000 * MS).x[2] == pytest.approx(2.0 * exp(-1.0), rel=1e-9)
+    assert reader.is_blind
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [
+        Reading((nan, 0.0, 0.0, 0.0), 101 * MS),
+        Reading((0.0, 0.0, 0.0, inf), 101 * MS),
+        Reading((1e200, 0.0, 1e200, 0.0), 101 * MS),
+        Reading(REST, 101 * MS, true_x=(nan,) * 4),
+        Reading(REST, 3_600_000 * MS),  # of another clock
+    ],
+)
+def test_no_law_sees_what_is_no_state(bad: Reading) -> None:
+    driver = ScriptedDriver()
+    node = node_of(driver)
+    driver.reading = Reading((0.0, 0.0, 2.0, 0.0), 100 * MS)
+    bodies(node, 100, *(sent(tick, 100) for tick in range(1, 200)))
+    driver.reading = bad
+
+    events = [body for body in bodies(node, 101) if isinstance(body, Event)]
+    for at_ms in range(102, 200):
+        events += [body for body in bodies(node, at_ms) if isinstance(body, Event)]
+
+    texts = [event.text.split(":")[0] for event in events]
+    assert sorted(texts) == ["no state from the robot", "refused what was read of the robot"]
+    assert all(isfinite(number) for u, _ in driver.applied for number in u)
+    assert driver.applied[-1][0][0] < 0.0  # it brakes
+
+
+@pytest.mark.parametrize(
+    ("bad", "message"),
+    [
+        (Reading(REST[:3], 0), "driver reading x: got 3 numbers, allowed 4 numbers"),
+        (Reading((), 0), "driver reading x: got 0 numbers, allowed 4 numbers"),
+        (Reading(("a",) * 4, 0), "driver reading x: got .*, allowed 4 numbers"),  # type: ignore[arg-type]
+        (Reading(None, 0), "driver reading x: got None, allowed 4 numbers"),  # type: ignore[arg-type]
+        (Reading(REST, 0, true_x=(1.0,)), "driver reading true_x: got 1 numbers, allowed 4 numbers"),
+        (Reading(REST, nan), "driver reading at_ns: got nan .float., allowed a whole number"),  # type: ignore[arg-type]
+        (REST, "driver reading: got .*tuple.*, allowed a Reading or None"),
+    ],
+)
+def test_reading_of_another_form_ends_the_process(bad: Reading, message: str) -> None:
+    driver = ScriptedDriver()
+    driver.reading = bad
+
+    with pytest.raises(DriverError, match=message):
+        reader_of(driver).read(0)
+
+
+def test_reading_that_was_overtaken_is_not_the_present() -> None:
+    driver = ScriptedDriver()
+    reader = reader_of(driver)
+    driver.reading = Reading((1.0, 0.0, 0.0, 0.0), 100 * MS)
+    reader.read(100 * MS)
+    driver.reading = Reading((0.5, 0.0, 0.0, 0.0), 90 * MS)
+
+    assert reader.read(101 * MS).x == (1.0, 0.0, 0.0, 0.0)

@@ -1,12 +1,13 @@
 """Builds the driver that a scenario, or the command line, names."""
 
 from importlib.metadata import entry_points
-from typing import Final, cast
+from typing import Final
 
 from passafe.errors import MissingPackageError
 from passafe_services.drivers.errors import DriverError
 from passafe_services.drivers.model_driver import ModelDriver
 from passafe_services.drivers.plant_driver import PlantDriver
+from passafe_services.drivers.strange_driver import made
 from passafe_services.drivers.true_model_driver import TrueModelDriver
 from passafe_services.drivers.udp_servo import UdpServo
 from passafe_services.plant_contract.plant_model import PlantModel
@@ -34,7 +35,7 @@ def driver_of(scenario: Scenario, model: PlantModel, config: AnyDriver | None = 
         config: Driver in the place of the scenario's.
 
     Raises:
-        DriverError: It does not fit the robot, or is not installed.
+        DriverError: It does not fit the robot, is not installed, or is no driver.
         MissingPackageError: It needs a package that is not installed.
     """
     config = scenario.plant.driver if config is None else config
@@ -56,9 +57,12 @@ def driver_of(scenario: Scenario, model: PlantModel, config: AnyDriver | None = 
 
 
 def _installed(config: InstalledDriverConfig, model: PlantModel, x0: tuple[float, ...]) -> PlantDriver:
-    found = {entry.name: entry for entry in entry_points(group=ENTRY_POINTS)}
-    if config.name not in found:
-        names = ", ".join(sorted(found)) or "none: no distribution brings one"
-        raise DriverError(config.name, "no such entry point", names)
-    make = found[config.name].load()
-    return cast(PlantDriver, make(robot=model.robot, x0=x0, period_ns=model.period_ns, **config.settings))
+    entries = [entry for entry in entry_points(group=ENTRY_POINTS) if entry.name == config.name]
+    if not entries:
+        found = ", ".join(sorted({entry.name for entry in entry_points(group=ENTRY_POINTS)}))
+        raise DriverError(config.name, "no such entry point", found or "none: no distribution brings one")
+    values = sorted({entry.value for entry in entries})
+    if len(values) > 1:
+        raise DriverError(config.name, f"{len(values)} entry points: {' and '.join(values)}", "one of that name")
+    settings = config.settings
+    return made(config.name, lambda: entries[0].load()(robot=model.robot, x0=x0, period_ns=model.period_ns, **settings))

@@ -38,8 +38,8 @@ class PlantDriver(Protocol):
 
     *Failure.* No answer, a wrong one or an old one is no exception: ``read`` returns the newest state that is to be
     trusted, with its own time, or ``None`` without any, and the plant node decides when that is too old.
-    ``DriverError`` is for what waiting does not mend, and ends the process. A robot must therefore stop by itself when
-    ``apply`` is not called for some periods, and after ``close``.
+    ``DriverError`` is for what waiting does not mend, and ends the process, as any other exception does. A robot must
+    therefore stop by itself when ``apply`` is not called for some periods, and after ``close``.
 
     Attributes:
         has_own_clock: Whether the robot moves while nobody asks.

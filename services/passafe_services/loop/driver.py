@@ -11,6 +11,7 @@ from passafe_protocol.link_settings import LinkSettings
 from passafe_protocol.messages import Event, Health, LinkConfig, Message
 from passafe_protocol.topics import EVENT, HEALTH, LINK_CONFIG, LINK_EVENT, LINK_STATE, SCENARIO, Topic
 
+from passafe.errors import PassafeError
 from passafe_services.loop.bounded_reading import DRAIN_SHARE, READ_SHARE, BoundedReading
 from passafe_services.loop.bus import Bus
 from passafe_services.loop.health_report import HealthReporter
@@ -96,6 +97,8 @@ class Driver:
     ) -> StopReason:
         """Step the node until there is a reason to stop, and return that reason.
 
+        An error ends it as well; what it is stands in the log.
+
         Args:
             pace: Schedule of the steps.
             stop: Stop request, checked before each step.
@@ -103,10 +106,25 @@ class Driver:
             finished: Called before each step; true ends the loop.
             collect: Called once a second, after a step.
         """
-        health_due_ns = pace.due_ns + HEALTH_PERIOD_NS
         self._drain_ns, self._read_ns = (round(share * pace.period_ns) for share in (DRAIN_SHARE, READ_SHARE))
-        reported_ns, reported_steps, reported_skipped = pace.due_ns, 0, 0
         self._publish(EVENT, Event("info", "started"))
+        try:
+            return self._loop(pace, stop, end_ns, finished, collect)
+        except Exception as error:
+            words = str(error) if isinstance(error, PassafeError) else f"{type(error).__name__}: {error}"
+            self.report("end", "error", f"ended by an error after {pace.steps} steps: {' '.join(words.split())}")
+            raise
+
+    def _loop(
+        self,
+        pace: Pace,
+        stop: Stop,
+        end_ns: int | None,
+        finished: Callable[[], bool],
+        collect: Callable[[], object],
+    ) -> StopReason:
+        health_due_ns = pace.due_ns + HEALTH_PERIOD_NS
+        reported_ns, reported_steps, reported_skipped = pace.due_ns, 0, 0
         while True:
             reason = _reason_to_end(pace, stop, end_ns, finished)
             if reason is not None:

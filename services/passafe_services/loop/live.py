@@ -58,6 +58,7 @@ def run_live(
     epoch: int | None = None,
     lifeline: bool = False,
     finished: Callable[[], bool] | None = None,
+    ended: Callable[[], object] = lambda: None,
     health: HealthReporter | None = None,
     scenario_json: str = "",
 ) -> LiveReport:
@@ -78,6 +79,7 @@ def run_live(
         epoch: Session number of the published messages; the wall clock in ns if not given.
         lifeline: Whether standard input is a lifeline (see ``passafe_services.loop.stop``).
         finished: Called before each step; true ends the run.
+        ended: Called after the last step, also after an error, before the recorder is waited for.
         health: Reports the health of the loop to what supervises the process.
         scenario_json: Scenario of the process, to be compared with the filter's; empty: it is not.
 
@@ -108,12 +110,15 @@ def run_live(
         request_realtime()
         pace = Pace(monotonic_ns() + round(_NS_PER_S / rate_hz), rate_hz)
         end_ns = None if duration_s is None else pace.due_ns + round(_NS_PER_S * duration_s)
-        reason = driver.run(pace, stop, end_ns, finished or (lambda: False), collect)
-        unrecorded = receipts.wait_for(driver.outlet)
-        if unrecorded:
-            driver.report(
-                "unrecorded", "warning", f"the recorder did not take the last messages of {unrecorded} topics"
-            )
+        try:
+            reason = driver.run(pace, stop, end_ns, finished or (lambda: False), collect)
+        finally:  # nor is what led to an error lost
+            ended()
+            unrecorded = receipts.wait_for(driver.outlet)
+            if unrecorded:
+                driver.report(
+                    "unrecorded", "warning", f"the recorder did not take the last messages of {unrecorded} topics"
+                )
         return LiveReport(
             steps=pace.steps,
             overruns=pace.overruns,

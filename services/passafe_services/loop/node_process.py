@@ -13,6 +13,7 @@ def run_node(
     options: ProcessOptions,
     *,
     finished: Callable[[], bool] | None = None,
+    ended: Callable[[], object] = lambda: None,
 ) -> None:
     """Step a node in real time until it is stopped.
 
@@ -20,6 +21,7 @@ def run_node(
         node: The node.
         options: Scenario, endpoint, robot, epoch, lifeline and health.
         finished: Called before each step; true ends the run.
+        ended: Called after the last step, also after an error.
     """
     run_live(
         node,
@@ -31,6 +33,7 @@ def run_node(
         epoch=options.epoch,
         lifeline=options.lifeline,
         finished=finished,
+        ended=ended,
         health=options.health,
         scenario_json=options.scenario.model_dump_json(),
     )

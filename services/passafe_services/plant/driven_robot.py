@@ -20,6 +20,9 @@ WAITING: Final = PlantPhase.WAITING
 RUNNING: Final = PlantPhase.RUNNING
 FAIL_SAFE: Final = PlantPhase.FAIL_SAFE
 
+REPORT_NS: Final = 1_000_000_000
+"""Shortest time between two events about refused readings, ns: a driver may refuse at its rate."""
+
 
 class DrivenRobot:
     """Moves the robot through its driver, one period at a time; the plant node chooses the input of each period.
@@ -83,6 +86,7 @@ class DrivenRobot:
         self._hold_ns = 0
         self.phase = WAITING
         self._energy_in_j = 0.0
+        self._refused_ns = -REPORT_NS
 
     @property
     def is_blind(self) -> bool:
@@ -173,6 +177,9 @@ class DrivenRobot:
             self._reader.apply(self._guarded.u, self._origin_ns + self.plant_ns)
         if self.phase is not before and (before is FAIL_SAFE or self.phase is FAIL_SAFE):
             outgoing.append((EVENT, self._fail_safe_event()))
+        if is_reported and self._reader.refusal and self.plant_ns - self._refused_ns >= REPORT_NS:
+            self._refused_ns = self.plant_ns
+            outgoing.append((EVENT, Event("warning", f"refused what was read of the robot: {self._reader.refusal}")))
         if is_reported and not self.is_blind:
             outgoing.append((STATE, self._state()))
 

@@ -23,4 +23,10 @@ def start(options: ProcessOptions) -> None:
         started_with = options.epoch if options.start_stopped else NO_STOP
         node = plant_node(scenario, model, started_with=started_with, driver=driver)
         end_ns = None if options.duration_s is None else round(options.duration_s * 1e9)
-        run_node(node, options, finished=lambda: end_ns is not None and node.plant_ns >= end_ns)
+        # The robot is let stop at once, not when the recorder has the last messages.
+        run_node(
+            node,
+            options,
+            finished=lambda: end_ns is not None and node.plant_ns >= end_ns,
+            ended=driver.close,
+        )
