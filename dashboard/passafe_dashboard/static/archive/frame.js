@@ -6,6 +6,7 @@ import { showRobot } from "./robot_line.js";
 
 const LOOK_MS = 1000;
 const ANSWER_MS = 3000;
+const GAMEPAD_MS = 50;
 
 const bar = /** @type {HTMLElement} */ (document.querySelector("header.bar"));
 new ResizeObserver(() => document.documentElement.style.setProperty("--frame", `${bar.offsetHeight}px`)).observe(bar);
@@ -33,17 +34,17 @@ async function robotState() {
   }
 }
 
-/** Presses the stop when the gamepad's button for it is pressed.
+/** Presses the stop when a gamepad's button for it is pressed.
  * @param {StopButton} stop
  * @param {GamepadReader} gamepad */
 function readGamepad(stop, gamepad) {
   if (gamepad.read(navigator.getGamepads?.() ?? [], 1).stop) stop.stop();
-  requestAnimationFrame(() => readGamepad(stop, gamepad));
 }
 
 const line = document.getElementById("robot");
 if (line) {
   const stop = new StopButton(document);
   follow(stop, line);
-  readGamepad(stop, new GamepadReader());
+  const gamepad = new GamepadReader();
+  setInterval(() => readGamepad(stop, gamepad), GAMEPAD_MS);
 }

@@ -1,5 +1,7 @@
 // Small parts of which lists and maps are made.
 
+import { serverSeconds } from "./server_clock.js";
+
 /** @param {string} id
  * @returns {HTMLElement} */
 export function element(id) {
@@ -32,7 +34,7 @@ export function sizeText(bytes) {
 
 /** @param {number} seconds Unix time
  * @param {number} now the same */
-export function timeAgo(seconds, now = Date.now() / 1000) {
+export function timeAgo(seconds, now = serverSeconds()) {
   const ago = Math.max(0, now - seconds);
   if (ago < 60) return "just now";
   if (ago < 3600) return `${Math.floor(ago / 60)} min ago`;

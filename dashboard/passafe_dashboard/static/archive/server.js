@@ -1,6 +1,7 @@
 // Asks the server, and follows jobs until they are over.
 
 import { reason } from "./page_parts.js";
+import { noteClock } from "./server_clock.js";
 
 /** Returns the answer's JSON; an error carries what the server said.
  * @param {string} path
@@ -13,6 +14,7 @@ export async function ask(path, options = {}) {
   } catch (error) {
     throw new Error(`The server does not answer (${reason(error)}).`);
   }
+  noteClock(response);
   const body = await response.json().catch(() => null);
   if (!response.ok) throw new Error(refusal(body?.detail, response.status));
   return body;

@@ -3,6 +3,8 @@
 import { socketAddress } from "./connection.js";
 
 const RETRY_MS = 1000;
+const LEAST_APART_MS = 8; // a screen may report the hand 240 times a second, and the server takes 200 messages
+const SILENT_MS = 1000;
 
 /** @typedef {{you: boolean, driver: import("./types.js").Driver, reason: string}} DriverNews */
 
@@ -27,6 +29,7 @@ export class DriveSocket {
     this.listener = listener;
     this.you = false;
     this.number = 0;
+    this.sent = { at: -Infinity, engaged: false };
     /** @type {Clock | null} */
     this.clock = null;
     /** @type {WebSocket | null} */
@@ -77,12 +80,16 @@ export class DriveSocket {
     this.send({ type: "script" });
   }
 
-  /** @param {number[]} shares
-   * @param {boolean} engaged */
-  steer(shares, engaged) {
-    if (!this.you || !this.clock) return;
+  /** Sends a command, unless one has just been sent, or nothing gets through: late ones would only come in a flood.
+   * @param {number[]} shares
+   * @param {boolean} engaged
+   * @param {number} [now_ms] */
+  steer(shares, engaged, now_ms = performance.now()) {
+    if (!this.you || !this.clock || this.socket?.bufferedAmount || now_ms - this.clock.received_ms > SILENT_MS) return;
+    if (engaged === this.sent.engaged && now_ms - this.sent.at < LEAST_APART_MS) return;
+    this.sent = { at: now_ms, engaged };
     this.number += 1;
-    this.send(steerMessage(this.number, shares, engaged, this.clock, performance.now()));
+    this.send(steerMessage(this.number, shares, engaged, this.clock, now_ms));
   }
 
   /** @param {object} message */

@@ -7,6 +7,9 @@ import { withoutDeadZone } from "./stick.js";
 export const BUTTONS = { stop: 1, clutch: 4, dead_man: 5, take: 9 };
 const DEAD_ZONE = 0.12;
 
+/** What is read of a gamepad.
+ * @typedef {{axes: readonly number[], buttons: readonly {pressed: boolean}[]}} Gamepad */
+
 /** @typedef {{connected: boolean, engaged: boolean, clutched: boolean, values: Pair[], stop: boolean, take: boolean}} Reading */
 
 /** @type {Reading} */
@@ -14,23 +17,23 @@ const NOTHING = { connected: false, engaged: false, clutched: false, values: [],
 
 export class GamepadReader {
   constructor() {
-    /** @type {boolean[]} */
-    this.before = [];
+    /** @type {Map<number, boolean[]>} buttons of each gamepad at the last look */
+    this.before = new Map();
   }
 
-  /** Returns what a gamepad says now; presses of stop and take are reported once.
-   * @param {ReadonlyArray<{axes: readonly number[], buttons: readonly {pressed: boolean}[]} | null>} gamepads
+  /** Returns what gamepads say now: the first whose dead-man is held steers, and the buttons of all count.
+   * Presses of stop and take are reported once.
+   * @param {ReadonlyArray<Gamepad | null>} gamepads
    * @param {number} pads number of planes to steer
    * @returns {Reading} */
   read(gamepads, pads) {
-    const gamepad = [...gamepads].find((each) => each !== null);
-    if (!gamepad) return NOTHING;
-    const pressed = gamepad.buttons.map((button) => button.pressed);
-    const begins = (/** @type {number} */ index) => Boolean(pressed[index] && !this.before[index]);
-    const [stop, take] = [begins(BUTTONS.stop), begins(BUTTONS.take)];
-    this.before = pressed;
+    const found = [...gamepads].flatMap((gamepad, slot) => (gamepad ? [{ ...this.look(gamepad, slot), axes: gamepad.axes }] : []));
+    for (const slot of this.before.keys()) if (!gamepads[slot]) this.before.delete(slot);
+    const steering = found.find(({ pressed }) => pressed[BUTTONS.dead_man]) ?? found[0];
+    if (!steering) return NOTHING;
+    const { axes, pressed } = steering;
     const values = Array.from({ length: pads }, (_, pad) => {
-      const [x, y] = [gamepad.axes[2 * pad] ?? 0, gamepad.axes[2 * pad + 1] ?? 0];
+      const [x, y] = [axes[2 * pad] ?? 0, axes[2 * pad + 1] ?? 0];
       return withoutDeadZone([x, -y], DEAD_ZONE);
     });
     return {
@@ -38,8 +41,18 @@ export class GamepadReader {
       engaged: Boolean(pressed[BUTTONS.dead_man]),
       clutched: Boolean(pressed[BUTTONS.clutch]),
       values,
-      stop,
-      take,
+      stop: found.some(({ begun }) => begun[BUTTONS.stop]),
+      take: found.some(({ begun }) => begun[BUTTONS.take]),
     };
+  }
+
+  /** Returns which buttons of a gamepad are held, and which were not at the last look.
+   * @param {Gamepad} gamepad
+   * @param {number} slot */
+  look(gamepad, slot) {
+    const before = this.before.get(slot) ?? [];
+    const pressed = gamepad.buttons.map((button) => button.pressed);
+    this.before.set(slot, pressed);
+    return { pressed, begun: pressed.map((held, i) => held && !before[i]) };
   }
 }

@@ -20,6 +20,8 @@ export class Pad {
     this.size = size;
     this.stick = new Stick();
     this.hands = hands;
+    /** @type {number | null} the finger, pen or mouse that holds the stick */
+    this.pointer = null;
     this.canvas = document.createElement("canvas");
     this.canvas.className = "pad";
     this.canvas.id = `pad-${number}`;
@@ -33,19 +35,21 @@ export class Pad {
   listen() {
     const { canvas, stick } = this;
     canvas.addEventListener("pointerdown", (event) => {
-      if (!this.hands.press()) return;
+      if (event.button || stick.engaged || !this.hands.press()) return;
+      this.pointer = event.pointerId;
       canvas.setPointerCapture(event.pointerId);
       stick.press(this.hand(event));
       this.hands.change();
     });
     canvas.addEventListener("pointermove", (event) => {
-      if (!stick.engaged) return;
+      if (!stick.engaged || event.pointerId !== this.pointer) return;
       stick.move(this.hand(event));
       this.hands.change();
     });
+    canvas.addEventListener("contextmenu", (event) => event.preventDefault()); // a long press is a hold
     for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) {
-      canvas.addEventListener(end, () => {
-        if (!stick.engaged) return;
+      canvas.addEventListener(end, (event) => {
+        if (!stick.engaged || /** @type {PointerEvent} */ (event).pointerId !== this.pointer) return;
         stick.release();
         this.hands.change();
       });

@@ -15,6 +15,7 @@ import { axisShares, firstEngaged } from "./shares.js";
 const PERIOD_MS = 16;
 const STALL_MS = 250; // then the operator counts the command no more, until the dead-man was let go
 const PATIENCE_MS = 600;
+const OTHERS_KEYS = ["Control", "Alt", "Meta"]; // keys of the browser or of the desktop
 const HINT = "Drag the stick, or hold the arrow keys. Gamepad: hold R1.";
 
 export class Steering {
@@ -72,6 +73,7 @@ export class Steering {
     document.addEventListener("keyup", (event) => this.key(event, false));
     const leave = () => {
       this.letGo();
+      this.setClutch("key", false); // its key up goes elsewhere
       this.socket.release();
     };
     window.addEventListener("blur", leave);
@@ -85,11 +87,13 @@ export class Steering {
    * @param {boolean} down */
   key(event, down) {
     if (event.key === "Shift") this.setClutch("key", down);
+    if (OTHERS_KEYS.includes(event.key)) this.keys.releaseAll(); // what was held may come up without a word
+    if (!down) this.keys.set(event.code, false);
     if (!SteeringKeys.steers(event.code) || event.ctrlKey || event.metaKey || event.altKey) return;
     const target = /** @type {HTMLElement} */ (event.target);
     if (down && target.closest?.("input, select, textarea, [role=tab]")) return;
     if (down && !this.grip()) return;
-    if (!down || !event.repeat) this.keys.set(event.code, down); // a key that was lost while held is pressed anew
+    if (down && !event.repeat) this.keys.set(event.code, true); // a key that was lost while held is pressed anew
     event.preventDefault();
   }
 
@@ -153,7 +157,7 @@ export class Steering {
 
   readGamepad() {
     const reading = this.gamepad.read(navigator.getGamepads?.() ?? [], Math.max(this.pads.length, 1));
-    if (reading.connected) this.setClutch("pad", reading.clutched);
+    this.setClutch("pad", reading.clutched);
     if (reading.stop) this.stopButton.stop();
     if (reading.take && !this.you) this.toggle();
     if (this.isClutched && this.held?.engaged && reading.engaged) return;
