@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from damped_point_run import DampedPoint, Run, header, rollout, state
-from passafe_protocol.messages import FilterStatus, FilterTick, PlantPhase, PlantState
+from damped_point_run import PERIOD_NS, DampedPoint, Run, header, rollout, state
+from passafe_protocol.messages import FilterStatus, FilterTick, Health, PlantPhase, PlantState
 from passafe_services.tools.review.drive_record import DriveRecord
 from passafe_services.tools.review.fallback_record import FallbackRecord
 from passafe_services.tools.review.property import Property
@@ -143,6 +143,23 @@ def test_of_two_plants_the_one_that_ended_last_counts(tmp_path: Path) -> None:
 
     assert verdict.sessions["plant"] == 2
     assert verdict.properties["driven"].note.endswith("for the last 2.5 s")
+
+
+@pytest.mark.parametrize(
+    ("source", "after_ms", "holds"), [("plant", 1001, False), ("plant", 1000, True), ("filter", 9000, True)]
+)
+def test_plant_that_went_on_without_a_state_was_not_driven(
+    tmp_path: Path, source: str, after_ms: int, *, holds: bool
+) -> None:
+    run = Run()
+    rollout(run, x0=(2.0, 0.0, -0.5, 0.0), u=lambda _: REST, steps=100)
+    last = run.sent[run.indices(PlantState)[-1]][0]
+    seen = header(source, 0, step=round((last.sent_ns + after_ms * MS) / PERIOD_NS))
+    run.add(seen, Health(1000.0, 100, 0, 0, 0.0, ()))
+    verdict = Verdict.of(RunLog.read(run.write(tmp_path / "blind.mcap")), DampedPoint(), derives=False)
+
+    assert verdict.properties["driven"].holds is holds
+    assert ("the plant had no state of the robot for the last 1 s" in verdict.words) is not holds
 
 
 @pytest.mark.parametrize(

@@ -80,6 +80,8 @@ def test_unknown_names_are_answered_with_the_nearest(tmp_path: Path) -> None:
         run.states.matrix("xs")
     with pytest.raises(TopicNameError, match="tick"):
         RunTables.read(path, topics=["ticks"])
+    with pytest.raises(TopicNameError, match=r"topics: got 'tick', allowed names in a tuple, such as \('tick',\)"):
+        RunTables.read(path, topics="tick")
 
 
 def test_a_torn_log_is_read_up_to_the_tear(tmp_path: Path) -> None:

@@ -53,6 +53,8 @@ class RunTables:
             LogReadError: The file is missing, empty, no MCAP file or no log of passafe.
             TopicNameError: There is no such topic.
         """
+        if isinstance(topics, str):  # it would be taken letter by letter
+            raise TopicNameError("topics", repr(topics), f"names in a tuple, such as ({topics!r},)")
         wanted = tuple(TOPIC_OF_NAME if topics is None else topics)
         for name in wanted:
             if name not in TOPIC_OF_NAME:

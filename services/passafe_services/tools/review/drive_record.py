@@ -29,6 +29,7 @@ class _LastSeen:
         self.first_ns: int | None = None
         self.is_set = False
         self.ended_wall_ns = 0
+        self.state_sent_ns = self.health_sent_ns = 0
 
     def add(self, at_ns: int, *, so: bool) -> None:
         """Add a sample; one before the newest begins anew, as a restarted plant does."""
@@ -57,6 +58,11 @@ class _LastSeen:
         elif other.first_ns < self.newest_ns:
             self.seen_ns, self.is_set = other.first_ns, True
         self.newest_ns = other.newest_ns
+
+    @property
+    def silent_s(self) -> float:
+        """Time for which a session of the plant went on after its last state, s: it had none of the robot."""
+        return max(0, self.health_sent_ns - self.state_sent_ns) / NS_PER_S if self.state_sent_ns else 0.0
 
     @property
     def since_s(self) -> float:
@@ -118,7 +124,9 @@ class DriveRecord:
         self._without += not runs
         self._driven_of.setdefault(0, _LastSeen()).add(at_ns, so=runs)
 
-    def add_states(self, at_ns: IntArray, runs: NDArray[np.bool_], *, session: int, wall_ns: int) -> None:
+    def add_states(
+        self, at_ns: IntArray, runs: NDArray[np.bool_], *, session: int, wall_ns: int, sent_ns: int = 0
+    ) -> None:
         """Add states of a session of the plant in order.
 
         Args:
@@ -126,13 +134,23 @@ class DriveRecord:
             runs: Whether an input of the filter is in force, shape (N,).
             session: Number of the session.
             wall_ns: Wall time of the session's newest state, ns: the session that ends last shows how the run ended.
+            sent_ns: When that state was sent, by the plant's clock, ns; 0 if it is not known.
         """
         driven = self._driven_of.setdefault(session, _LastSeen())
-        driven.ended_wall_ns = wall_ns
+        driven.ended_wall_ns, driven.state_sent_ns = wall_ns, sent_ns
         if at_ns.size:
             self._states += at_ns.size
             self._without += int((~runs).sum())
             driven.add_all(at_ns, runs)
+
+    def add_health(self, sent_ns: int, *, session: int) -> None:
+        """Add that a session of the plant was there when it reported its health, by its own clock, ns."""
+        self._driven_of.setdefault(session, _LastSeen()).health_sent_ns = sent_ns
+
+    @property
+    def _silent_s(self) -> float:
+        """Time for which the plant that ended last went on without a state of the robot, s."""
+        return max(self._driven_of.values(), key=lambda each: each.ended_wall_ns, default=_LastSeen()).silent_s
 
     @property
     def _driven(self) -> _LastSeen:
@@ -144,7 +162,7 @@ class DriveRecord:
 
     def property(self) -> Property:
         """Return the property that the robot could be driven, to the end of the run."""
-        worst_s = max(self._driven.since_s, self._commanded.since_s)
+        worst_s = max(self._driven.since_s, self._silent_s, self._commanded.since_s)
         is_known = bool(self._states and self._ticks)
         note = self._against()
         return Property(
@@ -154,7 +172,7 @@ class DriveRecord:
             at_s=None,
             requirement=(
                 "at some time an answer outside of every fallback, and at the end no stretch without an input of the "
-                f"filter or a fresh command, s, > {LONGEST_END_S:g}"
+                f"filter, a state of the robot or a fresh command, s, > {LONGEST_END_S:g}"
             ),
             allowed=f"≤ {LONGEST_END_S:g}",
             note=note or self._share(),
@@ -184,6 +202,8 @@ class DriveRecord:
             found.append("the filter never left a fallback")
         if self._driven.since_s > LONGEST_END_S:
             found.append(f"the robot stood without an input of the filter for the last {self._driven.since_s:.3g} s")
+        if self._silent_s > LONGEST_END_S:
+            found.append(f"the plant had no state of the robot for the last {self._silent_s:.3g} s")
         if self._commanded.since_s > LONGEST_END_S:
             found.append(f"no fresh command came in the last {self._commanded.since_s:.3g} s")
         return ", ".join(found)

@@ -8,7 +8,7 @@ from typing import ClassVar, Final
 import numpy as np
 from numpy.typing import NDArray
 from passafe_protocol.messages import PlantPhase
-from passafe_protocol.topics import STATE
+from passafe_protocol.topics import HEALTH, STATE
 
 from passafe_services.log.actual_states import actual_states
 from passafe_services.log.chunk_decoding import Wants
@@ -24,6 +24,9 @@ from passafe_services.tools.review.sequence_breaks import BreakRecord
 from passafe_services.tools.review.sole_plant import PlantRecord
 from passafe_services.tools.review.state_check import StateCheck
 from passafe_services.tools.review.trajectory import NS_PER_S, Trajectory
+
+PLANT: Final = "plant"
+"""Source of the plant's messages."""
 
 MOST_TIMES: Final = 1 << 16
 """Pairs of wall time and plant time that are kept of a session: all of a minute's at 1 kHz, every 64th of an hour's."""
@@ -101,7 +104,8 @@ class PlantReview:
         STATE.name: (
             *("plant_ns", "x", "true_x", "y", "u", "phase", "energy_in_j", "energy_stored_j", "stop", "stop_source"),
             *("header.sent_ns", "header.clock_id"),
-        )
+        ),
+        HEALTH.name: ("header.sent_ns",),
     }
 
     def __init__(
@@ -125,6 +129,9 @@ class PlantReview:
         """Take the next states."""
         for block in part.blocks(STATE.name):
             self._take(block)
+        for block in part.blocks(HEALTH.name):
+            if block.source == PLANT:
+                self._drive.add_health(int(block.numbers("header.sent_ns")[-1]), session=block.epoch)
 
     def finish(self) -> None:
         """Account for the last state of each session."""
@@ -193,7 +200,13 @@ class PlantReview:
         session.stops.add_all(plant_ns, block.numbers("stop") != 0, block.texts("stop_source"))
         moves = phase != PlantPhase.WAITING
         runs = phase == PlantPhase.RUNNING
-        self._drive.add_states(plant_ns[moves], runs[moves], session=block.epoch, wall_ns=int(wall_ns[-1]))
+        self._drive.add_states(
+            plant_ns[moves],
+            runs[moves],
+            session=block.epoch,
+            wall_ns=int(wall_ns[-1]),
+            sent_ns=int(sent_ns[-1]),
+        )
         x, u = self._vectors(block, "x", self._n), self._vectors(block, "u", self._m)
         self._check.take_states(block, x)
         x = actual_states(block, self._n)
