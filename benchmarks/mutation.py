@@ -139,7 +139,8 @@ def selected_changes(only: str, every: int) -> list[Change]:
 
 def time_tests(pattern: str, found: Findings, copies: "SimpleQueue[Copy]", workers: int) -> None:
     """Measure how long every file of tests takes, and that it passes, without a change."""
-    unknown = [file.name for file in sorted(TESTS.glob(pattern)) if file.name not in found.seconds]
+    files = (str(file.relative_to(TESTS)) for file in sorted(TESTS.rglob(pattern)))
+    unknown = [file for file in files if file not in found.seconds]
 
     def timed(test: str) -> tuple[str, str, float]:
         where, start_s = copies.get(), perf_counter()
@@ -190,7 +191,7 @@ def progress() -> Progress:
 
 def _test_of(found: dict[str, Any]) -> str:
     """Return the file of tests that a finding is about, an empty string if it is about all of them."""
-    named = re.match(r"test_\w+\.py", found.get("file", found.get("noticed_by", "")))
+    named = re.match(r"(\w+/)*test_\w+\.py", found.get("file", found.get("noticed_by", "")))
     return named[0] if named else ""
 
 
@@ -199,7 +200,7 @@ def _digest(test: str) -> str:
     """Return a digest of one file of tests, of all of them for an empty string, and of what tests share."""
     digest = sha256()
     for file in sorted(TESTS.rglob("*.py")):
-        if file.name == test or not test or not file.name.startswith("test_"):
+        if str(file.relative_to(TESTS)) == test or not test or not file.name.startswith("test_"):
             digest.update(file.read_bytes())
     return digest.hexdigest()[:16]
 

@@ -41,6 +41,8 @@ if TYPE_CHECKING:  # imported under their own names: exported, for type checkers
     from passafe.barriers import speed_limit as speed_limit
     from passafe.barriers import uniform_motion as uniform_motion
     from passafe.certificate import Tolerance as Tolerance
+    from passafe.checks.design_check import check_design as check_design
+    from passafe.checks.row_share import StateBox as StateBox
     from passafe.class_k import ClassK as ClassK
     from passafe.class_k import Cubic as Cubic
     from passafe.class_k import Linear as Linear
@@ -50,7 +52,6 @@ if TYPE_CHECKING:  # imported under their own names: exported, for type checkers
     from passafe.design import FilterDesign as FilterDesign
     from passafe.design import Law as Law
     from passafe.design import Mode as Mode
-    from passafe.design_check import check_design as check_design
     from passafe.errors import DesignError as DesignError
     from passafe.errors import IntegrationError as IntegrationError
     from passafe.errors import NotAllowedError as NotAllowedError
@@ -74,7 +75,6 @@ if TYPE_CHECKING:  # imported under their own names: exported, for type checkers
     from passafe.parameter import Parameter as Parameter
     from passafe.passivity import Passivity as Passivity
     from passafe.passivity import power_margin as power_margin
-    from passafe.row_share import StateBox as StateBox
     from passafe.sampled_plant import Sample as Sample
     from passafe.sampled_plant import SampledPlant as SampledPlant
     from passafe.state_set import ErrorGrowth as ErrorGrowth
@@ -104,9 +104,9 @@ _NAMES_OF: Final = {
     ),
     "passafe.class_k": ("ClassK", "Cubic", "Linear", "Piecewise"),
     "passafe.decision": ("Decision", "Status"),
-    "passafe.design_check": ("check_design",),
+    "passafe.checks.design_check": ("check_design",),
     "passafe.finding": ("Finding", "Severity"),
-    "passafe.row_share": ("StateBox",),
+    "passafe.checks.row_share": ("StateBox",),
     "passafe.design": ("FilterDesign", "Law", "Mode"),
     "passafe.errors": (
         "DesignError",

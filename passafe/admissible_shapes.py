@@ -5,10 +5,10 @@ from math import inf, isfinite
 
 import numpy as np
 
-from passafe.arguments import described, numbers, one_number
+from passafe.arguments.numbers import described, numbers, one_number
+from passafe.arguments.ranges import LARGEST_INPUT, require_positive
 from passafe.errors import DesignError
-from passafe.fixed_order import length
-from passafe.ranges import LARGEST_INPUT, require_positive
+from passafe.numerics.fixed_order import length
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

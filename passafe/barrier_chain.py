@@ -10,16 +10,16 @@ from typing import TypeAlias
 
 import casadi as ca
 
-from passafe.arguments import described
-from passafe.chain_refusals import other_number, require_effect, require_one_degree, require_slope
+from passafe.arguments.expressions import as_column
+from passafe.arguments.numbers import described
 from passafe.class_k import ClassK, class_k_functions
-from passafe.derivative_bounds import DerivativeBounds
+from passafe.enclosures.derivative_bounds import DerivativeBounds
+from passafe.enclosures.jumps import require_no_jumps
 from passafe.errors import DesignError, RelativeDegreeError
-from passafe.expressions import as_column
-from passafe.input_reach import InputReach, reach_of
-from passafe.jumps import require_no_jumps
-from passafe.norms import without_singular_points
-from passafe.smooth_parts import smooth_parts
+from passafe.expressions.chain_refusals import other_number, require_effect, require_one_degree, require_slope
+from passafe.expressions.input_reach import InputReach, reach_of
+from passafe.expressions.norms import without_singular_points
+from passafe.expressions.smooth_parts import smooth_parts
 from passafe.system import System
 
 Reserve: TypeAlias = Callable[[ca.SX], ca.SX]

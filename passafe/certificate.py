@@ -11,8 +11,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from passafe.stage import Stage, T
-from passafe.workspace import Array, BlockLayout, Workspace, expressions_by_name, named_function
+from passafe.numerics.stage import Stage, T
+from passafe.numerics.workspace import Array, BlockLayout, Workspace, expressions_by_name, named_function
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

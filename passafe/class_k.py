@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from passafe.arguments import described, is_one_number, members, one_number
+from passafe.arguments.numbers import described, is_one_number, members, one_number
+from passafe.arguments.ranges import require_positive
 from passafe.errors import DesignError
-from passafe.ranges import require_positive
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

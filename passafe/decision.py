@@ -7,7 +7,7 @@ from typing import Final
 from msgspec import Struct
 
 from passafe.decision_schema import Answer, Assessment, Evaluation, Program, Request
-from passafe.workspace import Array, BlockLayout
+from passafe.numerics.workspace import Array, BlockLayout
 
 
 class Status(IntEnum):

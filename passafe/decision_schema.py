@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from passafe.certificate import Residuals
-from passafe.stage import Matrix, Stage, T
-from passafe.workspace import Array
+from passafe.numerics.stage import Matrix, Stage, T
+from passafe.numerics.workspace import Array
 
 
 class Request(Stage[T], frozen=True, eq=False, gc=False):

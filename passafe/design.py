@@ -9,17 +9,17 @@ from typing import Final, TypeVar
 import casadi as ca
 
 from passafe.admissible_shapes import HalfSpace, NormBound
-from passafe.arguments import described, members, one_number
+from passafe.arguments.axis_limits import PerAxis
+from passafe.arguments.expressions import as_column
+from passafe.arguments.numbers import described, members, one_number
+from passafe.arguments.ranges import require_positive, yes_or_no
 from passafe.barrier_chain import Barrier
 from passafe.certificate import Tolerance
+from passafe.enclosures.jumps import require_finite_constants, require_no_jumps
 from passafe.errors import DesignError
-from passafe.expressions import as_column
-from passafe.jumps import require_finite_constants, require_no_jumps
-from passafe.limit_arguments import PerAxis
+from passafe.expressions.storage_sign import require_lower_bound
 from passafe.limits import Limits
 from passafe.passivity import Passivity
-from passafe.ranges import require_positive, yes_or_no
-from passafe.storage_sign import require_lower_bound
 from passafe.system import System
 from passafe.uncertainty import Uncertainty
 

@@ -15,26 +15,26 @@ from itertools import chain
 from threading import RLock
 from typing import Final
 
-from passafe.arguments import described, numbers, one_number, vectors
-from passafe.attempts import Attempts
-from passafe.course_choice import CourseChoice
+from passafe.answers.attempts import Attempts
+from passafe.answers.course_choice import CourseChoice
+from passafe.answers.deepest_inputs import DeepestInputs
+from passafe.answers.input_search import InputSearch
+from passafe.answers.replaced_answer import ReplacedAnswer
+from passafe.answers.resolution import Resolution
+from passafe.arguments.numbers import described, numbers, one_number, vectors
+from passafe.courses.fallback import Fallback
 from passafe.decision import ANSWERS, Attempt, Decision, Status
-from passafe.decision_block import DecisionBlock
-from passafe.decision_functions import DecisionFunctions
-from passafe.deepest_inputs import DeepestInputs
-from passafe.derivation import Derivation
 from passafe.design import FilterDesign, Law
 from passafe.errors import DesignError, ShapeError
-from passafe.fallback import Fallback
-from passafe.infeasibility import DistanceToInfeasibility
-from passafe.input_search import InputSearch
-from passafe.member_chains import design_chains
-from passafe.plant_family import PlantFamily
-from passafe.quadratic_program import QuadraticProgram
-from passafe.replaced_answer import ReplacedAnswer
-from passafe.resolution import Resolution
+from passafe.margins.member_chains import design_chains
+from passafe.margins.plant_family import PlantFamily
+from passafe.numerics.workspace import BlockLayout, Compiler, interpreted
+from passafe.program.decision_block import DecisionBlock
+from passafe.program.infeasibility import DistanceToInfeasibility
+from passafe.program.quadratic_program import QuadraticProgram
+from passafe.symbolic.decision_functions import DecisionFunctions
+from passafe.symbolic.derivation import Derivation
 from passafe.symbolic.evaluation import UNPROTECTED
-from passafe.workspace import BlockLayout, Compiler, interpreted
 
 _PLAIN: Final = (tuple, list)
 

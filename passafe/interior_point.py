@@ -6,8 +6,8 @@ from typing import Final
 import numpy as np
 
 from passafe.admissible_shapes import HalfSpace, NormBound
-from passafe.fixed_order import inner, length
-from passafe.workspace import Array
+from passafe.numerics.fixed_order import inner, length
+from passafe.numerics.workspace import Array
 
 INSETS: Final = (0.3, 0.1, 0.03, 1e-2, 1e-3, 1e-4)
 """By how much the limits are drawn in, one after the other: shares of a ball's radius, or of half the shortest axis."""

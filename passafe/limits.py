@@ -10,11 +10,11 @@ import casadi as ca
 import numpy as np
 
 from passafe.admissible_shapes import HalfSpace, NormBound
+from passafe.arguments.axis_limits import PerAxis, each_of, interval_of, rates_of
+from passafe.arguments.ranges import require_positive
 from passafe.errors import DesignError, ShapeError
 from passafe.interior_point import interior_point
-from passafe.limit_arguments import PerAxis, each_of, interval_of, rates_of
-from passafe.ranges import require_positive
-from passafe.workspace import Array
+from passafe.numerics.workspace import Array
 
 LEAST_WAY: Final = 1e-300
 LARGEST: Final = 1e150

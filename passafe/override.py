@@ -19,10 +19,10 @@ import numpy as np
 from passafe.decision import Decision, Status
 from passafe.decision_schema import Answer, Evaluation, NormTangents, Program, Request
 from passafe.filter import SafetyPassivityFilter
-from passafe.fixed_order import length
-from passafe.stage import Stage, T
+from passafe.numerics.fixed_order import length
+from passafe.numerics.stage import Stage, T
+from passafe.numerics.workspace import Array, BlockLayout, Workspace, expressions_by_name, named_function
 from passafe.symbolic.whole_program import limit_bounds
-from passafe.workspace import Array, BlockLayout, Workspace, expressions_by_name, named_function
 
 ACTIVE_DUAL: Final = 1e-6
 """Push from which a row counts as active, units of u."""

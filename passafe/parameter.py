@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from passafe.arguments import described
+from passafe.arguments.numbers import described
+from passafe.arguments.ranges import require_finite
 from passafe.errors import DesignError
-from passafe.ranges import require_finite
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)

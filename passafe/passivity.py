@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from passafe.arguments import described
+from passafe.arguments.expressions import as_column
+from passafe.arguments.numbers import described
+from passafe.arguments.ranges import require_positive
 from passafe.class_k import ClassK, Linear, class_k_function
-from passafe.derivative_bounds import DerivativeBounds
+from passafe.enclosures.derivative_bounds import DerivativeBounds
 from passafe.errors import DesignError
-from passafe.expressions import as_column
-from passafe.ranges import require_positive
 from passafe.system import System
 from passafe.tank import Tank
 

@@ -9,14 +9,14 @@ import casadi as ca
 import numpy as np
 from msgspec import Struct
 
-from passafe.arguments import described, one_number, vectors
+from passafe.arguments.expressions import as_column
+from passafe.arguments.numbers import described, one_number, vectors
+from passafe.arguments.ranges import require_positive
 from passafe.errors import DesignError, IntegrationError
-from passafe.expressions import as_column
-from passafe.fixed_order import exponential
-from passafe.ranges import require_positive
-from passafe.stage import Stage, T
+from passafe.numerics.fixed_order import exponential
+from passafe.numerics.stage import Stage, T
+from passafe.numerics.workspace import BlockLayout, Workspace, dense_function, expressions_by_name, named_function
 from passafe.system import System
-from passafe.workspace import BlockLayout, Workspace, dense_function, expressions_by_name, named_function
 
 LOCAL_TOLERANCE: Final = 1e-10
 """Largest estimated local error of one period of a nonlinear plant, in each state's own units and in J.

@@ -9,14 +9,14 @@ from typing import Final
 
 import casadi as ca
 
-from passafe.arguments import described, vectors
+from passafe.arguments.numbers import described, vectors
 from passafe.design import FilterDesign
-from passafe.error_flow import error_flow
 from passafe.errors import DesignError, ShapeError
-from passafe.plant_family import PlantFamily
+from passafe.margins.error_flow import error_flow
+from passafe.margins.plant_family import PlantFamily
+from passafe.numerics.workspace import BlockLayout, Workspace, dense_function, named_function
 from passafe.sampled_plant import held_flow
 from passafe.uncertainty import Uncertainty
-from passafe.workspace import BlockLayout, Workspace, dense_function, named_function
 
 ROUNDING: Final = 1e-9
 """Distance that never counts as one, relative to 1 + |x|."""

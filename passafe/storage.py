@@ -2,7 +2,7 @@
 
 import casadi as ca
 
-from passafe.ranges import require_positive
+from passafe.arguments.ranges import require_positive
 
 
 def squared_norm(x: ca.SX) -> ca.SX:

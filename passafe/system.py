@@ -5,9 +5,9 @@ from dataclasses import dataclass, field, replace
 
 import casadi as ca
 
-from passafe.arguments import described, members
+from passafe.arguments.expressions import as_column
+from passafe.arguments.numbers import described, members
 from passafe.errors import DesignError, ShapeError
-from passafe.expressions import as_column
 from passafe.parameter import Parameter
 
 

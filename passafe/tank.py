@@ -5,10 +5,10 @@ from math import inf
 
 import numpy as np
 
-from passafe.arguments import one_number
+from passafe.arguments.numbers import one_number
+from passafe.arguments.ranges import require_positive
 from passafe.errors import DesignError
-from passafe.ranges import require_positive
-from passafe.workspace import Array
+from passafe.numerics.workspace import Array
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

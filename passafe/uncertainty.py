@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import isfinite
 
-from passafe.arguments import described, numbers
+from passafe.arguments.numbers import described, numbers
+from passafe.arguments.ranges import require_not_negative
 from passafe.errors import DesignError
-from passafe.ranges import require_not_negative
 from passafe.system import System
 
 

@@ -8,7 +8,7 @@ from passafe_services.scenarios.schema import Scenario
 from passafe_services.scenarios.uncertain_robot import reading_error_of
 from passafe_services.tools.review.rounding_error import rounding_error
 
-from passafe.workspace import BlockLayout, Workspace, dense_function
+from passafe.numerics.workspace import BlockLayout, Workspace, dense_function
 from passafe_dashboard.columns import moving_table
 
 

@@ -5,9 +5,9 @@ from math import isfinite
 
 import casadi as ca
 
-from passafe.arguments import described, numbers
+from passafe.arguments.expressions import EXPRESSION, ONLY_SX
+from passafe.arguments.numbers import described, numbers
 from passafe.errors import DesignError, ShapeError
-from passafe.expressions import EXPRESSION, ONLY_SX
 
 
 def column_like(part: str, vector: Sequence[float], coordinates: ca.SX) -> ca.DM:

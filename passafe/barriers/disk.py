@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 import casadi as ca
 
-from passafe.arguments import one_number
+from passafe.arguments.numbers import one_number
+from passafe.arguments.ranges import require_positive
 from passafe.barriers.columns import column_like
-from passafe.ranges import require_positive
 
 
 def disk_keep_out(position: ca.SX, *, centre: Sequence[float], radius: float) -> ca.SX:

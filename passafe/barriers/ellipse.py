@@ -5,9 +5,9 @@ from math import cos, sin
 
 import casadi as ca
 
+from passafe.arguments.ranges import require_finite, require_positive
 from passafe.barriers.columns import column_like
 from passafe.errors import DesignError
-from passafe.ranges import require_finite, require_positive
 
 PLANE = 2
 

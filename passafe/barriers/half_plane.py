@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 import casadi as ca
 
+from passafe.arguments.ranges import require_finite
 from passafe.barriers.columns import column_like
 from passafe.errors import DesignError
-from passafe.ranges import require_finite
 
 
 def half_plane(position: ca.SX, *, normal: Sequence[float], offset: float) -> ca.SX:

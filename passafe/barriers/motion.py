@@ -8,9 +8,9 @@ from math import pi
 
 import casadi as ca
 
+from passafe.arguments.ranges import require_finite, require_positive
 from passafe.barriers.columns import finite_column
 from passafe.errors import ShapeError
-from passafe.ranges import require_finite, require_positive
 
 
 def uniform_motion(t: ca.SX, *, velocity: Sequence[float]) -> ca.SX:

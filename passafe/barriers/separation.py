@@ -2,9 +2,9 @@
 
 import casadi as ca
 
-from passafe.arguments import one_number
+from passafe.arguments.numbers import one_number
+from passafe.arguments.ranges import require_positive
 from passafe.errors import ShapeError
-from passafe.ranges import require_positive
 
 
 def separation(position: ca.SX, other: ca.SX, *, distance: float) -> ca.SX:

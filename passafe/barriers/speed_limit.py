@@ -2,9 +2,9 @@
 
 import casadi as ca
 
-from passafe.arguments import one_number
+from passafe.arguments.numbers import one_number
+from passafe.arguments.ranges import require_positive
 from passafe.barriers.columns import require_column
-from passafe.ranges import require_positive
 
 
 def speed_limit(velocity: ca.SX, *, limit: float) -> ca.SX:

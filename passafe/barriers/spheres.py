@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import casadi as ca
 
-from passafe.derivative_bounds import DerivativeBounds
+from passafe.arguments.ranges import require_positive
+from passafe.enclosures.derivative_bounds import DerivativeBounds
 from passafe.models.body_sphere import BodySphere
 from passafe.models.rotation_bounds import squared_distance_bounds
-from passafe.ranges import require_positive
 
 
 class BoundedFunction(NamedTuple):

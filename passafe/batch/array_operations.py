@@ -6,7 +6,7 @@ from typing import Final, TypeAlias
 import casadi as ca
 import numpy as np
 
-from passafe.workspace import Array
+from passafe.numerics.workspace import Array
 
 Operation: TypeAlias = Callable[..., object]
 """Reads one or two arrays and writes the last one."""

@@ -14,10 +14,10 @@ from passafe.certificate import accepts
 from passafe.decision import Status
 from passafe.decision_schema import Answer, Assessment, Evaluation, Program, Request, keeps_barriers
 from passafe.filter import SafetyPassivityFilter
-from passafe.fixed_order import product
+from passafe.numerics.fixed_order import product
+from passafe.numerics.workspace import Array
 from passafe.symbolic.evaluation import UNPROTECTED
 from passafe.symbolic.whole_program import limit_bounds, shape_tolerance
-from passafe.workspace import Array
 
 
 class BatchFilter:

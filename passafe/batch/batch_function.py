@@ -16,7 +16,7 @@ import numpy as np
 
 from passafe.batch.array_operations import OPERATIONS, Operation, known_operations, unknown_operation
 from passafe.errors import DesignError
-from passafe.workspace import Array
+from passafe.numerics.workspace import Array
 
 VECTOR: Final = 8
 """Numbers that a processor takes at a time, at most: arrays hold a multiple of it, so that none is left over at their

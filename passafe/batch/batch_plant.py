@@ -3,8 +3,8 @@
 import numpy as np
 
 from passafe.batch.batch_workspace import BatchWorkspace
+from passafe.numerics.workspace import Array
 from passafe.sampled_plant import LOCAL_TOLERANCE, SampledPlant
-from passafe.workspace import Array
 
 
 class BatchPlant:

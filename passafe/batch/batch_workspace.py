@@ -6,7 +6,7 @@ import casadi as ca
 import numpy as np
 
 from passafe.batch.batch_function import BatchFunction, whole_vectors
-from passafe.workspace import Array, BlockLayout
+from passafe.numerics.workspace import Array, BlockLayout
 
 
 class BatchWorkspace:

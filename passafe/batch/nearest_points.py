@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from passafe.workspace import Array
+from passafe.numerics.workspace import Array
 
 MISSED: Final = 1e-10
 """Violation from which a row counts as missed, relative to 1 + ‖z‖."""

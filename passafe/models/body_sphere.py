@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from passafe.derivative_bounds import DerivativeBounds
+from passafe.enclosures.derivative_bounds import DerivativeBounds
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)

@@ -19,11 +19,11 @@ from collections.abc import Callable
 
 import casadi as ca
 
+from passafe.arguments.ranges import require_not_negative, require_positive
 from passafe.models.fail_safe_scope import FailSafeScope
 from passafe.models.held_braking import HeldBraking, longest_hold_s
 from passafe.models.robot import Robot
 from passafe.parameter import Parameter
-from passafe.ranges import require_not_negative, require_positive
 from passafe.system import System
 
 

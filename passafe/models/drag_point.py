@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import casadi as ca
 
+from passafe.arguments.ranges import require_not_negative
 from passafe.models.braking import braking_condition, braking_robot
 from passafe.models.held_braking import HeldBraking
 from passafe.models.robot import Robot
 from passafe.parameter import Parameter
-from passafe.ranges import require_not_negative
 
 
 def drag_point(

@@ -6,10 +6,10 @@ from typing import Final
 
 import casadi as ca
 
-from passafe.arguments import described, is_one_number, members, numbers
+from passafe.arguments.expressions import as_column
+from passafe.arguments.numbers import described, is_one_number, members, numbers
+from passafe.arguments.ranges import require_not_negative
 from passafe.errors import DesignError, ShapeError
-from passafe.expressions import as_column
-from passafe.ranges import require_not_negative
 
 MOST_CORNERS: Final = 64
 """Corners of an outline, links and points of a drawing: what a page draws thirty times a second."""

@@ -11,10 +11,10 @@ from typing import NamedTuple
 
 import casadi as ca
 
-from passafe.fixed_order import spectral_radius
 from passafe.models.rigid_links import RigidLink
 from passafe.models.rotation_bounds import rotation_bounds, vector_bounds
 from passafe.models.serial_chain import SerialChain
+from passafe.numerics.fixed_order import spectral_radius
 
 
 class _Growth(NamedTuple):

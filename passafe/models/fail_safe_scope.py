@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from math import inf
 from typing import Final
 
-from passafe.arguments import described, numbers
+from passafe.arguments.numbers import described, numbers
+from passafe.arguments.ranges import require_not_negative
 from passafe.class_k import ClassK, Linear
 from passafe.errors import DesignError
-from passafe.ranges import require_not_negative
 
 ROUNDING: Final = 1e-9
 """Relative difference up to which a gain counts as one that is kept."""

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from math import exp, expm1, inf, log1p
 from typing import Final
 
-from passafe.ranges import require_not_negative, require_positive
+from passafe.arguments.ranges import require_not_negative, require_positive
 
 SERIES_BELOW: Final = 1e-3
 """σ·dt below which ℓ is taken from its series: its closed form cancels there."""

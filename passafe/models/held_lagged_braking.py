@@ -16,8 +16,8 @@ from typing import Final
 
 import numpy as np
 
-from passafe.fixed_order import exponential, least_squares, product, spectral_radius
-from passafe.workspace import Array
+from passafe.numerics.fixed_order import exponential, least_squares, product, spectral_radius
+from passafe.numerics.workspace import Array
 
 FASTER: Final = (1.0, 1.02, 1.05, 1.1, 1.2, 1.35, 1.5, 2.0, 3.0, 5.0)
 """Factors on the poles, tried in turn."""

@@ -2,11 +2,11 @@
 
 import casadi as ca
 
+from passafe.arguments.ranges import require_not_negative, require_positive
 from passafe.models.fail_safe_scope import FailSafeScope
 from passafe.models.held_lagged_braking import HeldLaggedBraking, LaggedGains, held_gains
 from passafe.models.robot import Robot
 from passafe.parameter import Parameter
-from passafe.ranges import require_not_negative, require_positive
 from passafe.system import System
 
 

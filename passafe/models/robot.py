@@ -7,16 +7,16 @@ from typing import Final
 import casadi as ca
 import numpy as np
 
-from passafe.arguments import described, members
-from passafe.derivative_bounds import DerivativeBounds
+from passafe.arguments.expressions import as_column
+from passafe.arguments.numbers import described, members
+from passafe.arguments.ranges import require_finite
+from passafe.enclosures.derivative_bounds import DerivativeBounds
 from passafe.errors import DesignError, ShapeError
-from passafe.expressions import as_column
 from passafe.models.body_sphere import BodySphere
 from passafe.models.drawing import Drawing
 from passafe.models.fail_safe_scope import FailSafeScope
 from passafe.models.robot_parts import LONGEST_TEXT, count, kind_or_none, kinds, name, text, texts
 from passafe.models.task_frame import TaskFrame
-from passafe.ranges import require_finite
 from passafe.system import System
 
 _NOTHING: Final = 1e-9

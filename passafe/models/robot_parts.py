@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from typing import Final, TypeVar
 
-from passafe.arguments import described, is_one_number, members, numbers
+from passafe.arguments.numbers import described, is_one_number, members, numbers
 from passafe.errors import DesignError
 
 LONGEST_WORD: Final = 200

@@ -6,12 +6,12 @@ from typing import Final
 
 import casadi as ca
 
+from passafe.arguments.ranges import require_positive
 from passafe.models.braking import braking_condition, braking_robot, held_condition, stopping_segment
 from passafe.models.fail_safe_scope import FailSafeScope
 from passafe.models.held_braking import HeldBraking
 from passafe.models.robot import Robot
 from passafe.parameter import Parameter
-from passafe.ranges import require_positive
 
 RESERVE: Final = 2.0
 """Factor by which the fail-safe brakes harder than an unsaturated drive would have to."""

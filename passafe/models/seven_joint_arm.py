@@ -11,7 +11,7 @@ from typing import Final
 
 import casadi as ca
 
-from passafe.derivative_bounds import DerivativeBounds
+from passafe.enclosures.derivative_bounds import DerivativeBounds
 from passafe.models.body_sphere import BodySphere
 from passafe.models.braking import braking_robot
 from passafe.models.drawing import Drawing

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from passafe.arguments import described
+from passafe.arguments.expressions import as_column
+from passafe.arguments.numbers import described
 from passafe.errors import ShapeError
-from passafe.expressions import as_column
 from passafe.models.robot_parts import texts
 from passafe.system import System
 

@@ -2,13 +2,13 @@
 
 import casadi as ca
 
+from passafe.arguments.ranges import require_positive
 from passafe.models.braking import braking_condition, stopping_segment
 from passafe.models.drawing import Drawing
 from passafe.models.fail_safe_scope import FailSafeScope
 from passafe.models.robot import Robot
 from passafe.models.task_frame import TaskFrame
 from passafe.parameter import Parameter
-from passafe.ranges import require_positive
 from passafe.system import System
 
 _OUTLINE = ((1.0, 0.0), (0.55, 0.45), (-0.7, 0.45), (-0.7, -0.45), (0.55, -0.45))

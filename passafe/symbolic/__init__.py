@@ -1,1 +1,1 @@
-"""Symbolic builders: from a design to the expressions of a decision's stages, one concept a file."""
+"""From a design to compiled functions: the rows and the expressions of a decision's stages, one concept a file."""

@@ -7,11 +7,11 @@ import casadi as ca
 
 from passafe.decision_schema import Linearization, Program, ReferenceInput, Request
 from passafe.design import FilterDesign, Law
+from passafe.enclosures.reachable_tube import reachable_tube, tube_of
 from passafe.passivity import power_margin
-from passafe.reachable_tube import reachable_tube, tube_of
-from passafe.rows import ConstraintRow, continuous_rows, stack
 from passafe.symbolic.enforced_barriers import EnforcedBarriers
 from passafe.symbolic.enforced_passivity import EnforcedPassivity
+from passafe.symbolic.rows import ConstraintRow, continuous_rows, stack
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)

@@ -8,11 +8,11 @@ import casadi as ca
 
 from passafe.barrier_chain import BarrierChain
 from passafe.design import FilterDesign, Law
-from passafe.intersample_margin import DeviationBound, HeldRow, general_row, held_row
-from passafe.member_bound import MemberBound, member_bound
-from passafe.plant_family import PlantFamily
-from passafe.reachable_tube import Tube
-from passafe.rows import TINY, ConstraintRow, row_at
+from passafe.enclosures.reachable_tube import Tube
+from passafe.margins.intersample_margin import DeviationBound, HeldRow, general_row, held_row
+from passafe.margins.member_bound import MemberBound, member_bound
+from passafe.margins.plant_family import PlantFamily
+from passafe.symbolic.rows import TINY, ConstraintRow, row_at
 from passafe.system import System
 
 TANGENT_ERROR: Final = 1e-5

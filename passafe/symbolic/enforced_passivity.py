@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import casadi as ca
 
 from passafe.design import FilterDesign, Law
-from passafe.intersample_margin import HeldRow, held_power
-from passafe.member_bound import MemberBound, member_bound
+from passafe.enclosures.reachable_tube import Tube
+from passafe.margins.intersample_margin import HeldRow, held_power
+from passafe.margins.member_bound import MemberBound, member_bound
+from passafe.margins.plant_family import PlantFamily
 from passafe.passivity import Passivity
-from passafe.plant_family import PlantFamily
-from passafe.reachable_tube import Tube
-from passafe.rows import PASSIVITY_ROW, ConstraintRow, row_at
+from passafe.symbolic.rows import PASSIVITY_ROW, ConstraintRow, row_at
 from passafe.system import System
 
 

@@ -4,7 +4,7 @@ import casadi as ca
 
 from passafe.decision_schema import ReferenceInput, Request
 from passafe.design import FilterDesign
-from passafe.tracking import nominal_input, tracking_rate
+from passafe.symbolic.tracking import nominal_input, tracking_rate
 
 
 def reference_input(design: FilterDesign, request: Request[ca.SX]) -> ReferenceInput[ca.SX]:

@@ -10,7 +10,7 @@ import numpy as np
 from passafe.admissible_shapes import HalfSpace, NormBound
 from passafe.decision_schema import Program
 from passafe.limits import Limits
-from passafe.rows import ConstraintRow
+from passafe.symbolic.rows import ConstraintRow
 
 TANGENTS_PER_AXIS: Final = 6
 """Tangents by which a limit of the norm is replaced, at most, for each axis."""

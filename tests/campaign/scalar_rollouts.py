@@ -13,7 +13,7 @@ from passafe_services.tools.review.core_evaluator import CoreEvaluator
 
 from passafe.decision import ANSWERS, Decision
 from passafe.filter import SafetyPassivityFilter
-from passafe.workspace import Array
+from passafe.numerics.workspace import Array
 
 NAMES = ("piecewise-constant", "chirp", "bang-bang", "against-h", "against-the-tank")
 STRENGTH = 20.0

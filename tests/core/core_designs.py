@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from passafe.answers.replaced_answer import BACKUP, BETWEEN, DEEPEST
 from passafe.barrier_chain import Barrier
 from passafe.barriers import disk_keep_out, half_plane
 from passafe.class_k import ClassK, Cubic, Linear, Piecewise
@@ -16,7 +17,6 @@ from passafe.filter import SafetyPassivityFilter
 from passafe.models.damped_point import damped_point
 from passafe.models.drag_point import drag_point
 from passafe.passivity import Passivity
-from passafe.replaced_answer import BACKUP, BETWEEN, DEEPEST
 from passafe.system import System
 from passafe.tank import Tank
 

@@ -7,7 +7,7 @@ import numpy as np
 from passafe.admissible_shapes import HalfSpace, NormBound
 from passafe.design import FilterDesign
 from passafe.limits import Limits
-from passafe.workspace import Array
+from passafe.numerics.workspace import Array
 
 LIMIT_SETS: dict[str, dict[str, object]] = {
     "thrust that only pushes": {"input_bound": None, "input_low": (0.0, -3.0), "input_high": (9.0, 5.0)},

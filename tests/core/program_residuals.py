@@ -3,7 +3,7 @@
 from functools import lru_cache
 
 from passafe.certificate import ResidualEvaluation, Residuals
-from passafe.workspace import Array
+from passafe.numerics.workspace import Array
 
 
 def residuals_of(G: Array, d: Array, z: Array, lam: Array) -> Residuals[float]:

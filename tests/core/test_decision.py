@@ -7,7 +7,7 @@ from core_designs import PAPER_START, paper_design
 from passafe.decision import Status
 from passafe.decision_schema import Assessment
 from passafe.filter import SafetyPassivityFilter
-from passafe.workspace import Array
+from passafe.numerics.workspace import Array
 
 START = (PAPER_START, (0.0, 0.0), (-3.0, 0.0), (0.0, 0.0))
 

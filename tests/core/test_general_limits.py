@@ -16,12 +16,12 @@ from passafe.decision import Status
 from passafe.design import Mode
 from passafe.errors import DesignError, ShapeError
 from passafe.filter import SafetyPassivityFilter
-from passafe.infeasibility import DistanceToInfeasibility
 from passafe.interior_point import interior_point
 from passafe.limits import Limits
 from passafe.override import Explainer
-from passafe.solvers.least_distance_solver import LeastDistanceSolver
-from passafe.solvers.solver import INFEASIBLE, SOLVED
+from passafe.program.infeasibility import DistanceToInfeasibility
+from passafe.program.solvers.least_distance_solver import LeastDistanceSolver
+from passafe.program.solvers.solver import INFEASIBLE, SOLVED
 
 HOSTILE = (nan, inf, -inf, 1e300, -1e300, 1e154, 5e-324, -0.0, 1e15)
 TWO_AXES: tuple[Builder, ...] = tuple(builder for builder in DESIGNS if builder is not jerk_design)

@@ -14,8 +14,8 @@ from passafe_services.simulation import lockstep_loop
 
 from passafe.decision import Status
 from passafe.filter import SafetyPassivityFilter
-from passafe.infeasibility import DistanceToInfeasibility
 from passafe.override import Explainer
+from passafe.program.infeasibility import DistanceToInfeasibility
 
 SCENARIO = load_scenario("notomista-cai-2020")
 CORE = SafetyPassivityFilter(design_of(SCENARIO, robot_of(SCENARIO)))

@@ -13,6 +13,7 @@ from passafe_services.filter.event_emitter import (
 )
 from passafe_services.filter.override_text import OverrideText
 
+from passafe.answers.replaced_answer import BACKUP, BETWEEN
 from passafe.barrier_chain import Barrier, derive_chain
 from passafe.barriers import disk_keep_out, half_plane, speed_limit
 from passafe.class_k import Linear
@@ -23,7 +24,6 @@ from passafe.models.damped_point import damped_point
 from passafe.models.robot import Robot
 from passafe.override import Explainer
 from passafe.passivity import Passivity
-from passafe.replaced_answer import BACKUP, BETWEEN
 
 MS = 1_000_000
 ROBOT = damped_point(sigma=1.0)

@@ -12,9 +12,9 @@ from passafe_services.tools.uncertain.trials import LINKS, SETS
 from passafe_services.tools.uncertain.true_plants import TruePlants
 
 from passafe.design import FilterDesign
+from passafe.numerics.workspace import Array
 from passafe.sampled_plant import SampledPlant
 from passafe.state_set import ErrorGrowth
-from passafe.workspace import Array
 
 TICKS = 160
 COUNT = 8

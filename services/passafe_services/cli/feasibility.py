@@ -11,7 +11,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from passafe.models.robot import Robot
-from passafe.workspace import Array
+from passafe.numerics.workspace import Array
 from passafe_services.cli.errors import OptionError
 from passafe_services.cli.feasibility_options import box_of, grid_of, with_gain
 from passafe_services.cli.options import DEFAULT_SCENARIO, ScenarioOption, writable_folder

@@ -10,8 +10,8 @@ import numpy as np
 from passafe_protocol.messages import Vector
 
 from passafe.barrier_chain import Barrier, derive_chains
+from passafe.numerics.workspace import BlockLayout, Workspace, dense_function
 from passafe.system import System
-from passafe.workspace import BlockLayout, Workspace, dense_function
 
 Disturbing: TypeAlias = Callable[[float, Vector], Vector]
 """Returns what is added to the rates, n numbers, for a time since the start, s, and the true state then."""

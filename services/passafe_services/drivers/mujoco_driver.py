@@ -10,8 +10,8 @@ import mujoco
 import numpy as np
 from passafe_protocol.messages import Vector
 
+from passafe.numerics.workspace import Array
 from passafe.sampled_plant import SampledPlant
-from passafe.workspace import Array
 from passafe_services.drivers.errors import DriverError
 from passafe_services.drivers.hand import Hand
 from passafe_services.drivers.plant_driver import Reading

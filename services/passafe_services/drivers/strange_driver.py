@@ -6,7 +6,7 @@ from typing import Any, Final
 
 from passafe_protocol.messages import Vector
 
-from passafe.arguments import described
+from passafe.arguments.numbers import described
 from passafe_services.drivers.errors import DriverError
 from passafe_services.drivers.plant_driver import PlantDriver, Reading
 

@@ -8,7 +8,7 @@ import casadi as ca
 
 from passafe.barrier_chain import BarrierChain
 from passafe.models.robot import Robot
-from passafe.workspace import Array
+from passafe.numerics.workspace import Array
 
 _FLAT: Final = 1e-9
 """Slope of h below which the first-order distance is not defined."""

@@ -9,9 +9,9 @@ from passafe_protocol.validation import MAX_VECTOR
 from passafe.filter import SafetyPassivityFilter
 from passafe.human_input import HandModel, HumanInputEstimator
 from passafe.models.robot import Robot
+from passafe.numerics.workspace import Compiler, interpreted
 from passafe.override import Explainer
 from passafe.state_set import ErrorGrowth
-from passafe.workspace import Compiler, interpreted
 from passafe_services.filter.command_events import CommandEventEmitter
 from passafe_services.filter.command_intake import CommandIntake
 from passafe_services.filter.command_send_time import CommandSendTime

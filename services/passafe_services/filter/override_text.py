@@ -5,12 +5,12 @@ from typing import Final
 
 import numpy as np
 
+from passafe.answers.replaced_answer import BACKUP
 from passafe.decision import Decision, Status
 from passafe.filter import SafetyPassivityFilter
 from passafe.models.robot import Robot
 from passafe.override import Override
-from passafe.replaced_answer import BACKUP
-from passafe.rows import PASSIVITY_ROW
+from passafe.symbolic.rows import PASSIVITY_ROW
 from passafe_services.filter.barrier_distance import BarrierDistance
 from passafe_services.filter.member_rows import without_member
 

@@ -7,7 +7,7 @@ from passafe_protocol.messages import Vector
 
 from passafe.models.robot import Robot
 from passafe.models.task_frame import TaskFrame
-from passafe.workspace import BlockLayout, Workspace, dense_function
+from passafe.numerics.workspace import BlockLayout, Workspace, dense_function
 
 
 class CommandMap(Protocol):

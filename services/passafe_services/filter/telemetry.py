@@ -22,8 +22,8 @@ from passafe.decision import Decision, Status
 from passafe.decision_schema import Answer, Evaluation, Program, Request
 from passafe.design import FilterDesign
 from passafe.filter import SafetyPassivityFilter
-from passafe.infeasibility import DistanceToInfeasibility
 from passafe.override import Explainer
+from passafe.program.infeasibility import DistanceToInfeasibility
 from passafe_services.filter.member_rows import BarrierMembers, barrier_members
 from passafe_services.filter.operator_request import OperatorRequest
 

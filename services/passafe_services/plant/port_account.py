@@ -5,8 +5,8 @@ from typing import Final
 
 from passafe_protocol.messages import Vector
 
+from passafe.numerics.workspace import BlockLayout, Workspace, dense_function
 from passafe.sampled_plant import Sample, SampledPlant
-from passafe.workspace import BlockLayout, Workspace, dense_function
 
 _HALF: Final = 0.5
 

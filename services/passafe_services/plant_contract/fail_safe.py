@@ -7,7 +7,7 @@ from passafe_protocol.messages import PlantPhase, Vector
 
 from passafe.limits import Limits
 from passafe.models.robot import Robot
-from passafe.workspace import BlockLayout, Workspace, dense_function
+from passafe.numerics.workspace import BlockLayout, Workspace, dense_function
 
 HOLDING: Final = PlantPhase.HOLDING
 FAIL_SAFE: Final = PlantPhase.FAIL_SAFE

@@ -10,8 +10,8 @@ import numpy as np
 from passafe_protocol.messages import PlantState, Vector
 
 from passafe.barrier_chain import derive_chains
+from passafe.numerics.workspace import BlockLayout, Workspace, dense_function
 from passafe.passivity import power_margin
-from passafe.workspace import BlockLayout, Workspace, dense_function
 from passafe_services.operator.sources.command import Command
 from passafe_services.operator.sources.disturbances import Chirp, RandomSteps, bang_bang_period_s, bang_bang_sign
 from passafe_services.operator.sources.source import CommandSource, SourceClock

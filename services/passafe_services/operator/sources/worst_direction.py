@@ -6,7 +6,7 @@ import casadi as ca
 
 from passafe.barrier_chain import BarrierChain
 from passafe.models.task_frame import TaskFrame
-from passafe.rows import TINY
+from passafe.symbolic.rows import TINY
 from passafe.system import System
 
 

@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar
 import casadi as ca
 from pydantic import Field
 
-from passafe.derivative_bounds import DerivativeBounds
+from passafe.enclosures.derivative_bounds import DerivativeBounds
 from passafe.models.robot import Robot
 from passafe_services.scenarios.barrier_kinds.outline import Outline
 from passafe_services.scenarios.class_k import Chain

@@ -8,7 +8,7 @@ import casadi as ca
 from pydantic import Field, model_validator
 
 from passafe.barriers.spheres import BoundedFunction, above_level, ball_keep_out, spheres_apart
-from passafe.derivative_bounds import DerivativeBounds
+from passafe.enclosures.derivative_bounds import DerivativeBounds
 from passafe.errors import DesignError
 from passafe.models.body_sphere import BodySphere
 from passafe.models.robot import Robot

@@ -4,7 +4,7 @@ from typing import NamedTuple, Self
 
 import casadi as ca
 
-from passafe.derivative_bounds import DerivativeBounds
+from passafe.enclosures.derivative_bounds import DerivativeBounds
 
 
 class BoundSymbols(NamedTuple):

@@ -12,7 +12,7 @@ from zlib import crc32
 
 from pydantic import ValidationError
 
-from passafe.arguments import described
+from passafe.arguments.numbers import described
 from passafe.errors import DesignError, NotAllowedError, PassafeError
 from passafe.models.robot import Robot
 from passafe_services.scenarios.errors import RobotCodeError

@@ -11,7 +11,7 @@ from typing import Final, TypeAlias
 import numpy as np
 
 from passafe.batch.batch_filter import BatchFilter
-from passafe.workspace import Array
+from passafe.numerics.workspace import Array
 
 STRENGTH: Final = 20.0
 """Largest u_h in each axis, units of u."""

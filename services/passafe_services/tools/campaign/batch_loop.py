@@ -9,8 +9,8 @@ from passafe.batch.batch_filter import BatchFilter
 from passafe.batch.batch_plant import BatchPlant
 from passafe.decision import ANSWERS, Status
 from passafe.filter import SafetyPassivityFilter
+from passafe.numerics.workspace import Array
 from passafe.sampled_plant import SampledPlant
-from passafe.workspace import Array
 from passafe_services.scenarios.design import tank_of
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.campaign.adversaries import AdversaryBatch

@@ -4,8 +4,8 @@ import casadi as ca
 import numpy as np
 
 from passafe.batch.batch_workspace import BatchWorkspace
+from passafe.numerics.workspace import Array, BlockLayout, dense_function
 from passafe.sampled_plant import held_flow
-from passafe.workspace import Array, BlockLayout, dense_function
 from passafe_services.scenarios.design import barriers_of, robot_of
 from passafe_services.scenarios.schema import Scenario
 

@@ -6,7 +6,7 @@ import casadi as ca
 import numpy as np
 
 from passafe.filter import SafetyPassivityFilter
-from passafe.workspace import Array
+from passafe.numerics.workspace import Array
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.campaign.errors import NoSafeStartError
 

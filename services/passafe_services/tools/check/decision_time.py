@@ -6,8 +6,8 @@ from typing import Final
 
 import numpy as np
 
+from passafe.checks.drive import drive
 from passafe.decision import Decision
-from passafe.drive import drive
 from passafe.filter import SafetyPassivityFilter
 from passafe.finding import Finding, Severity
 

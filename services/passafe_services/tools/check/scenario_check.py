@@ -4,12 +4,12 @@ from collections.abc import Iterator
 from typing import Final
 
 from passafe.barrier_chain import derive_chains
-from passafe.design_check import formula_findings
+from passafe.checks.design_check import formula_findings
+from passafe.checks.row_share import StateBox, row_findings
 from passafe.errors import DesignError
 from passafe.filter import SafetyPassivityFilter
 from passafe.finding import Finding, Severity
-from passafe.row_share import StateBox, row_findings
-from passafe.workspace import interpreted
+from passafe.numerics.workspace import interpreted
 from passafe_services.loop.machine_code import machine_code
 from passafe_services.scenarios.design import design_of, robot_of
 from passafe_services.scenarios.schema import Scenario

@@ -7,7 +7,7 @@ import numpy as np
 
 from passafe.batch.batch_function import BatchFunction
 from passafe.models.robot import Robot
-from passafe.workspace import dense_function
+from passafe.numerics.workspace import dense_function
 from passafe_services.tools.review.plant_evaluator import FloatArray
 from passafe_services.tools.review.trajectory import Trajectory
 

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 from passafe.barrier_chain import derive_chains
 from passafe.batch.batch_function import BatchFunction
 from passafe.decision_schema import Program
-from passafe.derivation import Derivation, first_tightening
 from passafe.design import FilterDesign, Law, Mode
 from passafe.limits import Limits
-from passafe.rows import TINY
+from passafe.numerics.workspace import Array
+from passafe.symbolic.derivation import Derivation, first_tightening
+from passafe.symbolic.rows import TINY
 from passafe.symbolic.trust_region import LEAST_TRUST
-from passafe.workspace import Array
 from passafe_services.tools.feasibility.errors import FeasibilityError
 
 Kept = NDArray[np.bool_]

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from passafe.design import FilterDesign
-from passafe.workspace import Array
+from passafe.numerics.workspace import Array
 from passafe_services.tools.feasibility.batch_rows import BatchRows, Kept
 from passafe_services.tools.feasibility.largest_margin import largest_margin_inputs
 

@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from passafe.workspace import Array
+from passafe.numerics.workspace import Array
 from passafe_services.tools.feasibility.errors import FeasibilityError
 
 MOST_CELLS: Final = 1000

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from passafe.limits import Limits
-from passafe.workspace import Array
+from passafe.numerics.workspace import Array
 from passafe_services.tools.feasibility.batch_rows import StateRows
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from typing import Final, Self
 
 import numpy as np
 
-from passafe.workspace import Array
+from passafe.numerics.workspace import Array
 from passafe_services.tools.runs.record import SweepRecord
 
 QUANTILE: Final = NormalDist().inv_cdf(0.975)

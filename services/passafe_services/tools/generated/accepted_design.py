@@ -5,13 +5,13 @@ from typing import Final
 
 import numpy as np
 
-from passafe.backup_start import backup_findings, is_kept_from
-from passafe.design_check import check_design
-from passafe.driven_states import driven_findings
+from passafe.checks.backup_start import backup_findings, is_kept_from
+from passafe.checks.design_check import check_design
+from passafe.checks.driven_states import driven_findings
+from passafe.checks.row_share import StateBox
 from passafe.errors import IntegrationError
 from passafe.filter import SafetyPassivityFilter
 from passafe.finding import Finding, Severity
-from passafe.row_share import StateBox
 from passafe_services.loop.machine_code import machine_code
 from passafe_services.tools.generated.generated_design import GeneratedDesign
 from passafe_services.tools.generated.protected_set import ProtectedSet

@@ -13,8 +13,8 @@ from typing import Final
 import casadi as ca
 import numpy as np
 
+from passafe.numerics.workspace import Array
 from passafe.system import System
-from passafe.workspace import Array
 from passafe_services.tools.generated.protected_set import RandomChain
 
 KEPT: Final = 1e-9

@@ -9,7 +9,7 @@ import numpy as np
 
 from passafe.decision import Decision, Status
 from passafe.filter import SafetyPassivityFilter
-from passafe.workspace import Array
+from passafe.numerics.workspace import Array
 from passafe_services.tools.generated.dense_flow import DenseFlow
 from passafe_services.tools.generated.generated_design import GeneratedDesign
 from passafe_services.tools.generated.loop_plan import LoopPlan

@@ -13,9 +13,9 @@ import numpy as np
 from scipy.integrate import DOP853
 from scipy.linalg import expm
 
+from passafe.numerics.workspace import Array, BlockLayout, Workspace, dense_function
 from passafe.sampled_plant import is_linear
 from passafe.system import System
-from passafe.workspace import Array, BlockLayout, Workspace, dense_function
 
 POINTS: Final = 10
 """Instants of every period, its end included."""

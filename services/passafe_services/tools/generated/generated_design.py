@@ -9,9 +9,9 @@ import numpy as np
 from passafe.barrier_chain import Barrier
 from passafe.class_k import Linear
 from passafe.design import FilterDesign, Mode
+from passafe.numerics.workspace import Array
 from passafe.passivity import Passivity
 from passafe.tank import Tank
-from passafe.workspace import Array
 from passafe_services.tools.generated.admissible_input import AdmissibleInput, InputLimits
 from passafe_services.tools.generated.design_timing import GAINS_PER_S, DesignTiming
 from passafe_services.tools.generated.families import FAMILIES

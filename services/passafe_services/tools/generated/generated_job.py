@@ -11,7 +11,7 @@ import numpy as np
 
 from passafe.errors import DesignError
 from passafe.finding import Severity
-from passafe.workspace import Array
+from passafe.numerics.workspace import Array
 from passafe_services.tools.generated.accepted_design import (
     built,
     check_warnings,

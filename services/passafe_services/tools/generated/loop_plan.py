@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from passafe.workspace import Array
+from passafe.numerics.workspace import Array
 from passafe_services.tools.generated.generated_design import GeneratedDesign
 from passafe_services.tools.generated.operators import OPERATORS, Operator
 from passafe_services.tools.generated.protected_set import ProtectedSet

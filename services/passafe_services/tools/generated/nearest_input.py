@@ -4,7 +4,7 @@ from typing import Final
 
 import numpy as np
 
-from passafe.workspace import Array
+from passafe.numerics.workspace import Array
 from passafe_services.tools.generated.admissible_input import InputLimits
 
 _HALVINGS: Final = 60

@@ -6,7 +6,7 @@ from typing import Final, TypeAlias
 import casadi as ca
 import numpy as np
 
-from passafe.workspace import Array
+from passafe.numerics.workspace import Array
 from passafe_services.tools.generated.generated_design import GeneratedDesign
 from passafe_services.tools.generated.random_numbers import log_uniform
 

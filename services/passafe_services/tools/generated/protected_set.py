@@ -7,8 +7,8 @@ from typing import Final
 import casadi as ca
 import numpy as np
 
+from passafe.numerics.workspace import Array
 from passafe.system import System
-from passafe.workspace import Array
 from passafe_services.tools.generated.generated_plant import BarrierOffer, GeneratedPlant
 from passafe_services.tools.generated.random_numbers import log_uniform
 

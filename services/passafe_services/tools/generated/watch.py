@@ -5,7 +5,7 @@ from typing import Final, NamedTuple
 import casadi as ca
 import numpy as np
 
-from passafe.workspace import Array, BlockLayout, Workspace
+from passafe.numerics.workspace import Array, BlockLayout, Workspace
 from passafe_services.tools.generated.dense_flow import POINTS, DensePeriod
 from passafe_services.tools.generated.generated_design import GeneratedDesign
 

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from passafe_protocol.topics import TOPIC_OF_BODY
 
 from passafe.decision import Status
-from passafe.infeasibility import DistanceToInfeasibility
+from passafe.numerics.workspace import Array
 from passafe.override import ACTIVE_DUAL, Explainer, Explanation
-from passafe.workspace import Array
+from passafe.program.infeasibility import DistanceToInfeasibility
 from passafe_services.filter.build import CompiledFilter
 from passafe_services.filter.member_rows import BarrierMembers, barrier_members
 from passafe_services.filter.telemetry import TickRecord

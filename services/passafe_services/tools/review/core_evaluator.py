@@ -8,10 +8,10 @@ import numpy as np
 
 from passafe.barrier_chain import Barrier, derive_chains
 from passafe.batch.batch_function import BatchFunction
+from passafe.numerics.workspace import dense_function
 from passafe.passivity import power_margin
 from passafe.sampled_plant import LOCAL_TOLERANCE, held_flow
 from passafe.system import System
-from passafe.workspace import dense_function
 from passafe_services.scenarios.design import barriers_of, robot_of, storage_of
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.review.plant_evaluator import FloatArray

@@ -11,8 +11,8 @@ from passafe_protocol.messages import GuardAction, PlantPhase
 from passafe_protocol.topics import STATE
 
 from passafe.batch.batch_function import BatchFunction
+from passafe.numerics.workspace import dense_function
 from passafe.sampled_plant import LOCAL_TOLERANCE
-from passafe.workspace import dense_function
 from passafe_services.log.chunk_decoding import Wants
 from passafe_services.log.log_pass import LogSlice
 from passafe_services.log.message_block import MessageBlock

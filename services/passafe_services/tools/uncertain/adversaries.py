@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from passafe.workspace import Array
+from passafe.numerics.workspace import Array
 from passafe_services.tools.uncertain.true_plants import LowestLevel
 
 KINDS: Final = ("constant", "switching", "greedy")

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from passafe.batch.batch_workspace import BatchWorkspace
+from passafe.numerics.workspace import Array, BlockLayout
 from passafe.state_set import ROUNDING, ErrorGrowth
-from passafe.workspace import Array, BlockLayout
 from passafe_services.tools.uncertain.trials import DelayedLink
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from passafe.batch.batch_workspace import BatchWorkspace
 from passafe.design import FilterDesign
-from passafe.workspace import Array, BlockLayout, dense_function
+from passafe.numerics.workspace import Array, BlockLayout, dense_function
 
 PARTS: Final = 4
 """Steps of Runge and Kutta's fourth-order method in a period; h is looked at after each."""

@@ -11,9 +11,9 @@ from passafe.batch.batch_filter import BatchFilter
 from passafe.decision import FALLBACKS, Status
 from passafe.design import FilterDesign
 from passafe.filter import SafetyPassivityFilter
+from passafe.numerics.workspace import Array
 from passafe.state_set import ErrorGrowth
 from passafe.uncertainty import Uncertainty
-from passafe.workspace import Array
 from passafe_services.tools.uncertain.adversaries import Adversaries
 from passafe_services.tools.uncertain.delayed_states import DelayedStates
 from passafe_services.tools.uncertain.trials import LINKS, SETS, UncertainTrial

@@ -1,0 +1,1 @@
+"""Makes what the core's tests share importable from the folders of its groups."""
