@@ -14,7 +14,7 @@ from mcap.records import Message
 from mcap.writer import CompressionType, Writer
 from passafe_services.log.errors import LogReadError, LogWriteError
 from passafe_services.log.log_reader import LogReader
-from passafe_services.log.record_scan import Damage
+from passafe_services.log.record_scan import Damage, IntactRecord, scan_records
 from passafe_services.tools.recover import recover
 from torn_logs import WALL_NS, contents, end_of_first, metadata, write_log
 
@@ -216,3 +216,22 @@ def test_no_damage_raises(
     records = list(reader.records())
     assert reader.finished or reader.tear
     assert len(records) <= 200
+
+
+@pytest.mark.parametrize("kind", [Opcode.CHUNK, Opcode.CHANNEL, Opcode.SCHEMA])
+def test_record_whose_kind_was_changed_is_no_message(tmp_path: Path, kind: Opcode) -> None:
+    whole, out = tmp_path / "whole.mcap", tmp_path / "out.mcap"
+    write_log(whole)
+    with whole.open("rb") as stream:
+        records = [each for each in scan_records(stream, whole.stat().st_size) if isinstance(each, IntactRecord)]
+    starts = [each.start for each in records if each.opcode == kind]
+    data = bytearray(whole.read_bytes())
+    data[starts[-1]] = Opcode.MESSAGE
+    whole.write_bytes(data)
+
+    recovery = recover(whole, out)
+
+    assert [loss.damage.start for loss in recovery.losses] == starts[-1:]
+    assert recovery.losses[0].damage.reason == "a message outside of the chunks"
+    assert recovery.messages == len(contents(out)) == (40 if kind == Opcode.CHUNK else 50)
+    assert not recovery.was_finished

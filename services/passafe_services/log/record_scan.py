@@ -132,9 +132,11 @@ class _Scan:
             return _Broken(f"a record of kind {opcode}, which MCAP does not define")
         if end > self._size:
             return _Broken("cut off")
+        if opcode == Opcode.MESSAGE and self._chunks_from(at):  # no checksum covers it: a chunk whose kind was changed
+            return _Broken("a message outside of the chunks")
         record = None
         try:
-            record = read_record(opcode, self._stream.read(length))
+            record = read_record(opcode, self.bytes_at(at + RECORD_HEAD.size, length))
             records = [] if record is None else [record]
             if isinstance(record, Chunk) and (unpack or not self._may_begin_at(end)):
                 inner = list(records_of_chunk(chunk_contents(record)))
