@@ -25,6 +25,7 @@ from passafe.program.quadratic_program import ALL, BY_INSPECTION, QUICK, SLOW, Q
 from passafe.program.solvers.solver import INFEASIBLE, SOLVED
 from passafe.symbolic.decision_functions import DecisionFunctions
 from passafe.symbolic.derivation import first_tightening
+from passafe.symbolic.evaluation import SPARED
 from passafe.symbolic.trust_region import LEAST_TRUST
 from passafe.symbolic.whole_program import shape_tolerance
 
@@ -43,7 +44,8 @@ NEARER: Final = 0.25
 """Trust regions that are tried for nearer answers, and the next one's radius, as a share of the radius before."""
 
 WORTHWHILE: Final = 1e-6
-"""Share by which an answer has to be nearer to be taken."""
+PROMISING: Final = 1e-3
+"""Share by which an answer has to be nearer to be taken, and for narrower regions to be tried after its own."""
 
 RELAXED_NORM: Final = 1e4
 """Factor on the norm's tolerance where hard rows are relaxed: there shortening costs little more."""
@@ -122,7 +124,8 @@ class Attempts:
         """Look for answers nearer to the reference input, in ever narrower trust regions about the input before.
 
         A margin is for all of its trust region: where it grows steeply with the input, a wide region may leave none but
-        answers that lead away from what was asked for.
+        answers that lead away from what was asked for. Where most of it is for what the state does anyway, a narrower
+        region regains nothing, and the search ends.
 
         Args:
             attempt: A settled one, whose numbers are in the block.
@@ -131,14 +134,19 @@ class Attempts:
         linearization, program, u_plus = block.linearization, block.program, block.evaluation.u_plus
         before = (linearization.u_lin.copy(), linearization.trust_asked.copy(), linearization.tightening.copy())
         nearest, best, u_best = self._distance(), None, u_plus.copy()
-        trust = program.trust.copy()
+        trust, lost = program.trust.copy(), self._lost(attempt)
         for _ in range(NARROWINGS):
-            trust = np.maximum(NEARER * trust, self._least_trust)
+            still_lost, nearest_before = lost - SPARED * trust.max(), nearest
+            trust, regained = np.maximum(NEARER * trust, self._least_trust), False
             for u_lin in (block.request.u.copy(), u_best):
                 again = self.confined(u_lin, trust)
                 distance = self._distance()
+                regained = regained or self._lost(again) < still_lost
                 if again.is_settled and distance < (1 - WORTHWHILE) * nearest:
                     nearest, best, u_best = distance, (u_lin, trust), u_plus.copy()
+            if not regained and nearest > (1 - PROMISING) * nearest_before:
+                break
+            lost = self._lost(again)
         if best is not None:
             return self.confined(*best)
         return self.again(attempt, before)
@@ -149,6 +157,10 @@ class Attempts:
         linearization.u_lin[:], linearization.trust_asked[:], linearization.tightening[:] = before
         again = self.first(self._functions.prepare)
         return Attempt(attempt.status, again.solver, True, again.assessment)
+
+    def _lost(self, attempt: Attempt) -> float:
+        """Return how far a margin may keep answers away by what is unknown alone, units of u."""
+        return attempt.assessment.waste + SPARED * float(self._block.program.trust.max())
 
     def _distance(self) -> float:
         """Return ‖z‖: the distance of the answer from the reference input, the price of slack included."""

@@ -3,12 +3,15 @@
 import casadi as ca
 import numpy as np
 import pytest
+from core_designs import paper_design
 
 import passafe.answers.attempts
+from passafe.answers.attempts import Attempts
 from passafe.barrier_chain import Barrier
-from passafe.decision import Status
+from passafe.decision import Attempt, Status
 from passafe.design import FilterDesign, Mode
 from passafe.filter import SafetyPassivityFilter
+from passafe.numerics.workspace import Array
 from passafe.passivity import Passivity
 from passafe.sampled_plant import SampledPlant
 from passafe.system import System
@@ -45,6 +48,24 @@ def test_a_request_is_followed_as_far_as_rows_allow(dt_s: float) -> None:
         assert u[0] >= -1e-9
         assert x[0] <= 5
     assert x[0] > 0.5
+
+
+def test_search_ends_where_narrower_regions_regain_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Braking before the disk: nearly all of the margin is for what the state does, whatever is sent."""
+    regions: list[float] = []
+    confined = Attempts.confined
+
+    def counted(attempts: Attempts, u_lin: Array, trust: Array) -> Attempt:
+        regions.append(float(trust.max()))
+        return confined(attempts, u_lin, trust)
+
+    monkeypatch.setattr(Attempts, "confined", counted)
+    braking = ((-0.128, -1.991, 0.745, 1.461), (3.587, 3.747), (-3.039, 4.814), (0.0, 0.0))
+    decision = SafetyPassivityFilter(paper_design(dt_s=0.01, k_i=50.0)).decide(*braking)
+
+    assert decision.status is Status.MODIFIED
+    assert len(regions) == 3  # two in the first narrower region, and the better one's once more
+    assert len(set(regions)) == 1
 
 
 def test_the_nearest_of_all_regions_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
