@@ -139,3 +139,19 @@ class LoggedMessages:
         sequence, columns = self._of[epoch]
         place = np.minimum(np.searchsorted(sequence, wanted), sequence.size - 1)
         return {path: column[place] for path, column in columns.items()}, sequence[place] == wanted
+
+    def follow(self, epoch: int, wanted: IntArray, path: str, longest: int) -> NDArray[np.bool_]:
+        """Return of which messages it is certain that a number grew by no more than possible since any before.
+
+        Args:
+            epoch: Session that sent them.
+            wanted: Their numbers.
+            path: Column of the number.
+            longest: The most by which it grows from one message to the next.
+        """
+        if epoch not in self._of:
+            return np.zeros(wanted.size, dtype=np.bool_)
+        sequence, columns = self._of[epoch]
+        beyond = columns[path] - longest * sequence
+        follows: NDArray[np.bool_] = beyond <= np.minimum.accumulate(beyond)
+        return follows[np.minimum(np.searchsorted(sequence, wanted), sequence.size - 1)]
