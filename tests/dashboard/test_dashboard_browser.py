@@ -94,6 +94,19 @@ def test_the_engineers_sheet_has_every_number(watched: Watched, served: ServedPa
     assert watched.complaints == []
 
 
+def test_a_scene_in_which_nothing_moves_is_hardly_drawn(watched: Watched, served: ServedPage, run: FastRun) -> None:
+    counter = "const draw = CanvasRenderingContext2D.prototype.clearRect; globalThis.cleared = 0;"
+    counter += "CanvasRenderingContext2D.prototype.clearRect = function (...a) { cleared += 1; draw.apply(this, a); };"
+    watched.page.add_init_script(counter)
+    watched.page.goto(served.url)
+    watched.wait_for(LIVE)
+    run.speed = 0.0
+    watched.wait_for("document.getElementById('scene-age').textContent.includes('No message')")
+    watched.page.evaluate("cleared = 0, globalThis.before = passafePage.drawn")
+    watched.wait_for("passafePage.drawn - before >= 40")
+    assert watched.page.evaluate("cleared / (passafePage.drawn - before)") < 0.7  # its age in words, ten times a second
+
+
 def test_dip_of_one_tick_is_shown_on_the_page(watched: Watched, served: ServedPage, run: FastRun) -> None:
     watched.page.goto(f"{served.url}/#engineer")
     watched.wait_for(f"globalThis.passafePage && {rows_of('ticks', 'psi_0_0')}.length > 5")

@@ -12,7 +12,7 @@ from passafe_dashboard.live.feed import Feed
 from passafe_dashboard.live.frames import ClientFrames, Made
 from passafe_dashboard.live.page_state import page_state
 
-FRAME_HZ: Final = 40.0
+FRAME_HZ: Final = 34.0
 MIN_SLEEP_S: Final = 0.002
 """Least time left to other tasks between two frames, however late the frames are."""
 

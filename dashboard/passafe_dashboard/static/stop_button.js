@@ -43,7 +43,8 @@ export class StopButton {
   /** Shows the stop that is latched at the plant.
    * @param {Stop} stop */
   show(stop) {
-    if (stop.id !== this.latched) this.say(stop.id ? `Stopped: pressed at ${stop.source}.` : "");
+    if (stop.id === this.latched) return;
+    this.say(stop.id ? `Stopped: pressed at ${stop.source}.` : "");
     this.latched = stop.id;
     this.clear.hidden = !stop.id;
     this.clear.title = stop.id ? `Stopped: pressed at ${stop.source}` : "";

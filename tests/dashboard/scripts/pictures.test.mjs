@@ -18,6 +18,8 @@ const { number } = await import(`${live}/number_table.js`);
 const { refusalText } = await import(`${live}/requests.js`);
 const { angleText, jointRange } = await import(`${live}/joint_scene.js`);
 const { processText } = await import(`${live}/process_panel.js`);
+const { PlaneScene, numbersOf } = await import(`${live}/plane_scene.js`);
+const { ShownLook } = await import(`${live}/shown_look.js`);
 const { seen } = await import(`${live}/space_scene.js`);
 const { lastText } = await import(`${live}/run_panel.js`);
 const { otherEffects } = await import(`${live}/link_rows.js`);
@@ -153,6 +155,53 @@ test("a table keeps the newest rows and finds values by time", () => {
   assert.equal(table.range("h", 0.35), null);
   table.clear();
   assert.ok(Number.isNaN(table.newest));
+});
+
+test("a table goes on when the room behind its rows is used up", () => {
+  const table = new LiveTable(["start_s", "time_s", "h"], 3);
+  for (let i = 0; i < 20; i += 1) table.push([[i, i + 1, 10 * i]]);
+  assert.deepEqual([...table.start], [17, 18, 19]);
+  assert.deepEqual([...table.end], [18, 19, 20]);
+  assert.deepEqual([...table.envelope("h").low], [170, 180, 190]);
+  assert.deepEqual([...table.envelope("time_s").low], [18, 19, 20]);
+  assert.ok([...table.envelope("not there").low].every(Number.isNaN));
+  table.push(Array.from({ length: 9 }, (_, i) => [i, i, i]));
+  assert.deepEqual([...table.envelope("h").low], [6, 7, 8]);
+});
+
+test("a picture is drawn again when it would look other, or is old", () => {
+  const look = new ShownLook();
+  const theme = {};
+  assert.equal(look.isNew([10, 20], [theme, "words"], 0), true);
+  assert.equal(look.isNew([10.01, 20], [theme, "words"], 10), false);
+  assert.equal(look.isNew([10.2, 20], [theme, "words"], 20), true);
+  assert.equal(look.isNew([10.2, 20], [theme, "other words"], 30), true);
+  assert.equal(look.isNew([10.2, 20], [{}, "other words"], 40), true);
+  assert.equal(look.isNew([10.2], [theme, "other words"], 50), true);
+  assert.equal(look.isNew([10.2], [theme, "other words"], 700), true);
+  look.isNew([Number.NaN], [], 800);
+  assert.equal(look.isNew([Number.NaN], [], 810), false);
+});
+
+test("every arrow and cut counts for how a point looks", () => {
+  const dial = { radius: 50, asked: [1, 2], allowed: [3, 4], cuts: [{ angle: 1, half: 0.5, name: "wall" }] };
+  const numbers = numbersOf({ here: [5, 6], velocity: [7, 8], dial, known: { at: [9, 10], text: "" } });
+  assert.deepEqual(numbers, [5, 6, 7, 8, 50, 1, 2, 3, 4, 50, 25, 9, 10]);
+  assert.deepEqual(numbersOf({ here: [5, 6], velocity: null, dial: null, known: null }), [5, 6]);
+});
+
+test("an old state is shown where the robot was then, also while nothing new arrives", () => {
+  globalThis.ResizeObserver = class { observe() {} };
+  const states = { value: (column, at) => (column === "p1_m" ? at : 0) };
+  const scene = new PlaneScene({}, {}, { points: 1, bounds: [[0, 0], [10, 10]], outlines: [], velocities: 2 }, states, [1, 1]);
+  scene.camera.aim(1000, 1000, []);
+  const known = (silent_s) => {
+    const ages = { state_ms: 500 + 1000 * silent_s };
+    return scene.knownOf({ ages, plant: { time_s: 5 }, topics: [{ topic: "state", age_s: silent_s }] }, 0);
+  };
+  assert.deepEqual(known(0).at, scene.camera.pixel(4.5, 0));
+  assert.deepEqual(known(2).at, known(0).at);
+  assert.equal(known(2).text, "2.5 s old");
 });
 
 test("numbers of the size of rounding errors are 0, and no program needs no certificate", () => {

@@ -55,10 +55,9 @@ export class DriveSheet {
 
   /** @param {Now} now
    * @param {import("./theme.js").LiveTheme} theme
-   * @param {number} at
-   * @param {boolean} restyled */
-  draw(now, theme, at, restyled) {
-    this.scene.draw(now, theme, restyled);
+   * @param {number} at */
+  draw(now, theme, at) {
+    this.scene.draw(now, theme);
     this.steering.draw(now, theme);
     // Words and numbers of one state, at a rate that can be read; a change of tone is shown at once.
     if (at - this.numbersAt >= NUMBERS_EVERY_MS || now.words.tone !== this.tone || now.liveness.state === "ended") {

@@ -14,6 +14,14 @@ export function setText(element, text) {
   if (element && element.textContent !== text) element.textContent = text;
 }
 
+/** Sets an attribute where it is another one: also one that stays the same may cost a layout.
+ * @param {Element | null} element
+ * @param {string} name
+ * @param {string} value */
+export function setAttribute(element, name, value) {
+  if (element && element.getAttribute(name) !== value) element.setAttribute(name, value);
+}
+
 /** Returns a new element with a class and a text.
  * @param {string} tag
  * @param {string} [className]

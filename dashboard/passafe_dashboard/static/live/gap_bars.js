@@ -1,6 +1,6 @@
 // One bar for each barrier: the distance that is left, against zero; the nearest is marked.
 
-import { byId, element, setText } from "./elements.js";
+import { byId, element, setAttribute, setText } from "./elements.js";
 
 /** @typedef {import("./types.js").Gap} Gap */
 
@@ -46,7 +46,7 @@ export class GapBars {
       each.item.hidden = !gap;
       if (!gap) return;
       const violated = gap.distance < 0;
-      each.item.className = [gap.nearest ? "nearest" : "", violated ? "violated" : ""].join(" ").trim();
+      setAttribute(each.item, "class", [gap.nearest ? "nearest" : "", violated ? "violated" : ""].join(" ").trim());
       setText(each.name, gap.name);
       setText(each.value, gap.text);
       const { begin, length } = barSpan(gap, zero);

@@ -1,7 +1,8 @@
 // The live scene of joints: each between its limits, with what was asked and what was allowed.
 
 import { askedAndAllowed, decisionInForce, drawArrow } from "./input_dial.js";
-import { clear } from "./plane_scene.js";
+import { LiveCanvas } from "./live_canvas.js";
+import { ShownLook } from "./shown_look.js";
 
 /** @typedef {import("./types.js").Now} Now */
 
@@ -33,7 +34,8 @@ export class JointScene {
    * @param {import("./types.js").Joints} scene
    * @param {number[]} full the greatest command of each axis */
   constructor(ground, canvas, scene, full) {
-    this.canvas = canvas;
+    this.canvas = new LiveCanvas(canvas);
+    this.look = new ShownLook();
     this.scene = scene;
     this.full = full;
     ground.hidden = true;
@@ -42,13 +44,23 @@ export class JointScene {
   /** @param {Now} now
    * @param {any} theme */
   draw(now, theme) {
-    const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
-    if (!width || !height) return;
-    const pen = clear(this.canvas, width, height);
+    const { width, height } = this.canvas;
+    if (!width || !height || !this.look.isNew(this.lookOf(now), [...this.canvas.frame, theme, now.liveness.state])) return;
+    const pen = this.canvas.clear();
     if (!now.plant) return;
     const row = Math.min(height / (this.scene.joints.length + 0.5), MOST_ROW);
     const top = (height - row * this.scene.joints.length) / 2;
     this.scene.joints.forEach((joint, i) => this.drawJoint(pen, now, i, joint, top + (i + 0.5) * row, width, theme));
+  }
+
+  /** Returns the numbers of which the picture depends: a full range or a full command are a hundred steps and more.
+   * @param {Now} now
+   * @returns {number[]} */
+  lookOf(now) {
+    const decision = decisionInForce(now);
+    const inputs = this.scene.joints.map((_, i) => (decision ? askedAndAllowed(decision, [i]) : { asked: [0], allowed: [0] }));
+    const angles = this.scene.joints.map((_, i) => 200 * (now.plant?.x[i] ?? 0));
+    return [...angles, ...inputs.flatMap(({ asked, allowed }, i) => [asked[0], allowed[0]].map((input) => (80 * input) / (this.full[i] ?? 10)))];
   }
 
   /** @param {CanvasRenderingContext2D} pen

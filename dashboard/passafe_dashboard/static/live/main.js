@@ -5,7 +5,7 @@ import { onThemeChange } from "../report/theme.js";
 import { StopButton } from "../stop_button.js";
 import { connect } from "./connection.js";
 import { DriveSheet } from "./drive_sheet.js";
-import { byId, setText } from "./elements.js";
+import { byId, setAttribute, setText } from "./elements.js";
 import { EngineerSheet } from "./engineer_sheet.js";
 import { FrameQueue } from "./frame_queue.js";
 import { MODES } from "./run_panel.js";
@@ -22,12 +22,10 @@ class LivePage {
     this.stopButton = new StopButton(document);
     this.steering = new Steering(this.stopButton);
     this.theme = readLiveTheme();
-    this.restyled = true;
     this.drawn = 0;
     this.build(JSON.parse(byId("setup").textContent ?? "{}"));
     onThemeChange(() => {
       this.theme = readLiveTheme();
-      this.restyled = true;
     });
     window.addEventListener("hashchange", () => this.chooseSheet());
   }
@@ -55,7 +53,6 @@ class LivePage {
     }
     this.sheet = chosen;
     for (const name of ["drive", "engineer"]) document.getElementById(`${name}-sheet`)?.toggleAttribute("hidden", name !== chosen);
-    this.restyled = true;
   }
 
   /** @param {import("./types.js").Frame} frame */
@@ -110,9 +107,8 @@ class LivePage {
     const mode = now.filter?.mode ?? now.scenario?.mode;
     setText(document.getElementById("mode"), MODES[/** @type {keyof typeof MODES} */ (mode)] ?? "–");
     setText(document.getElementById("plant-time"), now.plant ? `${now.plant.time_s.toFixed(1)} s` : "–");
-    if (this.sheet === "drive") this.drive?.draw(now, this.theme, at, this.restyled);
+    if (this.sheet === "drive") this.drive?.draw(now, this.theme, at);
     else this.engineer?.draw(now, this.theme, at, frame.lost);
-    this.restyled = false;
     this.drawn += 1;
   }
 
@@ -120,12 +116,13 @@ class LivePage {
    * @param {string} text */
   showConnection(state, text) {
     const connection = byId("connection");
-    connection.dataset.state = state;
+    setAttribute(connection, "data-state", state);
     setText(connection, WORDS[/** @type {keyof typeof WORDS} */ (state)]);
     const banner = byId("banner");
-    banner.hidden = state === "live" || (state !== "lost" && this.sheet === "drive" && Boolean(this.drive));
-    banner.dataset.state = state;
-    setText(banner, banner.hidden ? "" : text);
+    const hidden = state === "live" || (state !== "lost" && this.sheet === "drive" && Boolean(this.drive));
+    if (banner.hidden !== hidden) banner.hidden = hidden;
+    setAttribute(banner, "data-state", state);
+    setText(banner, hidden ? "" : text);
   }
 }
 

@@ -1,8 +1,9 @@
 // A joystick on the page: drag it with mouse, pen or finger; what is held back now is shaded on it.
 
 import { askedAndAllowed, cuts, decisionInForce, drawCuts } from "./input_dial.js";
+import { LiveCanvas } from "./live_canvas.js";
+import { ShownLook } from "./shown_look.js";
 import { Stick, inDisk } from "./stick.js";
-import { clear } from "./plane_scene.js";
 
 /** @typedef {import("./types.js").Pair} Pair */
 
@@ -29,6 +30,8 @@ export class Pad {
     this.canvas.style.height = `${size}px`;
     this.canvas.setAttribute("role", "img");
     this.canvas.setAttribute("aria-label", `${name}: drag to steer; by keyboard, hold the ${number ? "W A S D" : "arrow"} keys`);
+    this.drawn = new LiveCanvas(this.canvas, [size, size]);
+    this.look = new ShownLook();
     this.listen();
   }
 
@@ -56,6 +59,15 @@ export class Pad {
     }
   }
 
+  /** Returns the directions that are held back now.
+   * @param {import("./types.js").Now} now
+   * @param {number} full */
+  cuts(now, full) {
+    const decision = decisionInForce(now);
+    if (!decision || this.axes.length < 2) return [];
+    return cuts(now.held.filter(({ point }) => point === this.number), askedAndAllowed(decision, this.axes).allowed, full);
+  }
+
   get reach() {
     return this.size / 2 - KNOB_PX - 3;
   }
@@ -73,16 +85,16 @@ export class Pad {
    * @param {Pair} value what steers, whichever source it comes from
    * @param {any} theme */
   draw(now, full, value, theme) {
-    const pen = clear(this.canvas, this.size, this.size);
+    const rim = this.reach;
+    const found = this.cuts(now, full);
+    const [x, y] = inDisk(value);
+    const angles = found.flatMap(({ angle, half }) => [angle * rim, half * rim]);
+    if (!this.look.isNew([x * rim, y * rim, ...angles], [...this.drawn.frame, theme])) return;
+    const pen = this.drawn.clear();
     /** @type {Pair} */
     const centre = [this.size / 2, this.size / 2];
-    const rim = this.reach;
     disk(pen, centre, this.size / 2 - 2, theme.sunken, theme.line);
-    const decision = decisionInForce(now);
-    if (decision && this.axes.length > 1) {
-      const { allowed } = askedAndAllowed(decision, this.axes);
-      drawCuts(pen, centre, rim, cuts(now.held.filter(({ point }) => point === this.number), allowed, full), theme.held);
-    }
+    drawCuts(pen, centre, rim, found, theme.held);
     pen.strokeStyle = theme.line;
     pen.lineWidth = 1;
     pen.beginPath();
@@ -94,7 +106,6 @@ export class Pad {
       pen.lineTo(centre[0], centre[1] + rim);
     }
     pen.stroke();
-    const [x, y] = inDisk(value);
     disk(pen, [centre[0] + x * rim, centre[1] - y * rim], KNOB_PX, theme.accent, theme.raised);
   }
 }

@@ -1,7 +1,8 @@
 // The live scene of a robot in space, seen from two sides: links, spheres that cover it, balls and levels to keep off.
 
 import { Camera } from "./camera.js";
-import { clear } from "./plane_scene.js";
+import { CORNER_PX, LiveCanvas } from "./live_canvas.js";
+import { ShownLook } from "./shown_look.js";
 
 /** @typedef {import("./types.js").Now} Now
  * @typedef {import("./types.js").Pair} Pair
@@ -32,7 +33,8 @@ export class SpaceScene {
    * @param {HTMLCanvasElement} canvas
    * @param {import("./types.js").Space} scene */
   constructor(ground, canvas, scene) {
-    this.canvas = canvas;
+    this.canvas = new LiveCanvas(canvas);
+    this.look = new ShownLook();
     this.scene = scene;
     ground.hidden = true;
     document.querySelector(".scene .key")?.toggleAttribute("hidden", true);
@@ -44,27 +46,44 @@ export class SpaceScene {
   /** @param {Now} now
    * @param {any} theme */
   draw(now, theme) {
-    const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
+    const { width, height } = this.canvas;
     if (!width || !height) return;
-    const pen = clear(this.canvas, width, height);
     const body = now.plant?.body;
     if (body) this.follow(body.points[body.points.length - 1]);
     /** @type {Spot[]} */
     const points = body?.points ?? [];
     const beside = width > height;
     const size = beside ? [width / 2, height] : [width, height / 2];
+    VIEWS.forEach(({ axes }, i) => this.cameras[i].aim(size[0], size[1], points.map((point) => seen(point, axes))));
+    if (!this.look.isNew(this.lookOf(body), [...this.canvas.frame, theme, now.liveness.state])) return;
+    const pen = this.canvas.clear();
+    pen.save();
+    pen.beginPath();
+    pen.roundRect(0, 0, width, height, CORNER_PX);
+    pen.clip();
     VIEWS.forEach((view, i) => {
       pen.save();
       pen.translate(beside ? i * size[0] : 0, beside ? 0 : i * size[1]);
       pen.beginPath();
       pen.rect(0, 0, size[0], size[1]);
       pen.clip();
-      this.cameras[i].aim(size[0], size[1], points.map((point) => seen(point, view.axes)));
       this.drawView(pen, view, this.cameras[i], body, theme, now.liveness.state !== "live");
       pen.restore();
     });
     pen.fillStyle = theme.line;
     pen.fillRect(beside ? size[0] : 0, beside ? 0 : size[1], beside ? 1 : width, beside ? height : 1);
+    pen.restore();
+  }
+
+  /** Returns the numbers of which the picture depends, pixels.
+   * @param {import("./types.js").Body | undefined} body
+   * @returns {number[]} */
+  lookOf(body) {
+    const spots = [...(body?.points ?? []), ...(body?.spheres ?? [])];
+    const seenBy = this.cameras.map((camera, i) => {
+      return [...camera.pixel(0, 0), 100 * Math.log(camera.scale), ...spots.flatMap((spot) => camera.pixel(...seen(spot, VIEWS[i].axes)))];
+    });
+    return seenBy.flat();
   }
 
   /** @param {Spot} tip */

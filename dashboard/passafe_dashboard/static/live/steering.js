@@ -1,6 +1,6 @@
 // Steering: joysticks, keys and gamepad of this page, the clutch, and when the controls are given back.
 
-import { byId, setText } from "./elements.js";
+import { byId, setAttribute, setText } from "./elements.js";
 import { afterClearText, driverText } from "./driver_panel.js";
 import { DriveSocket } from "./drive_socket.js";
 import { Feel, heldShare } from "./feel.js";
@@ -14,6 +14,7 @@ import { axisShares, firstEngaged } from "./shares.js";
 
 const PERIOD_MS = 16;
 const STALL_MS = 250; // then the operator counts the command no more, until the dead-man was let go
+const WATCH_MS = 50; // between looks at the gamepad of a page that does not drive
 const PATIENCE_MS = 600;
 const OTHERS_KEYS = ["Control", "Alt", "Meta"]; // keys of the browser or of the desktop
 const HINT = "Drag the stick, or hold the arrow keys. Gamepad: hold R1.";
@@ -118,6 +119,7 @@ export class Steering {
   /** Reads the hands and sends what they ask for. */
   step() {
     const now = performance.now();
+    if (!this.you && now - this.steppedAt < WATCH_MS) return;
     if (this.you && this.engaged && now - this.steppedAt > STALL_MS) this.loseHold();
     const dt_s = Math.min((now - this.steppedAt) / 1000, 0.1);
     this.steppedAt = now;
@@ -192,9 +194,11 @@ export class Steering {
     const other = this.driver && (this.driver.page || this.driver.device !== this.script);
     const words = other ? `Take over from ${driverText(this.driver, false, this.script)}` : "Take the controls";
     setText(take, this.you ? "Give back the controls" : words);
-    take.setAttribute("aria-pressed", String(this.you));
-    byId("pads").dataset.idle = String(!this.you);
-    byId("script").hidden = this.you || this.driver !== null;
+    setAttribute(take, "aria-pressed", String(this.you));
+    setAttribute(byId("pads"), "data-idle", String(!this.you));
+    const script = byId("script");
+    const hidden = this.you || this.driver !== null;
+    if (script.hidden !== hidden) script.hidden = hidden;
   }
 
   /** @param {string} text */
