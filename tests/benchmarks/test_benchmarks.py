@@ -2,6 +2,7 @@
 
 import json
 import math
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -12,6 +13,9 @@ FOLDER = Path(__file__).parents[2] / "benchmarks"
 LIVE = ("live_flood", "live_kills", "live_latency", "live_page", "live_tls")
 PROMPT = "live_stops"
 """Live, too; it judges how soon a stop acts."""
+
+IN_BROWSER = "page_frames"
+"""Live, too, with a page in Chromium."""
 
 OTHERS = (
     "campaign_speed",
@@ -52,8 +56,13 @@ def test_benchmark_runs_and_its_checks_hold(name: str) -> None:
 
 
 @pytest.mark.live
-@pytest.mark.parametrize("name", [*LIVE, pytest.param(PROMPT, marks=pytest.mark.alone)])
+@pytest.mark.parametrize(
+    "name",
+    [*LIVE, pytest.param(PROMPT, marks=pytest.mark.alone), pytest.param(IN_BROWSER, marks=pytest.mark.browser)],
+)
 def test_live_benchmark_runs_and_its_checks_hold(name: str) -> None:
+    if name == IN_BROWSER and not shutil.which("chromium"):
+        pytest.skip("Chromium is not installed")
     check(name)
 
 
@@ -64,7 +73,7 @@ def test_mutation_tries_a_change_of_the_core() -> None:
 def test_every_benchmark_is_run_here() -> None:
     scripts = {path.stem for path in FOLDER.glob("*.py") if "typer.run(main)" in path.read_text()}
 
-    assert scripts == {*LIVE, PROMPT, *OTHERS, *PLAIN}
+    assert scripts == {*LIVE, PROMPT, IN_BROWSER, *OTHERS, *PLAIN}
 
 
 def test_page_has_every_benchmark_that_measures_ratios() -> None:
