@@ -35,6 +35,7 @@ from passafe_dashboard.live.link_requests import LinkRequests
 from passafe_dashboard.live.session_requests import SessionRequests
 from passafe_dashboard.live.stop_requests import StopRequests
 from passafe_dashboard.page_access import PageAccess, ShownCertificate, shown_certificate
+from passafe_dashboard.priority import serve_before_others
 from passafe_dashboard.routes.application import create_app
 from passafe_dashboard.routes.own_hosts import OwnHosts
 from passafe_dashboard.server import PageServer, page_server
@@ -88,6 +89,7 @@ def serve(
         BusError: There is no router.
     """
     access = access or PageAccess.of(host)
+    serve_before_others()
     with stop_requests(lifeline=lifeline) as stop, listening_socket(host, port) as listener:
         feed = Feed(scenario)
         with open_bus(endpoint, robot=robot) as bus:

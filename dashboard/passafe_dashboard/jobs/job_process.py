@@ -12,7 +12,8 @@ FIRST_TO_KILL = 1000
 
 def step_back(niceness: int) -> None:
     """Give way to every other process: with the processors, and where memory runs out."""
-    os.nice(niceness)
+    own = os.getpriority(os.PRIO_PROCESS, 0)  # a page beside a robot is before others, which its jobs are not to be
+    os.setpriority(os.PRIO_PROCESS, 0, max(niceness, own + niceness))
     for file, text in (("autogroup", str(niceness)), ("oom_score_adj", str(FIRST_TO_KILL))):
         with suppress(OSError):  # not supported here
             Path(f"/proc/self/{file}").write_text(text, encoding="ascii")

@@ -201,12 +201,21 @@ class ChildProcess(asyncio.SubprocessProtocol):
             os.setpriority(os.PRIO_PROCESS, pid, niceness)
             Path(f"/proc/{pid}/autogroup").write_text(str(of_session), encoding="ascii")
 
+    def _has_startup_niceness(self) -> bool:
+        """Return whether it still has the niceness of its startup, and has not chosen one of its own."""
+        if self._transport is None:
+            return False
+        try:
+            return os.getpriority(os.PRIO_PROCESS, self._transport.get_pid()) == STARTUP_NICENESS
+        except OSError:  # it has ended
+            return False
+
     def _receive_line(self, line: bytes) -> None:
         text = line.decode(errors="replace").rstrip("\r")
         if text == ready_line(self.spec.name):
             self.ready.set()
             self.on_ready()
-            if self._prioritized:
+            if self._prioritized and self._has_startup_niceness():
                 self._set_niceness(os.getpriority(os.PRIO_PROCESS, 0), 0)
         else:
             self._relay(self.spec.name, text)
