@@ -1,7 +1,7 @@
 // A canvas that is drawn again and again: its size without asking for a layout each time, and a pen on it.
 
-/** Radius of the corners of a scene, pixels. A clip by style sheet costs a browser without a graphics processor a fifth
- * of each frame. */
+/** Radius of the corners of a scene, pixels. A clip by style sheet costs the compositor of a browser without a graphics
+ * processor about a fifth of its time. */
 export const CORNER_PX = 8;
 
 export class LiveCanvas {
