@@ -136,7 +136,7 @@ class Attempts:
         nearest, best, u_best = self._distance(), None, u_plus.copy()
         trust, lost = program.trust.copy(), self._lost(attempt)
         for _ in range(NARROWINGS):
-            still_lost, nearest_before = lost - SPARED * trust.max(), nearest
+            still_lost, nearest_before = lost - SPARED * float(trust.max()), nearest
             trust, regained = np.maximum(NEARER * trust, self._least_trust), False
             for u_lin in (block.request.u.copy(), u_best):
                 again = self.confined(u_lin, trust)
