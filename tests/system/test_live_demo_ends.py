@@ -27,6 +27,7 @@ def test_ctrl_c_ends_with_the_verdict_and_leaves_nothing_behind(tmp_path: Path) 
     assert RunLog.read(only_log(tmp_path)).finished
 
 
+@pytest.mark.alone  # how soon a death is noticed
 @pytest.mark.parametrize("victim", ["router", "recorder", "dashboard", "operator", "filter", "plant"])
 def test_killed_process_is_named_and_the_log_is_readable(victim: str, tmp_path: Path) -> None:
     with running_demo(tmp_path, "--rate", "1000") as demo:
