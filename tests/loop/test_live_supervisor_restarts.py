@@ -1,5 +1,7 @@
 """Processes that a supervisor restarts."""
 
+import asyncio
+import json
 import os
 import signal
 import sys
@@ -8,12 +10,14 @@ import time
 from pathlib import Path
 
 import pytest
+from passafe_services.loop.child_process import ChildProcess
 from passafe_services.loop.process_exit import ExitCause
 from passafe_services.loop.process_spec import ProcessSpec, RestartPolicy
 from passafe_services.loop.supervisor import supervise
 from supervised_toys import PATIENCE_S, Terminal, gone, toy
 
 pytestmark = pytest.mark.live
+only_root = pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() != 0, reason="only root may raise priorities")
 
 
 def test_dead_process_is_restarted_while_the_others_run_on(terminal: Terminal) -> None:
@@ -35,7 +39,7 @@ def test_dead_process_is_restarted_while_the_others_run_on(terminal: Terminal) -
     assert gone([pid for _, pid in terminal.said_pid])
 
 
-@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() != 0, reason="only root may raise priorities")
+@only_root
 def test_one_that_is_started_is_preferred_until_it_is_ready(terminal: Terminal) -> None:
     """The toy says its pid before it is ready."""
     own = os.getpriority(os.PRIO_PROCESS, 0)
@@ -60,6 +64,31 @@ def test_one_that_is_started_is_preferred_until_it_is_ready(terminal: Terminal) 
         on_ready=lambda: os.kill(terminal.pids["filter"]["pid"], signal.SIGKILL),
     )
     assert preferred == [True, True, False]
+
+
+@only_root
+def test_niceness_that_a_process_chose_itself_remains() -> None:
+    chosen = os.getpriority(os.PRIO_PROCESS, 0) - 3
+
+    async def niceness_when_ready() -> int:
+        pids: list[int] = []
+
+        def choose(_name: str, text: str) -> None:
+            """Choose in place of the toy, which says its pid before it is ready."""
+            if text.startswith("{"):
+                pids.append(json.loads(text)["pid"])
+                os.setpriority(os.PRIO_PROCESS, pids[0], chosen)
+
+        child = await ChildProcess.start(toy("page"), choose)
+        child.prioritize_startup()
+        try:
+            await asyncio.wait_for(child.ready.wait(), PATIENCE_S)
+            return os.getpriority(os.PRIO_PROCESS, pids[0])
+        finally:
+            child.kill()
+            await child.ended
+
+    assert asyncio.run(niceness_when_ready()) == chosen
 
 
 def test_one_that_dies_too_often_ends_the_run(terminal: Terminal) -> None:
