@@ -40,6 +40,19 @@ def turned(vector: Array, angle: float) -> Array:
     return np.array([cos(angle) * vector[0] - sin(angle) * vector[1], sin(angle) * vector[0] + cos(angle) * vector[1]])
 
 
+class Complement(BarrierSuite):
+    """Keep in what the next class keeps out."""
+
+    shape = "concave"
+
+    def inside(self, place: Array, t: float) -> bool:
+        return not super().inside(place, t)
+
+    def on_boundary(self, rng: np.random.Generator, t: float) -> OnBoundary:
+        place, outward = super().on_boundary(rng, t)
+        return OnBoundary(place, -outward)
+
+
 class TestDiskKeepOut(BarrierSuite):
     robots = IN_THE_PLANE
     shape = "convex"
@@ -56,19 +69,11 @@ class TestDiskKeepOut(BarrierSuite):
         return OnBoundary(CENTRE + self.radius * outward, outward)
 
 
-class TestDiskKeepIn(TestDiskKeepOut):
-    shape = "concave"
+class TestDiskKeepIn(Complement, TestDiskKeepOut):
     radius = 3.0
 
     def h(self, robot: Robot) -> ca.SX:
         return disk_keep_in(robot.position, centre=CENTRE.tolist(), radius=self.radius)
-
-    def inside(self, place: Array, t: float) -> bool:
-        return not super().inside(place, t)
-
-    def on_boundary(self, rng: np.random.Generator, t: float) -> OnBoundary:
-        place, outward = super().on_boundary(rng, t)
-        return OnBoundary(place, -outward)
 
 
 class TestEllipseKeepOut(BarrierSuite):
@@ -91,19 +96,11 @@ class TestEllipseKeepOut(BarrierSuite):
         return OnBoundary(place, outward / np.hypot(*outward))
 
 
-class TestEllipseKeepIn(TestEllipseKeepOut):
-    shape = "concave"
+class TestEllipseKeepIn(Complement, TestEllipseKeepOut):
     axes = np.array([4.0, 2.5])
 
     def h(self, robot: Robot) -> ca.SX:
         return ellipse_keep_in(robot.position, centre=CENTRE.tolist(), semi_axes=self.axes.tolist(), rotation_rad=TURN)
-
-    def inside(self, place: Array, t: float) -> bool:
-        return not super().inside(place, t)
-
-    def on_boundary(self, rng: np.random.Generator, t: float) -> OnBoundary:
-        place, outward = super().on_boundary(rng, t)
-        return OnBoundary(place, -outward)
 
 
 class TestHalfPlane(BarrierSuite):
