@@ -74,7 +74,7 @@ def test_every_violation_is_a_click_away(page: str) -> None:
 
 
 def test_metrics_and_timing_are_those_of_the_verdict(page: str) -> None:
-    assert cells(page, "lowest h") == ["0.44"]
+    assert cells(page, "lowest h, between samples too") == ["0.44"]
     assert cells(page, "final x") == ["(−1.5, 0.25, 0, −0.0001)"]
     assert cells(page, "filter ticks") == ["10000"]
     assert cells(page, "messages missing in the log") == ["tick 2"]
@@ -107,7 +107,7 @@ def test_unknown_metrics_are_called_unknown(record: RunCollector) -> None:
     unknown["words"] = "unproven: safe is unknown"
     page = report_page([run(record, unknown)], title="circle")
     assert '<p class="words">safe is unknown</p>' in page
-    assert cells(page, "lowest h") == ["unknown"]
+    assert cells(page, "lowest h, between samples too") == ["unknown"]
     assert cells(page, "final x") == ["unknown"]
     assert cells(page, "messages missing in the log") == ["unknown"]
     assert cells(page, "commands of the operator") == ["unknown"]

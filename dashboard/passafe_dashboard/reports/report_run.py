@@ -132,8 +132,8 @@ def facts(verdict: Mapping[str, Any]) -> list[tuple[str, str]]:
     missing = ", ".join(f"{topic} {count}" for topic, count in gaps.items() if count)
     return [
         ("duration", f"{number(verdict.get('duration_s'))} s"),
-        ("lowest h", number(verdict.get("h_min"))),
-        ("lowest power margin", f"{number(verdict.get('power_margin_min'))} W"),
+        ("lowest h, between samples too", number(verdict.get("h_min"))),
+        ("lowest power margin, between samples too", f"{number(verdict.get('power_margin_min'))} W"),
         ("lowest tank energy", f"{number(verdict.get('tank_min_j'))} J"),
         ("largest ‖u‖", number(verdict.get("u_norm_max"))),
         ("final x", "unknown" if final is None else f"({', '.join(number(value) for value in final)})"),

@@ -7,6 +7,7 @@ const live = "../../../dashboard/passafe_dashboard/static/live";
 const { Camera, MARGIN_PX, widened } = await import(`${live}/camera.js`);
 const { DialScale, askedAndAllowed, cuts, decisionInForce } = await import(`${live}/input_dial.js`);
 const { barSpan, shownGaps } = await import(`${live}/gap_bars.js`);
+const { boxAround, readableNames } = await import(`${live}/outline_names.js`);
 const { QUANTITIES, settingText, sliderOf, valueOf } = await import(`${live}/network_panel.js`);
 const { ageText } = await import(`${live}/delays_panel.js`);
 const { afterClearText, driverText, leaseText, recordingText } = await import(`${live}/driver_panel.js`);
@@ -30,6 +31,29 @@ test("a view holds its bounds with room for a dial, in the middle and to scale",
   assert.deepEqual(camera.pixel(0, 0), [300 + MARGIN_PX, 200 + MARGIN_PX]);
   assert.deepEqual(camera.pixel(-3, 2), [MARGIN_PX, MARGIN_PX]);
   assert.equal(camera.aim(600 + 2 * MARGIN_PX, 400 + 2 * MARGIN_PX, [[1, 1]]), false);
+});
+
+/** Returns the name of a pillar at (x, 0) with radius 10, pixels. */
+function pillar(text, x, { width = 60, nearest = false } = {}) {
+  return { text, width, nearest, outline: boxAround([[x - 10, -10], [x + 10, 10]]) };
+}
+
+test("names are written where they cover no other and no neighbour", () => {
+  const written = (names) => readableNames(names).map(({ text }) => text);
+  assert.deepEqual(written([pillar("a", 0), pillar("b", 100)]), ["a", "b"]);
+  assert.deepEqual(written([pillar("a", 0), pillar("b", 35)]), []);
+  assert.deepEqual(written([pillar("a", 0, { width: 16 }), pillar("b", 35, { width: 90 })]), ["a"]);
+  assert.deepEqual(written([pillar("a", 0), pillar("b", 55)]), ["a"]);
+});
+
+test("the name of the nearest limit is always written", () => {
+  const names = [pillar("a", 0), pillar("b", 55, { nearest: true }), pillar("c", 200)];
+  assert.deepEqual(readableNames(names).map(({ text }) => text), ["b", "c"]);
+});
+
+test("an outline around all others hides none of their names", () => {
+  const hall = { text: "hall", width: 30, nearest: false, outline: boxAround([[-500, -500], [500, 500]]) };
+  assert.deepEqual(readableNames([hall, pillar("a", 200)]).map(({ text }) => text), ["hall", "a"]);
 });
 
 test("a view widens step by step for a robot that leaves it", () => {

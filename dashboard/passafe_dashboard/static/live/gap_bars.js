@@ -39,6 +39,7 @@ export class GapBars {
   show(gaps) {
     const shown = shownGaps(gaps);
     const list = byId("gaps");
+    setText(byId("gaps-shown"), shown.length < gaps.length ? `nearest ${shown.length} of ${gaps.length}` : "");
     while (this.rows.length < shown.length) this.rows.push(row(list));
     const zero = BEYOND_SHARE;
     this.rows.forEach((each, i) => {
@@ -48,6 +49,7 @@ export class GapBars {
       const violated = gap.distance < 0;
       setAttribute(each.item, "class", [gap.nearest ? "nearest" : "", violated ? "violated" : ""].join(" ").trim());
       setText(each.name, gap.name);
+      setAttribute(each.name, "title", gap.name);
       setText(each.value, gap.text);
       const { begin, length } = barSpan(gap, zero);
       each.track.style.setProperty("--zero", `${100 * zero}%`);

@@ -17,7 +17,7 @@ export function number(value, digits = 4) {
 export const vector = (values) => (values?.length ? `(${values.map((value) => number(value)).join(", ")})` : "–");
 
 /** @param {number | null | undefined} value */
-export const seconds = (value) => (value === null || value === undefined ? "–" : `${value.toFixed(2)} s`);
+export const seconds = (value) => (value === null || value === undefined ? "–" : `${value.toFixed(2)}\u00a0s`);
 
 /** @param {number} share */
 export const percent = (share) => `${Math.round(100 * share)} %`.replace("-", "−");

@@ -3,6 +3,7 @@
 import { multiples, roundStep, tickText } from "../report/axis.js";
 import { line } from "../report/drawing.js";
 import { CORNER_PX, LiveCanvas } from "./live_canvas.js";
+import { boxAround, middle, readableNames } from "./outline_names.js";
 import { ShownLook } from "./shown_look.js";
 
 /** @typedef {import("./types.js").Pair} Pair
@@ -20,12 +21,13 @@ export class PlaneGround {
   }
 
   /** @param {Record<string, Pair>} moves of outlines that move, m
+   * @param {string | undefined} nearest name of the nearest limit
    * @param {Theme} theme */
-  draw(moves, theme) {
+  draw(moves, nearest, theme) {
     const { camera } = this;
     const shifts = Object.values(moves).flat();
     const places = [...camera.pixel(0, 0), 100 * Math.log(camera.scale), ...shifts.map((shift) => shift * camera.scale)];
-    if (!this.canvas.width || !this.look.isNew(places, [...this.canvas.frame, theme], 0)) return;
+    if (!this.canvas.width || !this.look.isNew(places, [...this.canvas.frame, theme, nearest], 0)) return;
     const pen = this.canvas.clear();
     pen.save();
     pen.beginPath();
@@ -44,26 +46,25 @@ export class PlaneGround {
       pen.fill("evenodd");
     }
     this.drawGrid(pen, theme);
-    for (const { outline, border } of drawn) {
-      line(pen, border, theme.unsafe, 2);
-      this.drawName(pen, outline, border, theme);
-    }
+    for (const { border } of drawn) line(pen, border, theme.unsafe, 2);
+    this.drawNames(pen, drawn.filter(({ outline }) => outline.bounded), nearest, theme);
     pen.restore();
   }
 
-  /** Writes the name of a bounded outline into it.
+  /** Writes the names of bounded outlines into them, as far as each can be read.
    * @param {CanvasRenderingContext2D} pen
-   * @param {import("./types.js").Outline} outline
-   * @param {Pair[]} border
+   * @param {{outline: import("./types.js").Outline, border: Pair[]}[]} bounded
+   * @param {string | undefined} nearest
    * @param {Theme} theme */
-  drawName(pen, outline, border, theme) {
-    if (!outline.bounded) return;
-    const [x, y] = [0, 1].map((axis) => border.reduce((sum, place) => sum + place[axis], 0) / border.length);
+  drawNames(pen, bounded, nearest, theme) {
     pen.fillStyle = theme.quiet;
     pen.font = "12px system-ui, sans-serif";
     pen.textAlign = "center";
     pen.textBaseline = "middle";
-    pen.fillText(outline.names[0], x, y);
+    const names = bounded.map(({ outline: { names: [text, ...others] }, border }) => {
+      return { text, width: pen.measureText(text).width, outline: boxAround(border), nearest: [text, ...others].some((each) => each === nearest) };
+    });
+    for (const { text, outline } of readableNames(names)) pen.fillText(text, ...middle(outline));
   }
 
   /** @param {CanvasRenderingContext2D} pen

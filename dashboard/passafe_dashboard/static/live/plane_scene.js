@@ -51,7 +51,7 @@ export class PlaneScene {
     if (!width || !height) return;
     const places = this.places(now);
     this.camera.aim(width, height, places);
-    this.ground.draw(now.plant?.moved_m ?? {}, theme);
+    this.ground.draw(now.plant?.moved_m ?? {}, now.gaps.find(({ nearest }) => nearest)?.name, theme);
     const looks = places.map((place, point) => this.lookOf(now, point, place));
     const old = now.liveness.state !== "live";
     const heading = now.plant?.heading ?? 0;

@@ -24,7 +24,8 @@ export class Legend {
     this.entries = plan.kind === "rows" ? [] : plan.lines.map((line) => this.entry(line));
     this.summary = Object.assign(document.createElement("output"), { className: "value" });
     if (plan.kind === "rows") this.element.append(this.summary);
-    this.element.append(...this.entries.map(({ button }) => button));
+    const drawnFirst = [...this.entries].sort((a, b) => Number(b.on) - Number(a.on)); // a long legend scrolls
+    this.element.append(...drawnFirst.map(({ button }) => button));
     this.update();
   }
 
