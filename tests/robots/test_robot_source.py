@@ -41,6 +41,22 @@ def ends():
     raise SystemExit(0)
 
 
+def interrupts():
+    raise KeyboardInterrupt
+
+
+def odd():
+    raise BaseException("odd")
+
+
+def mute():
+    class Mute(Exception):
+        def __str__(self):
+            raise ValueError
+
+    raise Mute
+
+
 def speaks():
     print("hello")
     return cart()
@@ -119,13 +135,16 @@ def test_file_is_run_once(folder: Path) -> None:
     [
         ("mine.py", "got 'mine.py', allowed FILE.py:FUNCTION"),
         ("mine.txt:cart", "got 'mine.txt:cart', allowed FILE.py:FUNCTION"),
-        ("other.py:cart", "got no such file"),
+        ("other.py:cart", "got no file other.py, allowed FILE.py:FUNCTION of a file that exists"),
         ("mine.py:cat", "got no function 'cat', allowed one of the file; did you mean cart?"),
         ("mine.py:constant", "got no function 'constant'"),
         ("broken.py:f", "got SyntaxError"),
         ("mine.py:number", "got the return value 3 (int), allowed a passafe.Robot"),
         ("mine.py:raises", "KeyError in line 25: 'two\\\\nlines'"),
         ("mine.py:ends", "got SystemExit in line 29: 0"),
+        ("mine.py:interrupts", "got KeyboardInterrupt in line 33, allowed"),
+        ("mine.py:odd", "got BaseException in line 37: odd"),
+        ("mine.py:mute", "got Mute in line 45: its text raises ValueError"),
         ("mine.py:asks", "missing 1 required positional argument"),
         ("mine.py:symbols", "allowed a casadi.SX expression"),
         ("mine.py:many", "got states 65, allowed at most 64"),
@@ -148,7 +167,19 @@ def test_wrong_shape_is_the_cores_own_message() -> None:
         robot_of_file("mine.py:cart", {"rows": 1})
 
 
-@pytest.mark.parametrize(("text", "expected"), [("a.py:b", True), ("dir/a.py:b", True), ("robot-1", False)])
+def test_tilde_that_no_shell_replaced_is_the_home_folder(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HOME", str(folder))
+    monkeypatch.chdir("/")
+
+    assert robot_of_file("~/mine.py:cart", {}).made_by == "mine.py:cart"
+    with pytest.raises(RobotCodeError, match=r"got no file ~nobody-has-this-name/mine\.py"):
+        robot_of_file("~nobody-has-this-name/mine.py:cart", {})
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [("a.py:b", True), ("dir/a.py:b", True), ("a.py", True), ("a:b", True), ("robot-1", False)],
+)
 def test_file_is_no_name(text: str, expected: bool) -> None:
     assert is_robot_file(text) is expected
 
@@ -188,6 +219,23 @@ def test_data_from_elsewhere_runs_no_code() -> None:
 
 def test_unknown_model_is_refused_with_a_suggestion() -> None:
     with pytest.raises(
-        ScenarioError, match=r"plant.model: got 'unicycl', allowed .*unicycle.*--robot; did you mean unicycle\?"
+        ScenarioError,
+        match=r"got 'unicycl', allowed 'damped-point', .*, 'unicycle', .*--robot .*: none.; did you mean unicycle\?",
     ):
         load_scenario("unicycle-posts", {"plant.model": "unicycl"})
+
+
+def test_unknown_model_lists_installed_robots(monkeypatch: pytest.MonkeyPatch) -> None:
+    entry = EntryPoint(name="horse", value="mine:horse", group=robot_source.ENTRY_POINTS)
+    monkeypatch.setattr(robot_source, "entry_points", lambda **_: [entry])
+
+    with pytest.raises(ScenarioError, match=r"'horse', or any .*: horse.; did you mean horse\?"):
+        load_scenario("unicycle-posts", {"plant.model": "hors", "plant.robot": None})
+
+
+@pytest.mark.usefixtures("folder")
+def test_parameter_that_is_no_number_is_the_only_error() -> None:
+    with pytest.raises(
+        ScenarioError, match=r"^scenario unicycle-posts: plant.parameters.sigma: got '1', allowed a number$"
+    ):
+        load_scenario("unicycle-posts", {"plant.parameters": {"sigma": "1"}}, robot="mine.py:cart")

@@ -4,6 +4,7 @@ import os
 import sys
 
 from passafe_services.cli.failure import INTERRUPTED, refuse, refuse_missing_module
+from passafe_services.cli.home_folder import with_home
 from passafe_services.cli.version import version_text
 
 
@@ -16,6 +17,7 @@ def main() -> None:
     if sys.argv[1:] == ["--version"]:  # needs no package beyond the base install
         sys.stdout.write(f"{version_text()}\n")
         return
+    sys.argv[1:] = map(with_home, sys.argv[1:])
     os.environ["PYTHONSAFEPATH"] = "1"
     try:
         _run_commands()

@@ -83,7 +83,7 @@ def scenario_from(
     for dotted, value in (overrides or {}).items():
         _put(data, source, dotted, value)
     if runs_code:
-        _put_robot(data, robot)
+        _put_robot(data, source, robot)
     try:
         scenario = Scenario.of_file(data)
     except ValidationError as error:
@@ -94,15 +94,17 @@ def scenario_from(
     return scenario
 
 
-def _put_robot(data: dict[str, Any], file: str | None) -> None:
+def _put_robot(data: dict[str, Any], source: str, file: str | None) -> None:
     """Put the robot of a user's file or of an entry point into a scenario's data, where there is one."""
     plant = data.get("plant")
     if not isinstance(plant, dict):
         return  # refused by the schema
     model, parameters = plant.get("model"), plant.get("parameters", {})
-    is_named = isinstance(parameters, dict) and all(isinstance(value, int | float) for value in parameters.values())
-    if not is_named:
+    if not isinstance(parameters, dict):
         return
+    for name, value in parameters.items():
+        if not isinstance(value, int | float):  # a function is called with numbers alone
+            raise ScenarioError(source, f"plant.parameters.{name}", shown(value), "a number")
     if file is not None:
         plant["robot"] = robot_of_file(file, parameters).model_dump(mode="json")
     elif plant.get("robot") is None and isinstance(model, str) and model not in ROBOT_MODELS:

@@ -15,6 +15,7 @@ from passafe_services.scenarios.limits_schema import InputLimitsConfig
 from passafe_services.scenarios.link_schema import LinkChangeConfig, LinkName, ScenarioLink, changed_links
 from passafe_services.scenarios.robot_models import ROBOT_MODELS, RobotModel
 from passafe_services.scenarios.robots.carried_robot import CarriedRobot, built_robot
+from passafe_services.scenarios.robots.robot_source import installed_robots
 from passafe_services.scenarios.robots.shipped import SHIPPED
 from passafe_services.scenarios.single_barriers import single_barriers
 from passafe_services.scenarios.source_schema import SourceConfig
@@ -75,8 +76,9 @@ class PlantConfig(Config):
     @classmethod
     def _is_known(cls, model: str, info: ValidationInfo) -> str:
         if info.data.get("robot") is None and model not in ROBOT_MODELS:
-            names = (*ROBOT_MODELS, *SHIPPED)
-            listed = ", ".join(map(repr, names)) + ", a robot of an installed distribution, or any with --robot"
+            names = (*ROBOT_MODELS, *SHIPPED, *installed_robots())
+            installed = ", ".join(installed_robots()) or "none"
+            listed = f"{', '.join(map(repr, names))}, or any with --robot (installed by others: {installed})"
             raise ValueError(f"got {model!r}, allowed {listed}{suggestion(model, names)}")
         return model
 

@@ -1,5 +1,6 @@
 """Functions that return robots: of a file that the command line names, or of an installed distribution."""
 
+import os
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, redirect_stdout
@@ -15,6 +16,7 @@ from pydantic import ValidationError
 from passafe.arguments.numbers import described
 from passafe.errors import DesignError, NotAllowedError, PassafeError
 from passafe.models.robot import Robot
+from passafe_services.foreign_errors import is_ctrl_c, words_of
 from passafe_services.scenarios.errors import RobotCodeError
 from passafe_services.scenarios.field_problems import problems_of
 from passafe_services.scenarios.robots.carried_robot import CarriedRobot
@@ -67,15 +69,15 @@ def _origin(entry: EntryPoint) -> str:
 
 
 def is_robot_file(text: str) -> bool:
-    """Return whether a text has the form ``FILE.py:FUNCTION``, and is no name."""
-    return ".py:" in text
+    """Return whether a text is meant as ``FILE.py:FUNCTION``: no name of a robot has a colon, a slash or ``.py``."""
+    return ":" in text or "/" in text or text.endswith(".py")
 
 
 def robot_of_file(text: str, parameters: Mapping[str, float]) -> CarriedRobot:
     """Return the robot that a function of a file returns: runs the file, once in each process.
 
     Args:
-        text: ``FILE.py:FUNCTION``.
+        text: ``FILE.py:FUNCTION``; a ``~`` in front is the home folder, also where no shell replaced it.
         parameters: Keyword arguments of the function.
 
     Raises:
@@ -84,9 +86,9 @@ def robot_of_file(text: str, parameters: Mapping[str, float]) -> CarriedRobot:
     path, separator, name = text.rpartition(":")
     if not separator or not path.endswith(".py") or not name.isidentifier():
         raise RobotCodeError(text, repr(text), FORM)
-    file = Path(path)
+    file = Path(os.path.expanduser(path))  # noqa: PTH111 - Path.expanduser raises where a user has no home
     if not file.is_file():
-        raise RobotCodeError(text, "no such file", FORM)
+        raise RobotCodeError(text, f"no file {file}", f"{FORM} of a file that exists")
     file = file.resolve()
     functions = _functions(file)
     function = functions.get(name)
@@ -154,11 +156,11 @@ def _loaded(run: Callable[[], Any], source: str) -> Any:  # noqa: ANN401 - a str
         raise RobotCodeError(source, str(error.got), error.allowed, error.field) from error
     except PassafeError as error:
         raise RobotCodeError(source, str(error), "a function that returns a passafe.Robot") from error
-    except (Exception, SystemExit) as error:
-        where = _line_of(error, source)
-        raise RobotCodeError(
-            source, f"{type(error).__name__}{where}: {error}", "a function that returns a passafe.Robot"
-        ) from error
+    except BaseException as error:
+        if is_ctrl_c(error):
+            raise
+        got = words_of(error, _line_of(error, source))
+        raise RobotCodeError(source, got, "a function that returns a passafe.Robot") from error
 
 
 def _line_of(error: BaseException, source: str) -> str:
