@@ -1,5 +1,6 @@
 """Drivers by name: of a scenario, of the command line, of an installed distribution."""
 
+import signal
 import sys
 from collections.abc import Callable
 from importlib import import_module
@@ -13,6 +14,7 @@ from passafe_services.drivers import build
 from passafe_services.drivers.build import driver_of
 from passafe_services.drivers.errors import DriverError
 from passafe_services.drivers.model_driver import ModelDriver
+from passafe_services.drivers.plant_driver import Reading
 from passafe_services.drivers.strange_driver import StrangeDriver
 from passafe_services.drivers.udp_servo import UdpServo
 from passafe_services.plant.build import plant_node
@@ -30,15 +32,15 @@ class Rail:
     has_own_clock = True
     closed = False
 
-    def __init__(self, *, fault: str = "", **settings: object) -> None:
+    def __init__(self, *, fault: str = "", error: BaseException | None = None, **settings: object) -> None:
         self.settings = settings
-        self.fault = fault
+        self.fault, self.error = fault, error
         Rail.closed = False
         self.at("made")
 
     def at(self, place: str) -> None:
         if place == self.fault:
-            raise OSError(f"no bus\nin {place}")
+            raise OSError(f"no bus\nin {place}") if self.error is None else self.error
 
     def open(self) -> None:
         self.at("open")
@@ -108,6 +110,70 @@ def test_what_an_installed_driver_raises_is_one_line(
     words = f"driver rail: {place}: got OSError: no bus in {place}, allowed no exception but DriverError"
     assert str(raised.value) == words
     assert Rail.closed == (place in {"open", "read", "apply"})  # closed at once
+
+
+@pytest.mark.parametrize("place", ["made", "open", "read", "apply", "close"])
+@pytest.mark.parametrize("error", [KeyboardInterrupt(), SystemExit(0), GeneratorExit(), MemoryError()])
+def test_driver_cannot_end_the_process_by_itself(
+    place: str, error: BaseException, model: PlantModel, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    config = installed(monkeypatch, lambda: Rail)
+
+    def driven() -> None:
+        made = driver_of(SCENARIO, model, config.model_copy(update={"settings": {"fault": place, "error": error}}))
+        made.open()
+        made.read(0)
+        made.apply((), 0)
+        made.close()
+
+    with pytest.raises(DriverError, match=f"driver rail: {place}: got {type(error).__name__}.*, allowed no exception"):
+        driven()
+
+
+def test_ctrl_c_is_no_fault_of_the_driver(model: PlantModel, monkeypatch: pytest.MonkeyPatch) -> None:
+    class Slow(Rail):
+        def open(self) -> None:
+            signal.raise_signal(signal.SIGINT)
+
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            driver_of(SCENARIO, model, installed(monkeypatch, lambda: Slow)).open()
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+    assert Rail.closed
+
+
+def test_call_under_way_has_a_number_and_a_name(model: PlantModel, monkeypatch: pytest.MonkeyPatch) -> None:
+    calls = []
+
+    class Curious(Rail):
+        def at(self, place: str) -> None:
+            calls.append(made.call if place != "made" else None)
+
+    made = driver_of(SCENARIO, model, installed(monkeypatch, lambda: Curious))
+    assert isinstance(made, StrangeDriver)
+    made.open()
+    made.read(0)
+    made.apply((), 0)
+    made.close()
+    made.close()
+
+    assert calls == [None, None, (1, "driver rail: read"), (2, "driver rail: apply"), (3, "driver rail: close")]
+    assert made.call is None
+
+
+def test_only_the_model_accounts_for_its_energies(model: PlantModel, monkeypatch: pytest.MonkeyPatch) -> None:
+    sample = model.dynamics.at(SCENARIO.plant.x0)
+
+    class Boastful(Rail):
+        def read(self, at_ns: int) -> Reading:
+            return Reading((1.0, 2.0), at_ns, sample, (3.0, 4.0))
+
+    made = driver_of(SCENARIO, model, installed(monkeypatch, lambda: Boastful))
+
+    assert made.read(5) == Reading((1.0, 2.0), 5, None, (3.0, 4.0))
 
 
 @pytest.mark.parametrize(

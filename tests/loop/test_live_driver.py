@@ -230,3 +230,20 @@ def test_link_events_are_link_events(start: Callable, port: int, log: Log) -> No
     assert [event for _, event in dropped] == [
         LinkEvent("operator-to-filter", "dropped", "command", sequence, "loss") for sequence in range(20)
     ]
+
+
+def test_error_before_the_first_step_stands_in_the_log(start: Callable, port: int, log: Log) -> None:
+    operator = start("operator", "--port", port, "--broken-at", -1)
+
+    said = "ended by an error before its first step: ValueError: no stick"
+    log.wait_for("passafe/robot/operator/event", lambda logged: Event("error", said) in [e for _, e in logged])
+    assert operator.end()[0] == 1
+
+
+def test_call_that_does_not_return_ends_the_process(start: Callable, port: int, log: Log) -> None:
+    operator = start("operator", "--port", port, "--hangs-at", 50)
+    operator.wait_ready("operator")
+
+    said = "ended: stick: move: got no return for 2 s, allowed to return at once"
+    log.wait_for("passafe/robot/operator/event", lambda logged: Event("error", said) in [e for _, e in logged])
+    assert operator.end()[0] == 2

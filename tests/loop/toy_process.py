@@ -24,6 +24,7 @@ from passafe_services.router.process import run_router
 from passafe.errors import PassafeError
 
 FOREVER_S = 60.0
+BEFORE_THE_FIRST = -1
 
 
 class Metronome:
@@ -32,16 +33,22 @@ class Metronome:
     name = "operator"
     subscribes = ()
 
-    def __init__(self, *, non_finite: bool = False, broken_at: int | None = None) -> None:
-        """``non_finite``: every tenth command is not finite. ``broken_at``: step that raises."""
+    def __init__(self, *, non_finite: bool = False, broken_at: int | None = None, hangs_at: int | None = None) -> None:
+        """``non_finite``: every tenth command is not finite. ``broken_at``: step that raises; ``hangs_at``: waits."""
         self.steps = 0
-        self._non_finite, self._broken_at = non_finite, broken_at
+        self.call: tuple[int, str] | None = None
+        self._non_finite, self._broken_at, self._hangs_at = non_finite, broken_at, hangs_at
 
     def step(self, now_ns: int, inbox: Sequence[Received]) -> Sequence[Outgoing]:
         """Send one command."""
         del inbox
         if self.steps == self._broken_at:
             raise ValueError("no such\nstick")
+        self.call = (self.steps, "stick: move")
+        begun_s = time.monotonic()
+        while self.steps == self._hangs_at and time.monotonic() - begun_s < FOREVER_S:
+            pass  # without a pause, as the worst do
+        self.call = None
         count = float("nan") if self._non_finite and self.steps % 10 == 9 else float(self.steps)
         self.steps += 1
         body = OperatorCommand((count, now_ns / 1.0), (), enabled=True, device="metronome")
@@ -79,10 +86,19 @@ def hold_up(seconds: float) -> None:
     TopicReader.drain = held_up
 
 
+def metronome_of(options: argparse.Namespace) -> Metronome:
+    return Metronome(non_finite=options.non_finite, broken_at=options.broken_at, hangs_at=options.hangs_at)
+
+
+def begin(options: argparse.Namespace) -> None:
+    if options.broken_at == BEFORE_THE_FIRST:
+        raise ValueError("no stick")
+
+
 def live(options: argparse.Namespace) -> None:
     if options.held_up:
         hold_up(options.held_up)
-    node = Echo() if options.kind == "filter" else Metronome(non_finite=options.non_finite, broken_at=options.broken_at)
+    node = Echo() if options.kind == "filter" else metronome_of(options)
     steps_wanted = options.steps
     report = run_live(
         node,
@@ -93,7 +109,9 @@ def live(options: argparse.Namespace) -> None:
         epoch=options.epoch,
         lifeline=options.lifeline,
         finished=None if steps_wanted is None else lambda: node.steps >= steps_wanted,
+        begun=lambda: begin(options),
         ended=lambda: say(ended=node.steps) if options.broken_at is not None else None,
+        waits_in=(lambda: node.call) if isinstance(node, Metronome) else None,
     )
     say(steps=report.steps, missed=report.steps_skipped, withheld=report.withheld, reason=report.reason.name)
 
@@ -156,6 +174,7 @@ def main() -> None:
     parser.add_argument("--duration", type=float)
     parser.add_argument("--steps", type=int)
     parser.add_argument("--broken-at", type=int)
+    parser.add_argument("--hangs-at", type=int)
     parser.add_argument("--epoch", type=int)
     parser.add_argument("--delay", type=float, default=0.0)
     parser.add_argument("--loss", type=float, default=0.0)

@@ -1,9 +1,11 @@
 """States of a robot that is not its model: readings that are old, missing, or of a robot with a clock of its own."""
 
 from collections.abc import Sequence
+from itertools import count
 from math import exp, inf, isfinite, nan
 from typing import cast
 
+import numpy as np
 import pytest
 from passafe_protocol.messages import (
     Event,
@@ -240,19 +242,33 @@ def test_no_law_sees_what_is_no_state(bad: Reading) -> None:
     [
         (Reading(REST[:3], 0), "driver reading x: got 3 numbers, allowed 4 numbers"),
         (Reading((), 0), "driver reading x: got 0 numbers, allowed 4 numbers"),
-        (Reading(("a",) * 4, 0), "driver reading x: got .*, allowed 4 numbers"),  # type: ignore[arg-type]
-        (Reading(None, 0), "driver reading x: got None, allowed 4 numbers"),  # type: ignore[arg-type]
+        (Reading(cast(Vector, ("a",) * 4), 0), "driver reading x: got .*, allowed 4 numbers"),
+        (Reading(cast(Vector, "1234"), 0), "driver reading x: got '1234' .str., allowed 4 numbers"),
+        (Reading(cast(Vector, {0.0, 1.0, 2.0, 3.0}), 0), "driver reading x: got .*set.*, allowed 4 numbers"),
+        (Reading(cast(Vector, dict.fromkeys(range(4))), 0), "driver reading x: got .*dict.*, allowed 4 numbers"),
+        (Reading(cast(Vector, count()), 0), "driver reading x: got count.*, allowed 4 numbers"),
+        (Reading(cast(Vector, (1j,) * 4), 0), "driver reading x: got .*, allowed 4 numbers"),
+        (Reading(cast(Vector, None), 0), "driver reading x: got None, allowed 4 numbers"),
         (Reading(REST, 0, true_x=(1.0,)), "driver reading true_x: got 1 numbers, allowed 4 numbers"),
-        (Reading(REST, nan), "driver reading at_ns: got nan .float., allowed a whole number"),  # type: ignore[arg-type]
+        (Reading(REST, cast(int, nan)), "driver reading at_ns: got nan .float., allowed a whole number"),
+        (Reading(REST, cast(int, "5")), "driver reading at_ns: got '5' .str., allowed a whole number"),
         (REST, "driver reading: got .*tuple.*, allowed a Reading or None"),
     ],
 )
-def test_reading_of_another_form_ends_the_process(bad: Reading, message: str) -> None:
+def test_reading_of_another_form_ends_the_process(bad: object, message: str) -> None:
     driver = ScriptedDriver()
-    driver.reading = bad
+    driver.reading = cast(Reading, bad)
 
     with pytest.raises(DriverError, match=message):
         reader_of(driver).read(0)
+
+
+@pytest.mark.parametrize("x", [[1.0, 0.0, 3.0, 4.0], np.array([1.0, 0.0, 3.0, 4.0]), (1, 0, 3, 4)])
+def test_numbers_may_be_of_any_sequence(x: object) -> None:
+    driver = ScriptedDriver()
+    driver.reading = Reading(cast(Vector, x), cast(int, np.int64(0)))
+
+    assert reader_of(driver).read(0).x == (1.0, 0.0, 3.0, 4.0)
 
 
 def test_reading_that_was_overtaken_is_not_the_present() -> None:

@@ -29,7 +29,8 @@ class PlantDriver(Protocol):
     """The robot, as the plant node sees it: it reads a state, then applies an input, once a period.
 
     *Rates.* In each period there is one ``read`` and one ``apply``, in this order, at times on a grid of whole periods.
-    Neither may block: a driver that waits for an answer takes the node's time. What was applied last stays in force.
+    Neither may block: a driver that waits for an answer takes the node's time, and after 2 s of it the process ends.
+    What was applied last stays in force.
 
     *Clocks.* All times are those of the plant node's clock: the monotonic clock when live, virtual time in lockstep. A
     driver without a clock of its own is a simulation: it moves only when asked for a later time, equal calls give equal

@@ -9,12 +9,13 @@ from passafe_protocol.messages import Vector
 from passafe.arguments.numbers import described
 from passafe_services.drivers.errors import DriverError
 from passafe_services.drivers.plant_driver import PlantDriver, Reading
+from passafe_services.foreign_errors import is_ctrl_c, words_of
 
 METHODS: Final = ("open", "read", "apply", "close")
 
 
 class StrangeDriver:
-    """Hands every call on.
+    """Hands every call on; ``close`` once.
 
     Attributes:
         has_own_clock: That of the driver.
@@ -38,14 +39,30 @@ class StrangeDriver:
             raise DriverError(name, got, f"{', '.join(METHODS)}, and has_own_clock as a bool")
         self._name, self.driver = name, driver
         self.has_own_clock = bool(clock)
+        self._calls = 0
+        self._method = ""
+        self._is_closed = False
+
+    @property
+    def call(self) -> tuple[int, str] | None:
+        """Number and name of the call that has not returned yet and should at once; ``None`` between calls."""
+        calls, method = self._calls, self._method
+        return (calls, f"driver {self._name}: {method}") if method else None
 
     def open(self) -> None:
-        """Make ready to read and apply."""
-        self._call("open", self.driver.open)
+        """Make ready to read and apply, which may take its time."""
+        try:
+            self.driver.open()
+        except BaseException as error:
+            self._close_silently()
+            raise _error(self._name, "open", error) from error
 
     def read(self, at_ns: int) -> Reading | None:
-        """Return what it reads; nobody has checked that yet."""
-        return self._call("read", lambda: self.driver.read(at_ns))  # type: ignore[no-any-return]  # see ReadingCheck
+        """Return what it reads; nobody has checked that yet. Only the model accounts for its own energies."""
+        reading = self._call("read", lambda: self.driver.read(at_ns))
+        if isinstance(reading, Reading) and reading.sample is not None:
+            return Reading(reading.x, reading.at_ns, None, reading.true_x)
+        return reading  # type: ignore[no-any-return]  # of any type: ReadingCheck says what is none
 
     def apply(self, u: Vector, at_ns: int) -> None:
         """Put an input in force."""
@@ -53,18 +70,25 @@ class StrangeDriver:
 
     def close(self) -> None:
         """Let the robot stop."""
-        try:
-            self.driver.close()
-        except Exception as error:
-            raise _error(self._name, "close", error) from error
+        if not self._is_closed:
+            self._is_closed = True
+            self._call("close", self.driver.close)
 
     def _call(self, method: str, run: Callable[[], Any]) -> Any:  # noqa: ANN401 - a stranger's driver returns anything
+        self._calls += 1
+        self._method = method
         try:
             return run()
-        except Exception as error:
-            with suppress(Exception):  # the first error is the one to report
-                self.driver.close()
+        except BaseException as error:
+            self._close_silently()
             raise _error(self._name, method, error) from error
+        finally:
+            self._method = ""
+
+    def _close_silently(self) -> None:
+        """Let the robot stop after an error, which is the one to report."""
+        with suppress(DriverError):
+            self.close()
 
 
 def made(name: str, make: Callable[[], PlantDriver]) -> StrangeDriver:
@@ -79,14 +103,13 @@ def made(name: str, make: Callable[[], PlantDriver]) -> StrangeDriver:
     """
     try:
         driver = make()
-    except Exception as error:
+    except BaseException as error:
         raise _error(name, "made", error) from error
     return StrangeDriver(name, driver)
 
 
-def _error(name: str, method: str, error: Exception) -> DriverError:
-    """Return what a stranger's code raised, in one line; its own ``DriverError`` as it is."""
-    if isinstance(error, DriverError):
+def _error(name: str, method: str, error: BaseException) -> BaseException:
+    """Return what a stranger's code raised, in one line; its own ``DriverError`` and the user's Ctrl-C as they are."""
+    if isinstance(error, DriverError) or is_ctrl_c(error):
         return error
-    words = " ".join(f"{type(error).__name__}: {error}".split())
-    return DriverError(f"{name}: {method}", words, "no exception but DriverError")
+    return DriverError(f"{name}: {method}", words_of(error), "no exception but DriverError")

@@ -12,6 +12,7 @@ from passafe_protocol.messages import Event, Health, LinkConfig, Message
 from passafe_protocol.topics import EVENT, HEALTH, LINK_CONFIG, LINK_EVENT, LINK_STATE, SCENARIO, Topic
 
 from passafe.errors import PassafeError
+from passafe_services.foreign_errors import words_of
 from passafe_services.loop.bounded_reading import DRAIN_SHARE, READ_SHARE, BoundedReading
 from passafe_services.loop.bus import Bus
 from passafe_services.loop.health_report import HealthReporter
@@ -111,9 +112,25 @@ class Driver:
         try:
             return self._loop(pace, stop, end_ns, finished, collect)
         except Exception as error:
-            words = str(error) if isinstance(error, PassafeError) else f"{type(error).__name__}: {error}"
-            self.report("end", "error", f"ended by an error after {pace.steps} steps: {' '.join(words.split())}")
+            self._report_error(f"after {pace.steps} steps", error)
             raise
+
+    def reporting_errors(self, when: str, call: Callable[[], object]) -> None:
+        """Call what belongs to the node; what it raises stands in the log, too.
+
+        Args:
+            when: When in the life of the process that is, for people.
+            call: Is called once.
+        """
+        try:
+            call()
+        except Exception as error:
+            self._report_error(when, error)
+            raise
+
+    def _report_error(self, when: str, error: Exception) -> None:
+        words = " ".join(str(error).split()) if isinstance(error, PassafeError) else words_of(error)
+        self.report("error", "error", f"ended by an error {when}: {words}")
 
     def _loop(
         self,

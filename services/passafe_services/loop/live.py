@@ -1,28 +1,39 @@
 """Runs one node in one process, at a fixed rate, over the bus."""
 
+import os
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
+from functools import partial
 from time import monotonic_ns
-from typing import Final
+from typing import Final, NoReturn
 
 from passafe_protocol.keys import DEFAULT_ROBOT
 from passafe_protocol.link_change import LinkChange
 from passafe_protocol.link_settings import LinkSettings
 
-from passafe_services.loop.bus import open_bus
+from passafe_services.loop.bus import Bus, open_bus
 from passafe_services.loop.driver import Driver
+from passafe_services.loop.hang_watch import HANG_S, Call, hang_watch
 from passafe_services.loop.health_report import HealthReporter
 from passafe_services.loop.pace import Pace
 from passafe_services.loop.rate_limited_log import RateLimitedLog
 from passafe_services.loop.readiness import announce_ready
-from passafe_services.loop.realtime import lower_priority, paused_garbage_collection, pin_to_processor, request_realtime
+from passafe_services.loop.realtime import (
+    lower_priority,
+    paused_garbage_collection,
+    pin_to_processor,
+    request_realtime,
+)
 from passafe_services.loop.receipts import Receipts
 from passafe_services.loop.router_endpoint import RouterEndpoint
 from passafe_services.loop.shared_scenario import SharedScenario
 from passafe_services.loop.stop import StopReason, stop_requests
 from passafe_services.node import Node
+
+HUNG: Final = 2
+"""Exit code of a process that ends because a call hangs."""
 
 _NS_PER_S: Final = 1e9
 
@@ -58,7 +69,9 @@ def run_live(
     epoch: int | None = None,
     lifeline: bool = False,
     finished: Callable[[], bool] | None = None,
+    begun: Callable[[], object] = lambda: None,
     ended: Callable[[], object] = lambda: None,
+    waits_in: Callable[[], Call | None] | None = None,
     health: HealthReporter | None = None,
     scenario_json: str = "",
 ) -> LiveReport:
@@ -79,7 +92,10 @@ def run_live(
         epoch: Session number of the published messages; the wall clock in ns if not given.
         lifeline: Whether standard input is a lifeline (see ``passafe_services.loop.stop``).
         finished: Called before each step; true ends the run.
+        begun: Called once on the bus, before the process is ready.
         ended: Called after the last step, also after an error, before the recorder is waited for.
+        waits_in: Returns the call of somebody's code that the loop waits for, if any: one that does not return ends the
+            process, with an event that says so.
         health: Reports the health of the loop to what supervises the process.
         scenario_json: Scenario of the process, to be compared with the filter's; empty: it is not.
 
@@ -103,6 +119,9 @@ def run_live(
         receipts = Receipts(bus)
         if refusal is not None:
             driver.report("realtime", "warning", refusal)
+        stack.callback(_await_recorder, driver, receipts)  # nor is what led to an error lost
+        stack.enter_context(hang_watch(waits_in, partial(_end_hanging, driver, receipts, bus)))
+        driver.reporting_errors("before its first step", begun)
         announce_ready(node.name)
         lower_priority()
         collect = stack.enter_context(paused_garbage_collection())
@@ -110,15 +129,8 @@ def run_live(
         request_realtime()
         pace = Pace(monotonic_ns() + round(_NS_PER_S / rate_hz), rate_hz)
         end_ns = None if duration_s is None else pace.due_ns + round(_NS_PER_S * duration_s)
-        try:
-            reason = driver.run(pace, stop, end_ns, finished or (lambda: False), collect)
-        finally:  # nor is what led to an error lost
-            ended()
-            unrecorded = receipts.wait_for(driver.outlet)
-            if unrecorded:
-                driver.report(
-                    "unrecorded", "warning", f"the recorder did not take the last messages of {unrecorded} topics"
-                )
+        stack.callback(driver.reporting_errors, "at its end", ended)
+        reason = driver.run(pace, stop, end_ns, finished or (lambda: False), collect)
         return LiveReport(
             steps=pace.steps,
             overruns=pace.overruns,
@@ -126,3 +138,18 @@ def run_live(
             withheld=driver.withheld,
             reason=reason,
         )
+
+
+def _await_recorder(driver: Driver, receipts: Receipts) -> None:
+    """Wait until the recorder has the last messages."""
+    unrecorded = receipts.wait_for(driver.outlet)
+    if unrecorded:
+        driver.report("unrecorded", "warning", f"the recorder did not take the last messages of {unrecorded} topics")
+
+
+def _end_hanging(driver: Driver, receipts: Receipts, bus: Bus, call: str) -> NoReturn:
+    """End the process whose main thread waits in a call: nothing else could end it."""
+    driver.report("hang", "error", f"ended: {call}: got no return for {HANG_S:g} s, allowed to return at once")
+    _await_recorder(driver, receipts)
+    bus.close()  # sends what waits to be sent
+    os._exit(HUNG)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 
+from passafe_services.loop.hang_watch import Call
 from passafe_services.loop.live import run_live
 from passafe_services.loop.process_options import ProcessOptions
 from passafe_services.node import Node
@@ -13,7 +14,9 @@ def run_node(
     options: ProcessOptions,
     *,
     finished: Callable[[], bool] | None = None,
+    begun: Callable[[], object] = lambda: None,
     ended: Callable[[], object] = lambda: None,
+    waits_in: Callable[[], Call | None] | None = None,
 ) -> None:
     """Step a node in real time until it is stopped.
 
@@ -21,7 +24,9 @@ def run_node(
         node: The node.
         options: Scenario, endpoint, robot, epoch, lifeline and health.
         finished: Called before each step; true ends the run.
+        begun: Called on the bus, before the first step.
         ended: Called after the last step, also after an error.
+        waits_in: Returns the call of somebody's code that the node waits for, if any (``run_live``).
     """
     run_live(
         node,
@@ -33,7 +38,9 @@ def run_node(
         epoch=options.epoch,
         lifeline=options.lifeline,
         finished=finished,
+        begun=begun,
         ended=ended,
+        waits_in=waits_in,
         health=options.health,
         scenario_json=options.scenario.model_dump_json(),
     )

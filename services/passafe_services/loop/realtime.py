@@ -4,6 +4,7 @@ import ctypes
 import gc
 import os
 import sys
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
@@ -51,6 +52,23 @@ def lower_priority() -> None:
     """
     if hasattr(os, "sched_setscheduler") and os.sched_getscheduler(0) == os.SCHED_FIFO:
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(SETUP_PRIORITY))
+
+
+def outrank_loops() -> None:
+    """Give this thread a priority above all loops, where it has one at all: what watches a loop must run beside it."""
+    if hasattr(os, "sched_setscheduler") and os.sched_getscheduler(0) == os.SCHED_FIFO:
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(LOOP_PRIORITY + 1))
+
+
+def suspend_realtime(thread: threading.Thread) -> Callable[[], object]:
+    """Take the real-time priority of a thread; return what gives it back, which does nothing where there was none."""
+    if not hasattr(os, "sched_setscheduler") or thread.native_id is None:
+        return lambda: None
+    policy, parameter = os.sched_getscheduler(thread.native_id), os.sched_getparam(thread.native_id)
+    if policy != os.SCHED_FIFO:
+        return lambda: None
+    os.sched_setscheduler(thread.native_id, os.SCHED_OTHER, os.sched_param(0))
+    return partial(os.sched_setscheduler, thread.native_id, policy, parameter)
 
 
 def pin_to_processor(name: str) -> None:

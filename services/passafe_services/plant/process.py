@@ -3,6 +3,7 @@
 from contextlib import closing
 
 from passafe_services.drivers.build import driver_of
+from passafe_services.drivers.strange_driver import StrangeDriver
 from passafe_services.loop.node_process import run_node
 from passafe_services.loop.process_options import ProcessOptions
 from passafe_services.plant.build import plant_node
@@ -19,7 +20,6 @@ def start(options: ProcessOptions) -> None:
     scenario = options.scenario
     model = PlantModel.of(scenario)
     with closing(driver_of(scenario, model, options.driver)) as driver:
-        driver.open()
         started_with = options.epoch if options.start_stopped else NO_STOP
         node = plant_node(scenario, model, started_with=started_with, driver=driver)
         end_ns = None if options.duration_s is None else round(options.duration_s * 1e9)
@@ -28,5 +28,7 @@ def start(options: ProcessOptions) -> None:
             node,
             options,
             finished=lambda: end_ns is not None and node.plant_ns >= end_ns,
+            begun=driver.open,  # on the bus: what it raises is in the log
             ended=driver.close,
+            waits_in=(lambda: driver.call) if isinstance(driver, StrangeDriver) else None,
         )

@@ -2,11 +2,13 @@
 
 from collections.abc import Sized
 from math import isfinite
-from typing import Final
+from typing import Final, TypeGuard
 
+import numpy as np
 from passafe_protocol.messages import Vector
 
-from passafe.arguments.numbers import described
+from passafe.arguments.numbers import described, numbers
+from passafe.errors import ShapeError
 from passafe_services.drivers.errors import DriverError
 from passafe_services.drivers.plant_driver import Reading
 
@@ -69,12 +71,12 @@ class ReadingCheck:
         if name == "true_x" and isinstance(given, Sized) and len(given) == 0:
             return ()
         try:
-            numbers = tuple(map(float, given))  # type: ignore[call-overload]  # a stranger's driver returns anything
-        except (TypeError, ValueError) as error:
+            found = given if _is_plain(given) else numbers(name, given)
+        except ShapeError as error:
             raise DriverError(f"{_READING} {name}", described(given), f"{self._states} numbers") from error
-        if len(numbers) != self._states:
-            raise DriverError(f"{_READING} {name}", f"{len(numbers)} numbers", f"{self._states} numbers")
-        return numbers
+        if len(found) != self._states:
+            raise DriverError(f"{_READING} {name}", f"{len(found)} numbers", f"{self._states} numbers")
+        return found
 
     def _against(self, x: Vector, true_x: Vector, read_ns: int, at_ns: int) -> str:
         """Return what speaks against a reading, in words; empty: nothing."""
@@ -86,9 +88,13 @@ class ReadingCheck:
         return ""
 
 
+def _is_plain(given: object) -> TypeGuard[Vector]:
+    """Return whether that is a tuple of floats already, as most drivers return it at every period."""
+    return type(given) is tuple and all(type(number) is float for number in given)
+
+
 def _whole(given: object) -> int:
     """Return a time in whole nanoseconds."""
-    try:
-        return int(given)  # type: ignore[call-overload, no-any-return]  # a stranger's driver returns anything
-    except (TypeError, ValueError, OverflowError) as error:
-        raise DriverError(f"{_READING} at_ns", described(given), "a whole number of ns") from error
+    if not isinstance(given, int | float | np.integer | np.floating) or not isfinite(given):
+        raise DriverError(f"{_READING} at_ns", described(given), "a whole number of ns")
+    return int(given)

@@ -1,0 +1,61 @@
+"""Watch over calls that a loop waits for and that may not return: the loop itself could no longer report it."""
+
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Final
+
+from passafe_services.loop.realtime import outrank_loops, suspend_realtime
+
+LOOK_S: Final = 0.1
+"""Time between two looks."""
+
+PATIENCE_LOOKS: Final = 20
+"""Looks in a row at one call after which it hangs: looks and not time, since a suspended process hangs in nothing."""
+
+SLOW_LOOKS: Final = 2
+"""Looks in a row after which the loop has no real-time priority until the call returns: in a busy loop it would starve
+the threads of the bus and other loops on its processor."""
+
+HANG_S: Final = LOOK_S * PATIENCE_LOOKS
+"""The same in s, of a process that runs."""
+
+Call = tuple[int, str]
+"""Number of a call, and its name in words."""
+
+
+@contextmanager
+def hang_watch(current: Callable[[], Call | None] | None, on_hang: Callable[[str], object]) -> Iterator[None]:
+    """Look at the call that the loop in the main thread waits for, in another one, while the block runs.
+
+    Args:
+        current: Returns the call; ``None`` between calls. No watch if not given.
+        on_hang: Called once, in that thread, with the name of a call that does not return.
+    """
+    if current is None:
+        yield
+        return
+    done = threading.Event()
+    threading.Thread(target=_watch, args=(current, on_hang, done), name="hang-watch", daemon=True).start()
+    try:
+        yield
+    finally:
+        done.set()
+
+
+def _watch(current: Callable[[], Call | None], on_hang: Callable[[str], object], done: threading.Event) -> None:
+    outrank_loops()
+    restore: Callable[[], object] | None = None
+    before, looks = None, 0
+    while not done.wait(LOOK_S):
+        call = current()
+        looks = looks + 1 if call is not None and call == before else 0
+        before = call
+        if looks == SLOW_LOOKS:
+            restore = suspend_realtime(threading.main_thread())
+        elif looks == 0 and restore is not None:
+            restore()
+            restore = None
+        if call is not None and looks >= PATIENCE_LOOKS:
+            on_hang(call[1])
+            return
