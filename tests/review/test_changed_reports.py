@@ -1,6 +1,8 @@
 """Changes of what states and ticks report besides the motion and the decision are found and named, too."""
 
 from collections.abc import Callable
+from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -136,3 +138,36 @@ def test_an_unchanged_log_agrees(walls: Recorded, tmp_path_factory: pytest.TempP
     assert verdict.properties["states-agree"].note == ""
     assert verdict.properties["decisions-agree"].note == ""
     assert verdict.properties["ticks-agree"].note == ""
+
+
+def with_a_stall(run: Recorded) -> Recorded:
+    """Return a run whose robot went on by its own clock: the plant left out the states up to a held input of theirs."""
+    states = [(header, body) for header, body in run.messages if isinstance(body, PlantState)]
+    held = next(
+        k
+        for k, ((_, before), (_, body)) in enumerate(pairwise(states))
+        if (before.phase, body.phase) == (PlantPhase.RUNNING, PlantPhase.HOLDING)
+    )
+    first, left_out = states[held - 4][0].sequence, 5
+    kept = []
+    for header, body in run.messages:
+        number = header.sequence
+        if not isinstance(body, PlantState) or number < first:
+            kept.append((header, body))
+        elif number >= first + left_out:
+            kept.append((replace(header, sequence=number - left_out), body))
+    return Recorded(run.scenario, kept)
+
+
+def test_held_input_may_have_begun_in_a_stall(walls: Recorded, tmp_path: Path) -> None:
+    entry = verdict_on(with_a_stall(walls).write(tmp_path / "stall.mcap")).properties["states-agree"]
+
+    assert not any("HOLDING" in violation.text for violation in entry.violations)
+
+
+def test_input_held_after_a_stall_began_in_it_or_was_in_force(walls: Recorded, tmp_path: Path) -> None:
+    change = in_phase(PlantPhase.HOLDING, input_since_ns=lambda body: body.input_since_ns - 20_000_000)
+    log = with_a_stall(walls).write(tmp_path / "changed.mcap", change)
+
+    entry = verdict_on(log).properties["states-agree"]
+    assert any("HOLDING with another input_since_ns" in violation.text for violation in entry.violations)

@@ -154,11 +154,7 @@ class StateReportCheck:
         known = same & (of["received_tick"][0] == of["received_tick"][1])
         refute("input_lead_ns changes without another input", known & (np.diff(found.of["input_lead_ns"]) != 0))
         self._take_breaks(of, follows, refute)
-        holds = follows & (of["phase"][1] == PlantPhase.HOLDING)
-        for path in ("applied_tick", "input_since_ns"):
-            refute(f"phase HOLDING with another {path}", holds & (of[path][0] != of[path][1]))
-        changed = (found.asked[:, 1:] != found.asked[:, :-1]).any(axis=0)
-        refute("phase HOLDING with another input", holds & changed)
+        self._take_held(found, of, follows, refute)
         moved = follows & (plant_ns > before_ns)
         stopped = (of["stop"][1] != 0) & (of["phase"][1] != PlantPhase.FAIL_SAFE)
         refute("an input under an emergency stop", moved & stopped & (of["phase"][1] != PlantPhase.WAITING))
@@ -167,6 +163,25 @@ class StateReportCheck:
         refute("guarded more often than there were inputs", follows & (more > periods + (before_ns == 0)))
         once = moved & (periods == 1) & (before_ns > 0)
         refute("an act of the guard that it did not count, or a count of none", once & ((more == 1) != found.acts[1:]))
+
+    def _take_held(
+        self,
+        found: _Reports,
+        of: dict[str, tuple[IntArray, IntArray]],
+        follows: Rows,
+        refute: Callable[[str, Rows], None],
+    ) -> None:
+        """Check that a held input is that of the state before, or of a period between that was not reported.
+
+        A plant with a clock of its own reports the last of the periods that passed in a stall.
+        """
+        (before_ns, plant_ns), (_, since_ns) = of["plant_ns"], of["input_since_ns"]
+        is_renewed = (since_ns > before_ns) & (since_ns < plant_ns)
+        holds = follows & (of["phase"][1] == PlantPhase.HOLDING) & ~is_renewed
+        for path in ("applied_tick", "input_since_ns"):
+            refute(f"phase HOLDING with another {path}", holds & (of[path][0] != of[path][1]))
+        changed = (found.asked[:, 1:] != found.asked[:, :-1]).any(axis=0)
+        refute("phase HOLDING with another input", holds & changed)
 
     def _take_breaks(
         self, of: dict[str, tuple[IntArray, IntArray]], follows: Rows, refute: Callable[[str, Rows], None]
