@@ -29,6 +29,7 @@ from passafe_services.tools.review.agreement import LogAgreement, relative
 from passafe_services.tools.review.explanation_check import ExplanationCheck
 from passafe_services.tools.review.filter_claims import ANSWERED, IntArray
 from passafe_services.tools.review.limit_pushes import pushed_to_limits, unlike_pull
+from passafe_services.tools.review.parallel_pushes import pushed_alike
 from passafe_services.tools.review.plant_evaluator import FloatArray
 from passafe_services.tools.review.trajectory import NS_PER_S
 
@@ -197,7 +198,7 @@ class DecisionCheck:
                 logged.rows,
                 batch.batch.block[:, used].T,
                 batch.status[used] == Status.PASSED,
-                pushed_to_limits(batch, size),
+                pushed_to_limits(batch, size) | pushed_alike(batch, size),
             ),
         }
 

@@ -64,7 +64,7 @@ class ExplanationCheck:
             rows: Those of which decisions were made anew.
             blocks: Blocks of these decisions, shape (N, numbers of a decision).
             passed: Which of them have passed what was asked for, shape (N,).
-            contested: Rows whose push may be that of a limit as well, shape (rows, N).
+            contested: Rows whose push may be that of a limit or of a parallel row as well, shape (rows, N).
         """
         found = self._explainer.explain(blocks)
         is_plain = passed & ~found.change.any(axis=1)
