@@ -8,25 +8,30 @@ import pytest
 from passafe_services.tools.review.parallel_pushes import pushed_alike
 
 
-def batch(*gradients: tuple[float, float], margins: tuple[float, ...]) -> Any:  # noqa: ANN401 - what is read of one
+def batch(*gradients: tuple[float, float], margins: tuple[float, ...], z: float) -> Any:  # noqa: ANN401 - what is read
     """Return one decision about two axes with a row for each gradient."""
-    program = SimpleNamespace(G=np.array(gradients).T[:, :, None])
-    evaluation = SimpleNamespace(u_plus=np.zeros((2, 1)), margins=np.array(margins)[:, None])
-    return SimpleNamespace(program=program, evaluation=evaluation, constraints=len(gradients))
+    return SimpleNamespace(
+        program=SimpleNamespace(G=np.array(gradients).T[:, :, None]),
+        evaluation=SimpleNamespace(u_plus=np.zeros((2, 1)), margins=np.array(margins)[:, None]),
+        core=SimpleNamespace(design=SimpleNamespace(tolerance=SimpleNamespace(gap=1e-6))),
+        part=lambda _name: np.array([[z]]),
+    )
 
 
 @pytest.mark.parametrize(
-    ("second", "margins", "alike"),
+    ("second", "margin", "z", "alike"),
     [
-        ((0.6, 0.8), (0.0, 0.003), True),
-        ((0.6, 0.8), (0.0, 0.1), False),  # the other does not bind
-        ((-0.6, -0.8), (0.0, 0.0), False),
-        ((0.8, 0.6), (0.0, 0.0), False),
+        ((0.6, 0.8), 1e-6, 0.0, True),
+        ((0.6, 0.8), 0.3, 0.0, False),  # with a push of 0.5 the certificate would not have accepted it
+        ((0.6, 0.8), 0.3, 400.0, True),
+        ((-0.6, -0.8), 1e-6, 0.0, False),
+        ((0.8, 0.6), 1e-6, 0.0, False),
     ],
 )
-def test_rows_that_bind_along_one_direction(
-    second: tuple[float, float], margins: tuple[float, float], *, alike: bool
+def test_rows_that_may_push_along_one_direction(
+    second: tuple[float, float], margin: float, z: float, *, alike: bool
 ) -> None:
-    found = pushed_alike(batch((0.6, 0.8), second, (0.0, 1.0), margins=(*margins, 0.0)), 1)
+    decided = batch((0.6, 0.8), second, (0.0, 1.0), margins=(0.0, margin, 0.0), z=z)
+    dual = np.array([[0.5], [0.5], [0.0]])
 
-    assert found[:, 0].tolist() == [alike, alike, False]
+    assert pushed_alike(decided, dual)[:, 0].tolist() == [alike, alike, False]

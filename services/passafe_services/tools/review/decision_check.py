@@ -198,7 +198,8 @@ class DecisionCheck:
                 logged.rows,
                 batch.batch.block[:, used].T,
                 batch.status[used] == Status.PASSED,
-                pushed_to_limits(batch, size) | pushed_alike(batch, size),
+                pushed_to_limits(batch, size) | pushed_alike(batch, logged.dual),
+                logged.u - batch.evaluation.u_plus[:, used],
             ),
         }
 

@@ -37,6 +37,7 @@ class ExplanationCheck:
     def __init__(self, core: SafetyPassivityFilter) -> None:
         self._parts = core.layout.parts
         self._m, self._constraints = core.design.system.m, core.constraints
+        self._gain = core.design.dt_s * core.design.k_i
         self._explainer = Explainer(core)
         self._hard = core.derivation.rows.hard
         self._barriers: tuple[BarrierMembers, ...] = barrier_members(core)
@@ -56,6 +57,7 @@ class ExplanationCheck:
         blocks: FloatArray,
         passed: NDArray[np.bool_],
         contested: NDArray[np.bool_],
+        apart: FloatArray,
     ) -> dict[str, FloatArray]:
         """Return the largest difference of each tick by quantity, shape (N,) each.
 
@@ -65,11 +67,14 @@ class ExplanationCheck:
             blocks: Blocks of these decisions, shape (N, numbers of a decision).
             passed: Which of them have passed what was asked for, shape (N,).
             contested: Rows whose push may be that of a limit or of a parallel row as well, shape (rows, N).
+            apart: Logged inputs less those of the new decisions, both within the certificate's tolerance, shape (m, N).
         """
         found = self._explainer.explain(blocks)
         is_plain = passed & ~found.change.any(axis=1)
         fraction = found.allowed_fraction[:, 0]
-        held_back = np.where(is_plain[:, None], found.change, found.held_back)
+        # Held back is the change of the input over a gain, which may be small: that of the logged input is meant.
+        gain = np.where(blocks[:, self._parts["start"]] != 0.0, 1.0, self._gain)
+        held_back = np.where(is_plain[:, None], found.change, found.held_back + apart.T / gain)
         return {
             "margin ε of a barrier": self._eps(block, rows, blocks),
             **self._of_rows(block, rows, blocks, found.push, found.share, is_plain, contested),
