@@ -4,7 +4,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from passafe_services.tools.review.limit_pushes import pushed_to_limits, unlike_pull
+from passafe_services.tools.review.limit_pushes import unlike_pull
 
 
 def batch() -> Any:  # noqa: ANN401 - the parts of a batch filter that are read
@@ -13,10 +13,6 @@ def batch() -> Any:  # noqa: ANN401 - the parts of a batch filter that are read
     gradients = np.repeat(np.eye(2)[:, :, None], 3, axis=2)
     program = SimpleNamespace(G=gradients, low=np.zeros((2, 3)), high=np.ones((2, 3)))
     return SimpleNamespace(program=program, evaluation=SimpleNamespace(u_plus=u))
-
-
-def test_row_of_an_axis_at_its_limit_is_not_sure() -> None:
-    assert pushed_to_limits(batch(), 3).tolist() == [[False, True, False], [False, False, True]]
 
 
 def test_pull_counts_where_no_limit_takes_it() -> None:

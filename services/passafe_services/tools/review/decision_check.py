@@ -28,8 +28,7 @@ from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.review.agreement import LogAgreement, relative
 from passafe_services.tools.review.explanation_check import ExplanationCheck
 from passafe_services.tools.review.filter_claims import ANSWERED, IntArray
-from passafe_services.tools.review.limit_pushes import pushed_to_limits, unlike_pull
-from passafe_services.tools.review.parallel_pushes import pushed_alike
+from passafe_services.tools.review.limit_pushes import unlike_pull
 from passafe_services.tools.review.plant_evaluator import FloatArray
 from passafe_services.tools.review.trajectory import NS_PER_S
 
@@ -43,7 +42,7 @@ EXACT: Final = 1e-6
 ROUNDED: Final = 1e-12
 """Relative rounding error of an input that is recovered from its change."""
 
-_ALLOWED: Final = {"u_nominal": EXACT, "φ": EXACT, "ψ": EXACT}
+_ALLOWED: Final = {"u_nominal": EXACT, "φ": EXACT, "ψ": EXACT, "held back": EXACT}
 """Differences that are allowed by the quantity; ``TOLERANCE`` for others."""
 
 AT_ONCE: Final = 1024
@@ -198,8 +197,7 @@ class DecisionCheck:
                 logged.rows,
                 batch.batch.block[:, used].T,
                 batch.status[used] == Status.PASSED,
-                pushed_to_limits(batch, size) | pushed_alike(batch, logged.dual),
-                logged.u - batch.evaluation.u_plus[:, used],
+                batch.program.G[: self._m, :, used],
             ),
         }
 

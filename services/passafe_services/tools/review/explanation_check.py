@@ -1,6 +1,6 @@
 """Check of what ticks report of the reasons for their decisions, beside the same computed anew."""
 
-from typing import ClassVar, Final
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,12 +13,6 @@ from passafe_services.log.message_block import MessageBlock
 from passafe_services.tools.review.agreement import relative
 from passafe_services.tools.review.plant_evaluator import FloatArray
 
-_CLEAR: Final = 10.0
-"""How many times the push from which a row is active a push has to be, so that no rounding decides about it."""
-
-SLIGHT: Final = 5e-3
-"""Share of the change that may be between two answers to one program that the certificate accepts."""
-
 
 class ExplanationCheck:
     """Differences of logged explanations from those of decisions that were made anew.
@@ -30,14 +24,15 @@ class ExplanationCheck:
     """
 
     wants: ClassVar[tuple[str, ...]] = (
-        *("barriers.name", "barriers.eps", "rows.name", "rows.active", "rows.share", "rows.relaxed"),
+        *("v", "u", "u_nominal"),
+        *("barriers.name", "barriers.eps", "rows.name", "rows.dual", "rows.active", "rows.share", "rows.relaxed"),
         *("override.held_back", "override.allowed_fraction", "override.unavoidable"),
     )
 
     def __init__(self, core: SafetyPassivityFilter) -> None:
         self._parts = core.layout.parts
         self._m, self._constraints = core.design.system.m, core.constraints
-        self._gain = core.design.dt_s * core.design.k_i
+        self._k_i, self._dt_s = core.design.k_i, core.design.dt_s
         self._explainer = Explainer(core)
         self._hard = core.derivation.rows.hard
         self._barriers: tuple[BarrierMembers, ...] = barrier_members(core)
@@ -56,8 +51,7 @@ class ExplanationCheck:
         rows: Places,
         blocks: FloatArray,
         passed: NDArray[np.bool_],
-        contested: NDArray[np.bool_],
-        apart: FloatArray,
+        gradients: FloatArray,
     ) -> dict[str, FloatArray]:
         """Return the largest difference of each tick by quantity, shape (N,) each.
 
@@ -66,19 +60,15 @@ class ExplanationCheck:
             rows: Those of which decisions were made anew.
             blocks: Blocks of these decisions, shape (N, numbers of a decision).
             passed: Which of them have passed what was asked for, shape (N,).
-            contested: Rows whose push may be that of a limit or of a parallel row as well, shape (rows, N).
-            apart: Logged inputs less those of the new decisions, both within the certificate's tolerance, shape (m, N).
+            gradients: Gradients of the rows, without slack, shape (m, rows, N).
         """
         found = self._explainer.explain(blocks)
         is_plain = passed & ~found.change.any(axis=1)
         fraction = found.allowed_fraction[:, 0]
-        # Held back is the change of the input over a gain, which may be small: that of the logged input is meant.
-        gain = np.where(blocks[:, self._parts["start"]] != 0.0, 1.0, self._gain)
-        held_back = np.where(is_plain[:, None], found.change, found.held_back + apart.T / gain)
         return {
             "margin ε of a barrier": self._eps(block, rows, blocks),
-            **self._of_rows(block, rows, blocks, found.push, found.share, is_plain, contested),
-            "held back": relative(block.ragged("override.held_back").take(rows).matrix(self._m).T, held_back.T),
+            **self._of_rows(block, rows, blocks, gradients),
+            "held back": self._held_back(block, rows, blocks),
             "allowed fraction": np.abs(
                 block.numbers("override.allowed_fraction")[rows] - np.where(is_plain, 1.0, np.maximum(fraction, 0.0))
             ),
@@ -93,54 +83,48 @@ class ExplanationCheck:
         logged = block.ragged("barriers.eps").take(rows).matrix(len(self._barriers)).T
         return relative(logged, np.stack(found) if self._has_eps and found else np.zeros_like(logged))
 
-    def _of_rows(
-        self,
-        block: MessageBlock,
-        rows: Places,
-        blocks: FloatArray,
-        push: FloatArray,
-        share: FloatArray,
-        is_plain: NDArray[np.bool_],
-        contested: NDArray[np.bool_],
-    ) -> dict[str, FloatArray]:
-        count = self._constraints
+    def _held_back(self, block: MessageBlock, rows: Places, blocks: FloatArray) -> FloatArray:
+        """Return differences of what was held back from what the change of the input says, v = k_i · held back."""
+        v, u, u_nominal, logged = (
+            block.ragged(path).take(rows).matrix(self._m).T for path in ("v", "u", "u_nominal", "override.held_back")
+        )
+        start = blocks[:, self._parts["start"]].T
+        return relative(logged, np.where(start, u - u_nominal, v / self._k_i))
 
-        def logged(path: str) -> FloatArray:
+    def _of_rows(
+        self, block: MessageBlock, rows: Places, blocks: FloatArray, gradients: FloatArray
+    ) -> dict[str, FloatArray]:
+        """Return differences of what ticks say of rows from what follows from their duals and from what they held back.
+
+        It follows from the answer of the tick: another one that the certificate accepts as well may push by other rows.
+        """
+
+        def logged(path: str, count: int = self._constraints) -> FloatArray:
             found: FloatArray = block.ragged(path).take(rows).matrix(count).T.astype(np.float64)
             return found
 
-        push, share = push[:, :count].T, share[:, :count].T
-        active = (push > ACTIVE_DUAL) & ~is_plain
-        flags, logged_share = logged("rows.active"), logged("rows.share")
-        sure = (is_sure(push, share, flags > 0.0, logged_share) & ~contested) | is_plain
-        relaxed = np.zeros((count, rows.size))
+        dual = logged("rows.dual")
+        active = dual > ACTIVE_DUAL
+        ratio, along = self._push(dual, logged("override.held_back", self._m), blocks, gradients)
+        relaxed = np.zeros((self._constraints, rows.size))
         relaxed[: self._hard] = blocks[:, self._parts["relax"]].T
         return {
-            "active row": _largest(np.where(sure, np.abs(flags - active), 0.0), rows.size),
-            "share of a row": _largest(np.where(sure, np.abs(logged_share - active * share), 0.0), rows.size),
+            "active row": _largest(np.abs(logged("rows.active") - active), rows.size),
+            "share of a row": _largest(np.abs(logged("rows.share") - active * ratio * along) / (1 + ratio), rows.size),
             "relaxed row": relative(logged("rows.relaxed"), relaxed),
         }
 
-
-def is_sure(
-    push: FloatArray, share: FloatArray, logged_active: NDArray[np.bool_], logged_share: FloatArray
-) -> NDArray[np.bool_]:
-    """Return of which rows it is certain whether they are active, same shape as all arguments.
-
-    Two answers that are both accepted may differ by what the certificate tolerates: one of them may have a slight push
-    by a row that the other one has none by.
-
-    Args:
-        push: Of every row, computed anew.
-        share: Its share of the change, computed anew.
-        logged_active: Whether the log calls it active.
-        logged_share: Its share in the log.
-    """
-    is_clear = (push > _CLEAR * ACTIVE_DUAL) | (push < ACTIVE_DUAL / _CLEAR)
-    is_slight = ~logged_active & (push > ACTIVE_DUAL) & (np.abs(share) <= SLIGHT)
-    is_logged_slight = logged_active & (push <= ACTIVE_DUAL) & (logged_share != 0.0) & (np.abs(logged_share) <= SLIGHT)
-    sure: NDArray[np.bool_] = is_clear & ~is_slight & ~is_logged_slight
-    return sure
+    def _push(
+        self, dual: FloatArray, held_back: FloatArray, blocks: FloatArray, gradients: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return each push over the size of the change, and the part of the row's gradient along the change."""
+        start = blocks[:, self._parts["start"]].T
+        size = np.linalg.norm(held_back, axis=0)
+        change = np.where(start, 1.0, self._k_i * self._dt_s) * size
+        is_changed = (size > 0.0) & (change > 0.0)
+        unit = np.divide(held_back, size, where=is_changed, out=np.zeros_like(held_back))
+        ratio = np.divide(np.abs(dual), change, where=np.broadcast_to(is_changed, dual.shape), out=np.zeros_like(dual))
+        return ratio, np.einsum("kce,ke->ce", gradients, unit)
 
 
 def _largest(difference: FloatArray, size: int) -> FloatArray:

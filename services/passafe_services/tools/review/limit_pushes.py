@@ -1,4 +1,4 @@
-"""Rows that push an axis of the input which is at its limit: the push may be the limit's as well."""
+"""Pushes of rows on an axis of the input which is at its limit: they may be the limit's as well."""
 
 from typing import Final
 
@@ -11,21 +11,11 @@ from passafe_services.tools.review.plant_evaluator import FloatArray
 AT_LIMIT: Final = 1e-3
 """Relative distance to a limit below which an answer may count as being there."""
 
-LEAST_PART: Final = 1e-6
-"""Least part of a row's unit gradient along an axis that counts."""
-
 
 def axes_at_limits(batch: BatchFilter, size: int) -> NDArray[np.bool_]:
     """Return which axes of the input are at a limit, up to what two accepted answers differ by, shape (m, size)."""
     u, low, high = (part[:, :size] for part in (batch.evaluation.u_plus, batch.program.low, batch.program.high))
     return np.asarray(np.minimum(u - low, high - u) <= AT_LIMIT * (1 + np.abs(u)))
-
-
-def pushed_to_limits(batch: BatchFilter, size: int) -> NDArray[np.bool_]:
-    """Return which rows push an axis that is at its limit, shape (rows, size)."""
-    at_limit = axes_at_limits(batch, size)
-    pushes = np.abs(batch.program.G[: at_limit.shape[0], :, :size]) > LEAST_PART
-    return np.asarray((pushes & at_limit[:, None, :]).any(axis=0))
 
 
 def unlike_pull(batch: BatchFilter, difference: FloatArray, dual: FloatArray) -> FloatArray:
