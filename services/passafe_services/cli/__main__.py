@@ -1,6 +1,7 @@
 """Starts the command line: the console script ``passafe``, and ``python -m passafe_services.cli``."""
 
 import os
+import signal
 import sys
 
 from passafe_services.cli.failure import INTERRUPTED, refuse, refuse_missing_module
@@ -19,11 +20,15 @@ def main() -> None:
         return
     sys.argv[1:] = map(with_home, sys.argv[1:])
     os.environ["PYTHONSAFEPATH"] = "1"
-    try:
-        _run_commands()
-    except KeyboardInterrupt:  # while modules are loaded
-        sys.stderr.write("interrupted\n")
-        sys.exit(INTERRUPTED)
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # not ignored, as it is in the background
+        signal.signal(signal.SIGINT, _end_while_loading)
+    _run_commands()
+
+
+def _end_while_loading(_signum: int, _frame: object) -> None:
+    """End at once: a KeyboardInterrupt in one of the import system's callbacks would be lost."""
+    os.write(sys.stderr.fileno(), b"interrupted\n")
+    os._exit(INTERRUPTED)
 
 
 def _run_commands() -> None:
@@ -38,6 +43,8 @@ def _run_commands() -> None:
         refuse(f"cannot load a library: {error}: is memory limited (ulimit -v, a container's)?")
     except MemoryError:
         refuse("out of memory while loading: is there a limit (ulimit -v, a container's)?")
+    if signal.getsignal(signal.SIGINT) is _end_while_loading:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     run_commands()
 
 
