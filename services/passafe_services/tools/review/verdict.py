@@ -1,67 +1,32 @@
 """Verdict on one run, as printed by ``passafe review --json``."""
 
-from collections.abc import Mapping, Sequence
-from math import inf
-from typing import Final, Protocol, Self
+from typing import Final, Self
 
 from passafe_protocol.messages import PlantState
-from passafe_protocol.topics import COMMAND, LINK_EVENT, STATE, TICK, TOPICS
+from passafe_protocol.topics import COMMAND, STATE, TICK
 from pydantic import BaseModel, ConfigDict
 
-from passafe_services.log.continuity import TopicCount
 from passafe_services.scenarios.schema import Scenario
 from passafe_services.tools.review.between_samples import RecomputedMargins
 from passafe_services.tools.review.command_use import CommandUse
-from passafe_services.tools.review.emergency_stops import driven_but_for_stops
 from passafe_services.tools.review.errors import MismatchedLogError
 from passafe_services.tools.review.extremum import Extremum
 from passafe_services.tools.review.guard_record import GuardAccount
-from passafe_services.tools.review.input_origin import driven_by_the_filter
+from passafe_services.tools.review.judged_properties import ReadLog, judged_properties
 from passafe_services.tools.review.link_accounts import LinkAccount
 from passafe_services.tools.review.plant_evaluator import PlantEvaluator
-from passafe_services.tools.review.properties import (
-    CONTROL_TOPICS,
-    Completeness,
-    Tolerances,
-    cut_short,
-    judge_completeness,
-    judge_links,
-    judge_run,
-)
+from passafe_services.tools.review.properties import Tolerances
 from passafe_services.tools.review.property import Property
 from passafe_services.tools.review.run_identity import DriverName
 from passafe_services.tools.review.run_log import RunLog
 from passafe_services.tools.review.run_review import POINTS_PER_PERIOD, RunReview
 from passafe_services.tools.review.steering import Steering
 from passafe_services.tools.review.timing import Percentiles, Timing
-from passafe_services.tools.review.trajectory import NS_PER_S, Trajectory
+from passafe_services.tools.review.trajectory import Trajectory
 from passafe_services.tools.review.verdict_words import Outcome, decide, in_words
 
 CONTROL_LOOP: Final = {"operator": COMMAND, "filter": TICK, "plant": STATE}
 """Topic that each process of the loop publishes in every step."""
-
-
-OF_THE_FILTER: Final = tuple(topic for topic in TOPICS if topic.recorded and topic.publishers == ("filter",))
-"""Topics whose numbers begin when a filter does, and with it the run."""
-
-
-class ReadLog(Protocol):
-    """Log that was read to its end, in one pass or in memory."""
-
-    @property
-    def finished(self) -> bool:
-        """True if its writer finished it, also before a recovery."""
-        ...
-
-    @property
-    def shortcomings(self) -> Sequence[str]:
-        """Reasons for which its checkpoints do not prove that nothing is missing, in words."""
-        ...
-
-    @property
-    def counts(self) -> Mapping[str, TopicCount]:
-        """Message counts of every topic, by its name."""
-        ...
 
 
 class Verdict(BaseModel):
@@ -204,7 +169,7 @@ class Verdict(BaseModel):
         plant.finish()
         margins = RecomputedMargins(**review.margins.extrema())
         accounts = review.links.accounts()
-        properties = _properties(review, log, margins, accounts)
+        properties = judged_properties(review, log, margins, accounts)
         timing = review.timing.timing()
         solve_us_p50, solve_us_p99 = _percentiles(timing.solve_us)
         late_us_p50, late_us_p99 = _percentiles((timing.late_us or {}).get("filter"))
@@ -252,48 +217,6 @@ class Verdict(BaseModel):
             verdict=decide(properties),
             words=in_words(properties),
         )
-
-
-def _properties(
-    review: RunReview, log: ReadLog, margins: RecomputedMargins, accounts: list[LinkAccount]
-) -> dict[str, Property]:
-    scenario, tolerances = review.identity.scenario, review.tolerances
-    driven = driven_by_the_filter(review.drive.property(), review.origin.foreign())
-    return {
-        "no-fallback": review.decisions.fallbacks.property(),
-        "driven": driven_but_for_stops(driven, review.plant.stops),
-        **judge_run(
-            scenario,
-            margins,
-            tolerances,
-            bounded=review.limits.property(),
-            certified=review.decisions.certified(required=scenario.filter.mode != "off"),
-        ),
-        **review.assumption(),
-        **review.agreement(),
-        "complete": judge_completeness(_completeness(review, log)),
-        "links-reconciled": judge_links(accounts, has_events=log.counts[LINK_EVENT.name].received > 0),
-    }
-
-
-def _completeness(review: RunReview, log: ReadLog) -> Completeness:
-    plant, period_s = review.plant, review.identity.scenario.dt_s
-    counts = [log.counts[topic.name] for topic in CONTROL_TOPICS]
-    walls = [count.first_gap_wall_ns for count in counts if count.first_gap_wall_ns is not None]
-    moving = plant.moving
-    first_s, lasted_s = ((moving[0].first_ns or 0) / NS_PER_S, moving[-1].last_ns / NS_PER_S) if moving else (inf, 0.0)
-    waited = bool(moving) and next(iter(plant.sessions.values())).waited
-    return Completeness(
-        gaps=sum(count.gaps for count in log.counts.values())
-        + sum(log.counts[topic.name].missed_at_start for topic in OF_THE_FILTER),
-        out_of_order=sum(count.out_of_order for count in counts),
-        contradicting=sum(count.contradicting for count in log.counts.values()),
-        first_gap_s=plant.plant_s(min(walls)) if walls else None,
-        is_finished=log.finished,
-        shows_start=waited or first_s <= period_s,
-        shortcomings=log.shortcomings,
-        cut_short=cut_short(review.identity.planned_s, lasted_s, period_s) or plant.plants.in_words(),
-    )
 
 
 def trajectory_of(log: RunLog) -> Trajectory:
