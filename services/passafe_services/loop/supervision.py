@@ -1,41 +1,23 @@
 """Processes under supervision: started in order, restarted, killed on request, stopped in reverse order."""
 
 import asyncio
-import signal
 import socket
-from collections.abc import Callable, Collection, Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Sequence
 from functools import partial
 from typing import Final
 
 from passafe_services.loop.child_process import ChildProcess, Intent
+from passafe_services.loop.end_requests import EndRequests
 from passafe_services.loop.first_of import first_of
 from passafe_services.loop.process_exit import Exit, ExitCause
 from passafe_services.loop.process_spec import ProcessSpec
+from passafe_services.loop.run_end import RunEnd
 from passafe_services.loop.session_epochs import SessionEpochs
-
-_SIGNALS: Final = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 _NO_RESOURCES: Final = (OSError, RuntimeError, MemoryError)
 """No program, file descriptor or process; no thread; no memory."""
 
 PrintLine = Callable[[str], None]
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class RunEnd:
-    """End of a run and its cause.
-
-    Attributes:
-        cause: Cause of the end.
-        culprit: Process that caused it, if one did.
-        detail: Description in one line.
-    """
-
-    cause: ExitCause
-    culprit: str | None
-    detail: str
 
 
 class Supervision:
@@ -47,6 +29,9 @@ class Supervision:
         epochs: Epochs of the sessions.
         on_change: Called when a process was started, is ready or has ended.
         on_control: Called with the name of a process that was started with a control channel, and with this end of it.
+
+    Attributes:
+        end_requests: Requests to end the run, which ``start`` and ``watch`` follow.
     """
 
     def __init__(
@@ -68,35 +53,19 @@ class Supervision:
         self._starting: list[ChildProcess] = []
         self._ended: list[ChildProcess] = []
         self._restarted_s: dict[str, list[float]] = {}  # times of restarts by name
-        self._stop = asyncio.Event()
-        self._kill = asyncio.Event()
-        self._interrupt = asyncio.Event()
-        self._request = asyncio.Event()
-        self._signal = ""
+        self.end_requests = EndRequests()
+        self._request = asyncio.Event()  # of a restart
 
     @property
     def states(self) -> dict[str, str]:
         """State of each process by name: ``starting``, ``running``, ``restarting`` or ``down``."""
         return {child.spec.name: _state(child) for child in self._children}
 
-    @property
-    def is_stopping(self) -> bool:
-        """True once a signal has requested the end."""
-        return self._stop.is_set()
-
     def take_exits(self) -> tuple[Exit, ...]:
         """Return the exits since the last call, in the order in which the processes ended."""
         exits = tuple(child.exit for child in self._ended)
         self._ended.clear()
         return exits
-
-    def interrupt(self) -> None:
-        """Let ``start`` and ``watch`` return with the cause ``REQUESTED`` until ``resume``."""
-        self._interrupt.set()
-
-    def resume(self) -> None:
-        """Let ``start`` and ``watch`` wait again after an ``interrupt``."""
-        self._interrupt.clear()
 
     async def start(self, specs: Sequence[ProcessSpec]) -> RunEnd | None:
         """Start each process when the previous one is ready; return the end of the run if one fails.
@@ -127,7 +96,7 @@ class Supervision:
             end = await self._mend() or self._end_so_far()
             if end is not None:
                 return end
-            await self._until(self._stop, None if end_s is None else max(0.0, end_s - now_s()))
+            await self._until(self.end_requests.stop, None if end_s is None else max(0.0, end_s - now_s()))
         end = await self._mend() or self._end_so_far()
         return end or RunEnd(cause=ExitCause.DURATION, culprit=None, detail=f"{duration_s:g} s are over")
 
@@ -172,17 +141,6 @@ class Supervision:
         self._request.set()
         return True
 
-    @contextmanager
-    def signals(self, loop: asyncio.AbstractEventLoop) -> Iterator[None]:
-        """Handle the signals that request the end."""
-        for signum in _SIGNALS:
-            loop.add_signal_handler(signum, self._on_signal, signum)
-        try:
-            yield
-        finally:
-            for signum in _SIGNALS:
-                loop.remove_signal_handler(signum)
-
     def report_end(self, cause: ExitCause, culprit: str, detail: str) -> RunEnd:
         """Print and return the end of a run."""
         self.emit(detail)
@@ -219,10 +177,10 @@ class Supervision:
 
     async def _stop_child(self, child: ChildProcess) -> None:
         child.terminate()
-        await first_of([self._kill.wait()], [child.ended], child.spec.grace_s)
+        await first_of([self.end_requests.kill.wait()], [child.ended], child.spec.grace_s)
         if child.running:
             child.kill()
-            if not self._kill.is_set():
+            if not self.end_requests.kill.is_set():
                 self.emit(f"{child.spec.name} was killed: it did not end in {child.spec.grace_s:g} s")
         await child.ended
 
@@ -238,7 +196,7 @@ class Supervision:
     def _restartable(self, now_s: float) -> ChildProcess | None:
         """Return a child that has died and may be restarted, unless a signal or another child ends the run."""
         dead = self._dead
-        if dead and not self._stop.is_set() and all(self._may_restart(child, now_s) for child in dead):
+        if dead and not self.end_requests.stop.is_set() and all(self._may_restart(child, now_s) for child in dead):
             return dead[0]
         return None
 
@@ -281,7 +239,9 @@ class Supervision:
 
     async def _until(self, wanted: asyncio.Event, timeout_s: float | None) -> None:
         """Wait for ``wanted``, a request or the end of a child, at most ``timeout_s``."""
-        wanted_or_requests = [event.wait() for event in (wanted, self._stop, self._interrupt, self._request)]
+        wanted_or_requests = [
+            event.wait() for event in (wanted, self.end_requests.stop, self.end_requests.interrupt, self._request)
+        ]
         ends = [child.ended for child in self._children if child.intent is not Intent.STAY_DOWN]
         await first_of(wanted_or_requests, ends, timeout_s)
 
@@ -301,24 +261,13 @@ class Supervision:
                 return self._end_by(child)
         if dead:
             return self._end_by(dead[0])
-        if self._stop.is_set():
-            return RunEnd(cause=ExitCause.SIGNAL, culprit=None, detail=f"stopped by {self._signal}")
-        if self._interrupt.is_set():
-            return RunEnd(cause=ExitCause.REQUESTED, culprit=None, detail="ended on request")
-        return None
+        return self.end_requests.end
 
     def _end_by(self, child: ChildProcess) -> RunEnd:
         name, description = child.spec.name, child.exit.description
         if child.exit.returncode == 0:
             return self.report_end(ExitCause.LEFT, name, f"{name} ended: {description}")
         return self.report_end(ExitCause.DIED, name, f"{name} died: {description}")
-
-    def _on_signal(self, signum: signal.Signals) -> None:
-        if not self._stop.is_set():
-            self._signal = signum.name
-            self._stop.set()
-        else:
-            self._kill.set()
 
     def _relay(self, name: str, line: str) -> None:
         self.emit(f"{name:<{self._width}} | {line}")

@@ -9,8 +9,9 @@ from typing import Final, TypeVar
 
 from passafe_services.loop.process_exit import RunOutcome
 from passafe_services.loop.process_spec import ProcessSpec
+from passafe_services.loop.run_end import RunEnd
 from passafe_services.loop.session_epochs import SessionEpochs
-from passafe_services.loop.supervision import PrintLine, RunEnd, Supervision
+from passafe_services.loop.supervision import PrintLine, Supervision
 
 READY_TIMEOUT_S: Final = 20.0
 
@@ -86,7 +87,7 @@ def supervised(
             on_change=on_change,
             on_control=on_control,
         )
-        with supervision.signals(asyncio.get_running_loop()):
+        with supervision.end_requests.signals(asyncio.get_running_loop()):
             try:
                 return await body(supervision)
             finally:

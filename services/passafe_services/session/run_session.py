@@ -6,7 +6,8 @@ from typing import Final, Literal, Protocol
 from passafe_services.loop.process_exit import ExitCause, RunOutcome
 from passafe_services.loop.process_name import ProcessName
 from passafe_services.loop.process_spec import ProcessSpec
-from passafe_services.loop.supervision import RunEnd, Supervision
+from passafe_services.loop.run_end import RunEnd
+from passafe_services.loop.supervision import Supervision
 from passafe_services.session.control_messages import EndedRun, ProcessView, SessionState
 from passafe_services.session.planned_run import PlannedRun
 
@@ -78,10 +79,10 @@ class RunSession:
                 end, goes_on = await supervision.watch(), False
             else:
                 end, goes_on = await self._one_run(supervision, next_run)
-            if supervision.is_stopping or not (goes_on or end.cause is ExitCause.REQUESTED):
+            if supervision.end_requests.stop.is_set() or not (goes_on or end.cause is ExitCause.REQUESTED):
                 self._drop_wanted()
                 return end
-            supervision.resume()
+            supervision.end_requests.interrupt.clear()
             next_run, self.wanted = self.wanted, None
 
     def start(self, run: PlannedRun) -> None:
@@ -140,7 +141,7 @@ class RunSession:
 
     def _interrupt(self) -> None:
         if self._supervision is not None and self.phase != "stopping":
-            self._supervision.interrupt()
+            self._supervision.end_requests.interrupt.set()
         self.on_change()
 
     def _drop_wanted(self) -> None:
