@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 FOLDER = Path(__file__).parents[2] / "benchmarks"
-LIVE = ("live_flood", "live_kills", "live_latency", "live_page", "live_tls")
+LIVE = ("live_flood", "live_kills", "live_latency", "live_page", "live_robots", "live_tls")
 PROMPT = "live_stops"
 """Live, too; it judges how soon a stop acts."""
 
