@@ -145,7 +145,8 @@ def test_held_back_is_that_of_the_logged_input(walls: Recorded, tmp_path: Path) 
     gain = walls.scenario.dt_s * walls.scenario.filter.k_i
     apart = 1e-3
     assert apart / gain > 5e-3
-    both = of_one(FilterTick, u=plus("u", apart), **override(held_back=plus("held_back", apart / gain)))
+    changes = {"u": plus("u", apart), "v": plus("v", apart / walls.scenario.dt_s)}
+    both = of_one(FilterTick, **changes, **override(held_back=plus("held_back", apart / gain)))
 
     entry = verdict_on(walls.write(tmp_path / "apart.mcap", both)).properties["decisions-agree"]
     texts = [violation.text for violation in entry.violations]
