@@ -126,7 +126,7 @@ def watcher(keys: Path, port: int, robot: str) -> AbstractContextManager[Bus]:
 
 
 def wait_for_loops(keys: Path, port: int, robots: list[str]) -> None:
-    """Wait until every loop of every robot has been heard.
+    """Wait until every loop of every robot has sent something.
 
     Raises:
         TimeoutError: One is not in time.

@@ -1,4 +1,4 @@
-"""What a tick says of its rows follows from its own answer, though another answer may be accepted as well."""
+"""Reports of a tick on its rows: they follow from its own answer, though another one may be accepted as well."""
 
 import numpy as np
 import pytest
