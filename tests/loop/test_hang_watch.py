@@ -65,7 +65,8 @@ def test_slow_call_has_no_real_time_priority(monkeypatch: pytest.MonkeyPatch) ->
 
     monkeypatch.setattr(watch, "suspend_realtime", suspend)
     monkeypatch.setattr(watch, "PATIENCE_LOOKS", 1_000_000)
-    with hang_watch(lambda: call[0], print):
+    with hang_watch(lambda: call[0], print) as slow:
         assert restored.wait(PATIENCE_S)
+        assert slow[0] == "rail: read"
 
     assert changes[:2] == ["MainThread", "restored"]

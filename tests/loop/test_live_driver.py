@@ -247,3 +247,10 @@ def test_call_that_does_not_return_ends_the_process(start: Callable, port: int, 
     said = "ended: stick: move: got no return for 2 s, allowed to return at once"
     log.wait_for("passafe/robot/operator/event", lambda logged: Event("error", said) in [e for _, e in logged])
     assert operator.end()[0] == 2
+
+
+def test_call_that_takes_long_is_reported(start: Callable, port: int, log: Log) -> None:
+    start("operator", "--port", port, "--hangs-at", 50, "--hangs-s", 1).wait_ready("operator")
+
+    said = "stick: move: got no return for 0.2 s, allowed to return at once"
+    log.wait_for("passafe/robot/operator/event", lambda logged: Event("warning", said) in [e for _, e in logged])

@@ -33,11 +33,18 @@ class Metronome:
     name = "operator"
     subscribes = ()
 
-    def __init__(self, *, non_finite: bool = False, broken_at: int | None = None, hangs_at: int | None = None) -> None:
+    def __init__(
+        self,
+        *,
+        non_finite: bool = False,
+        broken_at: int | None = None,
+        hangs_at: int | None = None,
+        hangs_s: float = FOREVER_S,
+    ) -> None:
         """``non_finite``: every tenth command is not finite. ``broken_at``: step that raises; ``hangs_at``: waits."""
         self.steps = 0
         self.call: tuple[int, str] | None = None
-        self._non_finite, self._broken_at, self._hangs_at = non_finite, broken_at, hangs_at
+        self._non_finite, self._broken_at, self._hangs_at, self._hangs_s = non_finite, broken_at, hangs_at, hangs_s
 
     def step(self, now_ns: int, inbox: Sequence[Received]) -> Sequence[Outgoing]:
         """Send one command."""
@@ -46,7 +53,7 @@ class Metronome:
             raise ValueError("no such\nstick")
         self.call = (self.steps, "stick: move")
         begun_s = time.monotonic()
-        while self.steps == self._hangs_at and time.monotonic() - begun_s < FOREVER_S:
+        while self.steps == self._hangs_at and time.monotonic() - begun_s < self._hangs_s:
             pass  # without a pause, as the worst do
         self.call = None
         count = float("nan") if self._non_finite and self.steps % 10 == 9 else float(self.steps)
@@ -87,7 +94,12 @@ def hold_up(seconds: float) -> None:
 
 
 def metronome_of(options: argparse.Namespace) -> Metronome:
-    return Metronome(non_finite=options.non_finite, broken_at=options.broken_at, hangs_at=options.hangs_at)
+    return Metronome(
+        non_finite=options.non_finite,
+        broken_at=options.broken_at,
+        hangs_at=options.hangs_at,
+        hangs_s=options.hangs_s,
+    )
 
 
 def begin(options: argparse.Namespace) -> None:
@@ -175,6 +187,7 @@ def main() -> None:
     parser.add_argument("--steps", type=int)
     parser.add_argument("--broken-at", type=int)
     parser.add_argument("--hangs-at", type=int)
+    parser.add_argument("--hangs-s", type=float, default=FOREVER_S)
     parser.add_argument("--epoch", type=int)
     parser.add_argument("--delay", type=float, default=0.0)
     parser.add_argument("--loss", type=float, default=0.0)

@@ -1,6 +1,7 @@
 """Rules of language that no linter checks: lengths of test names, first words of docstrings, unique class names."""
 
 import ast
+import re
 from collections import Counter
 from collections.abc import Iterator
 from functools import cache
@@ -17,6 +18,11 @@ QUESTION_WORDS: Final = frozenset(
     | {"That", "Those", "These", "Tell", "Tells", "Say", "Says", "It"}
 )
 """First words of docstrings that describe neither an action nor a thing; ruff's D401 checks functions further."""
+
+IGNORED: Final = re.compile(
+    r"#\s*(?:type: ignore|noqa|pragma: no cover)(?:\[[\w, -]+\]|: [A-Z]+[0-9]+(?:, ?[A-Z]+[0-9]+)*)?(?P<rest>.*)"
+)
+"""A finding of a checker that is left out, and what is said about it."""
 
 Documented = ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
 
@@ -70,3 +76,14 @@ def test_public_class_names_are_unique() -> None:
     counts = Counter(name for name, _ in classes)
 
     assert not [f"{at}: {name}" for name, at in classes if counts[name] > 1]
+
+
+def test_what_a_checker_leaves_out_has_its_reason() -> None:
+    bare = [
+        f"{path.relative_to(ROOT)}:{number}: {line.strip()}"
+        for path in sources(*FOLDERS)
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1)
+        if (found := IGNORED.search(line)) and not re.search(r"[A-Za-z]{2}", found["rest"])
+    ]
+
+    assert not bare, "\n".join(bare)

@@ -17,6 +17,9 @@ SLOW_LOOKS: Final = 2
 """Looks in a row after which the loop has no real-time priority until the call returns: in a busy loop it would starve
 the threads of the bus and other loops on its processor."""
 
+SLOW_S: Final = LOOK_S * SLOW_LOOKS
+"""The same in s, of a process that runs."""
+
 HANG_S: Final = LOOK_S * PATIENCE_LOOKS
 """The same in s, of a process that runs."""
 
@@ -25,25 +28,31 @@ Call = tuple[int, str]
 
 
 @contextmanager
-def hang_watch(current: Callable[[], Call | None] | None, on_hang: Callable[[str], object]) -> Iterator[None]:
+def hang_watch(current: Callable[[], Call | None] | None, on_hang: Callable[[str], object]) -> Iterator[list[str]]:
     """Look at the call that the loop in the main thread waits for, in another one, while the block runs.
 
     Args:
         current: Returns the call; ``None`` between calls. No watch if not given.
         on_hang: Called once, in that thread, with the name of a call that does not return.
+
+    Yields:
+        Names of calls that are or were slow, to be taken out by the loop when it is back.
     """
+    slow: list[str] = []
     if current is None:
-        yield
+        yield slow
         return
     done = threading.Event()
-    threading.Thread(target=_watch, args=(current, on_hang, done), name="hang-watch", daemon=True).start()
+    threading.Thread(target=_watch, args=(current, on_hang, slow, done), name="hang-watch", daemon=True).start()
     try:
-        yield
+        yield slow
     finally:
         done.set()
 
 
-def _watch(current: Callable[[], Call | None], on_hang: Callable[[str], object], done: threading.Event) -> None:
+def _watch(
+    current: Callable[[], Call | None], on_hang: Callable[[str], object], slow: list[str], done: threading.Event
+) -> None:
     outrank_loops()
     restore: Callable[[], object] | None = None
     before, looks = None, 0
@@ -51,7 +60,8 @@ def _watch(current: Callable[[], Call | None], on_hang: Callable[[str], object],
         call = current()
         looks = looks + 1 if call is not None and call == before else 0
         before = call
-        if looks == SLOW_LOOKS:
+        if call is not None and looks == SLOW_LOOKS:
+            slow.append(call[1])
             restore = suspend_realtime(threading.main_thread())
         elif looks == 0 and restore is not None:
             restore()

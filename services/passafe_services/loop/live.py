@@ -15,7 +15,7 @@ from passafe_protocol.link_settings import LinkSettings
 
 from passafe_services.loop.bus import Bus, open_bus
 from passafe_services.loop.driver import Driver
-from passafe_services.loop.hang_watch import HANG_S, Call, hang_watch
+from passafe_services.loop.hang_watch import HANG_S, SLOW_S, Call, hang_watch
 from passafe_services.loop.health_report import HealthReporter
 from passafe_services.loop.pace import Pace
 from passafe_services.loop.rate_limited_log import RateLimitedLog
@@ -120,7 +120,7 @@ def run_live(
         if refusal is not None:
             driver.report("realtime", "warning", refusal)
         stack.callback(_await_recorder, driver, receipts)  # nor is what led to an error lost
-        stack.enter_context(hang_watch(waits_in, partial(_end_hanging, driver, receipts, bus)))
+        slow = stack.enter_context(hang_watch(waits_in, partial(_end_hanging, driver, receipts, bus)))
         driver.reporting_errors("before its first step", begun)
         announce_ready(node.name)
         lower_priority()
@@ -130,7 +130,9 @@ def run_live(
         pace = Pace(monotonic_ns() + round(_NS_PER_S / rate_hz), rate_hz)
         end_ns = None if duration_s is None else pace.due_ns + round(_NS_PER_S * duration_s)
         stack.callback(driver.reporting_errors, "at its end", ended)
-        reason = driver.run(pace, stop, end_ns, finished or (lambda: False), collect)
+        reason = driver.run(
+            pace, stop, end_ns, finished or (lambda: False), partial(_once_a_second, driver, collect, slow)
+        )
         return LiveReport(
             steps=pace.steps,
             overruns=pace.overruns,
@@ -138,6 +140,15 @@ def run_live(
             withheld=driver.withheld,
             reason=reason,
         )
+
+
+def _once_a_second(driver: Driver, collect: Callable[[], object], slow: list[str]) -> None:
+    """Collect garbage, and report calls that were slow: an overload would be blamed on the machine."""
+    collect()
+    if slow:
+        calls = ", ".join(sorted(set(slow)))
+        slow.clear()
+        driver.report("slow", "warning", f"{calls}: got no return for {SLOW_S:g} s, allowed to return at once")
 
 
 def _await_recorder(driver: Driver, receipts: Receipts) -> None:
