@@ -36,6 +36,8 @@ class Admission:
         self._identity = identity
         self._locator = locator
         self._router = ""
+        self._met_s = 0.0
+        self._is_admitted = False
         self._asked_s = 0.0
         self._answer: handlers.Handler[zenoh.Reply] | None = None
         self._refusal = ""
@@ -62,36 +64,40 @@ class Admission:
             raise NotAdmittedError(self._identity.common_name, self._locator, text)
         if self._ask(OPEN_KEY) is not None:
             raise OpenRouterError(self._locator)
-        self._router = router
+        self._router, self._is_admitted = router, True
 
     def refusal(self, router: str) -> str:
         """Return why the connected router drops what this process publishes; empty if it does not, as far as is known.
 
         It asks again whenever the router is another one: a router that was restarted may admit others. It never waits.
+        A router that has just started does not answer yet, and is not accused of that.
         """
         if not router:
             return ""
+        now_s = time.monotonic()
         if router != self._router:
-            self._router, self._asked_s = router, time.monotonic()
-            self._answer = self._session.get(admission_key(self._identity), handlers.FifoChannel(1), timeout=ANSWER_S)
-        if self._answer is not None:
-            self._refusal = self._judge(self._answer)
+            self._router, self._met_s, self._is_admitted, self._answer = router, now_s, False, None
+        if not self._is_admitted and self._is_unanswered(now_s) and now_s - self._met_s > ANSWER_S:
+            self._refusal = f"the router does not admit {self._identity.common_name!r}: {NOT_LISTED}"
         return self._refusal
 
-    def _judge(self, answer: handlers.Handler[zenoh.Reply]) -> str:
+    def _is_unanswered(self, now_s: float) -> bool:
+        """Ask, or look for the answer; return whether there was none."""
+        if self._answer is None:
+            self._asked_s = now_s
+            self._answer = self._session.get(admission_key(self._identity), handlers.FifoChannel(1), timeout=ANSWER_S)
         try:
-            reply = answer.try_recv()
+            reply = self._answer.try_recv()
         except zenoh.ZError:
-            reply, ended = None, True  # no more replies
+            reply, is_over = None, True  # no more replies
         else:
-            ended = time.monotonic() - self._asked_s > ANSWER_S
+            is_over = now_s - self._asked_s > ANSWER_S
         if reply is not None and reply.ok is not None:
+            self._is_admitted, self._answer, self._refusal = True, None, ""
+            return False
+        if is_over:
             self._answer = None
-            return ""
-        if ended:
-            self._answer, self._router = None, ""  # it is asked again: it may just have started
-            return f"the router does not admit {self._identity.common_name!r}: {NOT_LISTED}"
-        return self._refusal
+        return is_over
 
     def _ask(self, key: str) -> tuple[str, ...] | None:
         for reply in self._session.get(key, timeout=ANSWER_S):
