@@ -31,11 +31,14 @@ def name(part: str, value: object) -> str:
     """Return a name.
 
     Raises:
-        DesignError: It is none, or an empty or a longer one.
+        DesignError: It is none, or an empty or a longer one, or does not fit in a line.
     """
-    if not text(part, value):
+    word = text(part, value)
+    if not word:
         raise DesignError(part, "no characters", f"a name of 1 to {LONGEST_WORD} characters")
-    return str(value)
+    if not word.isprintable():
+        raise DesignError(part, described(word), "printable characters in one line")
+    return word
 
 
 def texts(part: str, value: object, count: int) -> tuple[str, ...]:

@@ -2,6 +2,7 @@
 
 import json
 import random
+from math import inf, nan
 from typing import Any
 
 import casadi as ca
@@ -46,6 +47,12 @@ def test_list_of_a_list_is_the_list() -> None:
     text = listed({"x": X}, {"all": EVERY})
 
     assert listed({"x": X}, expressions_of(text, {"x": X})) == text
+
+
+@pytest.mark.parametrize("number", [nan, inf, -inf])
+def test_number_that_is_not_finite_is_named_with_its_part(number: float) -> None:
+    with pytest.raises(DesignError, match=rf"^robot storage: got {number} in its formula, allowed finite numbers$"):
+        listed({"x": X}, {"f": X[0] * 2.0, "storage": ca.vertcat(X[0], X[1] + number)})
 
 
 def test_function_that_is_called_is_refused() -> None:

@@ -93,6 +93,10 @@ def test_robot_says_of_its_fail_safe_that_nothing_is_stated() -> None:
         ({"input_unit": "N" * 201}, "robot input_unit: got 201 characters, allowed at most 200"),
         ({"state_units": 5}, "robot state_units: got 5 .* allowed a sequence of 2 words"),
         ({"state_units": ("m", 3)}, "robot state_units: got 3 .* allowed text"),
+        (
+            {"barriers": {"wall\n": X[0]}},
+            "robot barriers: got 'wall\\\\n' (str), allowed printable characters in one line",
+        ),
         ({"barriers": {"": X[0]}}, "robot barriers: got no characters, allowed a name of 1 to 200 characters"),
         ({"barriers": {3: X[0]}}, "robot barriers: got 3 .* allowed text"),
         ({"fail_safe": X}, r"system fail_safe: got shape \(2, 1\)"),

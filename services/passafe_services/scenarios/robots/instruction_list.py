@@ -33,7 +33,7 @@ def listed(symbols: Expressions, expressions: Expressions) -> str:
         expressions: Columns of expressions of these symbols alone, by name.
 
     Raises:
-        DesignError: An operation that no list may hold, or a list that is too long or too deep.
+        DesignError: An operation or a number that no list may hold, or a list that is too long or too deep.
     """
     column = ca.densify(ca.vertcat(ca.SX(0, 1), *expressions.values()))
     function = ca.Function("listed", [ca.vertcat(ca.SX(0, 1), *symbols.values())], [column], {"cse": True})
@@ -49,7 +49,10 @@ def listed(symbols: Expressions, expressions: Expressions) -> str:
         if number == ca.OP_INPUT:
             instructions.append([*names[reads[1]]])
         elif number == ca.OP_CONST:
-            instructions.append([CONSTANT, float(function.instruction_constant(k)).hex()])
+            value = float(function.instruction_constant(k))
+            if not isfinite(value):
+                raise DesignError(f"robot {_holder(expressions)}", f"{value} in its formula", "finite numbers")
+            instructions.append([CONSTANT, value.hex()])
         elif number in NAMES:
             instructions.append([NAMES[number], *(made_by[place] for place in reads)])
         else:
@@ -61,6 +64,16 @@ def listed(symbols: Expressions, expressions: Expressions) -> str:
     text = json.dumps({"instructions": instructions, "outputs": outputs}, separators=(",", ":"))
     expressions_of(text, symbols)
     return text
+
+
+def _holder(expressions: Expressions) -> str:
+    """Return the name of the first expression that contains a number that is not finite."""
+    for name, expression in expressions.items():
+        function = ca.Function("part", ca.symvar(expression), [ca.densify(expression)])
+        constants = (k for k in range(function.n_instructions()) if function.instruction_id(k) == ca.OP_CONST)
+        if not all(isfinite(function.instruction_constant(k)) for k in constants):
+            return name
+    return "function"
 
 
 def expressions_of(text: str, symbols: Expressions) -> dict[str, ca.SX]:
