@@ -172,7 +172,7 @@ def main(
 ) -> None:
     """Report the share of ticks that the loops of each robot kept, and the verdicts."""
     if smallest:
-        robots, seconds, each_hz = 2, 2.0, 500.0
+        robots, seconds, rate_hz, each_hz = 2, 2.0, 120.0, 500.0
     names = [f"robot-{number + 1}" for number in range(robots)]
     with TemporaryDirectory() as made:
         folder = Path(made)

@@ -3,10 +3,8 @@
 from pathlib import Path
 
 import pytest
-from passafe_services.log.log_writer import LogWriter, run_metadata
-from passafe_services.recorder.lockstep_log import LockstepLog
+from changed_logs import recorded, verdict_on
 from passafe_services.scenarios.load import load_scenario
-from passafe_services.simulation import lockstep_loop
 from passafe_services.tools.review.core_evaluator import CoreEvaluator
 from passafe_services.tools.review.run_log import RunLog
 from passafe_services.tools.review.verdict import Verdict
@@ -21,11 +19,7 @@ TOO_FAST = {"plant.x0": [-2.7, -1.0, -4.0, 0.0]}
 
 def test_each_decision_of_a_fallback_is_made_again_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     scenario = load_scenario("walls-and-disks", TOO_FAST)
-    metadata = run_metadata(scenario_json=scenario.model_dump_json(), versions={}, driver="lockstep")
-    with LogWriter(tmp_path / "run.mcap", metadata) as log:
-        loop = lockstep_loop(scenario, observer=LockstepLog(log))
-        loop.run(TICKS)
-        loop.finish()
+    recorded(tmp_path / "run.mcap", scenario, steps=TICKS)
     made = []
     decide = SafetyPassivityFilter.decide
 
@@ -38,3 +32,10 @@ def test_each_decision_of_a_fallback_is_made_again_once(tmp_path: Path, monkeypa
 
     assert verdict.properties["decisions-agree"].holds
     assert 0 < len(made) <= 2 * TICKS  # twice if there was no input before
+
+
+@pytest.mark.parametrize("rate_hz", [120.0, 700.0])
+def test_period_of_no_whole_nanoseconds_is_no_difference(rate_hz: float, tmp_path: Path) -> None:
+    recorded(tmp_path / "run.mcap", load_scenario("walls-and-disks", {"rate_hz": rate_hz}), steps=100)
+
+    assert verdict_on(tmp_path / "run.mcap").words == "holds"

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import ClassVar, Final
+from typing import Any, ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -91,6 +91,7 @@ class PlantReview:
         path: The log, for errors.
         n: Numbers of a state.
         m: Numbers of an input.
+        period_s: Period of the plant, s.
         margins: Takes the motion.
         drive: Takes the phases.
         check: Takes states and motion.
@@ -113,12 +114,13 @@ class PlantReview:
         path: Path,
         n: int,
         m: int,
+        period_s: float,
         margins: MarginsInProgress,
         drive: DriveRecord,
         check: StateCheck,
     ) -> None:
         self._path = path
-        self._n, self._m = n, m
+        self._n, self._m, self._period_s = n, m, period_s
         self._margins = margins
         self._drive = drive
         self._check = check
@@ -224,9 +226,8 @@ class PlantReview:
         # A single sample is taken again with what follows it.
         session.held = piece.last(), int(block.sequence[moves][-1])
 
-    @staticmethod
     def _piece(
-        session: PlantSession, block: MessageBlock, moves: NDArray[np.bool_], x: FloatArray, u: FloatArray
+        self, session: PlantSession, block: MessageBlock, moves: NDArray[np.bool_], x: FloatArray, u: FloatArray
     ) -> Trajectory:
         """Return the trajectory of states that move, the held one before them."""
         sequence = block.sequence[moves]
@@ -240,13 +241,18 @@ class PlantReview:
             energy_in_j=block.numbers("energy_in_j")[moves],
             energy_stored_j=block.numbers("energy_stored_j")[moves],
             session=np.full(plant_ns.size, session.number, dtype=np.int64),
-            period_s=np.where(follows, np.diff(plant_ns, append=plant_ns[-1:]) / NS_PER_S, 0.0),
+            period_s=np.where(follows, self._lasted_s(np.diff(plant_ns, append=plant_ns[-1:])), 0.0),
         )
         if session.held is None:
             return piece
         held, number = session.held
-        gap_ns = int(plant_ns[0]) - int(np.rint(held.t_s[0] * NS_PER_S))
-        return held.followed_by(piece, gap_ns / NS_PER_S if int(sequence[0]) == number + 1 else 0.0)
+        gap_ns = plant_ns[:1] - np.rint(held.t_s * NS_PER_S)
+        return held.followed_by(piece, float(self._lasted_s(gap_ns)[0]) if int(sequence[0]) == number + 1 else 0.0)
+
+    def _lasted_s(self, lasted_ns: NDArray[Any]) -> FloatArray:
+        """Return durations: the plant moves by its period, which its clock rounds to a nanosecond."""
+        is_period = np.abs(lasted_ns - self._period_s * NS_PER_S) < 1.0
+        return np.where(is_period, self._period_s, lasted_ns / NS_PER_S)
 
     def _vectors(self, block: MessageBlock, path: str, allowed: int) -> FloatArray:
         column = block.ragged(path)

@@ -114,7 +114,9 @@ class RunReview:
         self.decisions = DecisionRecord(round(period_ns), self.tolerances.certificate, self.margins.energy, self.drive)
         self.states = StateCheck(evaluator, is_exact=scenario.is_exact)
         self.reports = StateReportCheck(scenario, self.states.agreement)
-        self.plant = PlantReview(path, len(scenario.plant.x0), self._m, self.margins, self.drive, self.states)
+        self.plant = PlantReview(
+            path, len(scenario.plant.x0), self._m, scenario.dt_s, self.margins, self.drive, self.states
+        )
         self.limits = InputLimitRecord(scenario, self.tolerances.input_relative)
         self.origin = OriginRecord(
             len(scenario.plant.x0), is_predicted=scenario.filter.prediction and scenario.is_exact
