@@ -15,6 +15,7 @@ from passafe_services.log.log_files import files_of, part_path
 from passafe_services.log.log_pass import LogPass
 from passafe_services.log.log_reader import LogReader
 from passafe_services.log.segmented_log import RawMessage, Rotation, SegmentedLog
+from passafe_services.tables.run_tables import RunTables
 
 S = 1_000_000_000
 BETWEEN = 10
@@ -185,3 +186,14 @@ def test_after_a_full_disk_nothing_is_missing(tmp_path: Path, monkeypatch: pytes
 
 def _refuse(_: int) -> None:
     raise OSError(28, "No space left on device")
+
+
+def test_tables_of_a_set_say_which_file_is_not_there(tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    record(path, 100, Rotation(after_ns=3))
+    assert RunTables.read(path).shortcomings == ()
+
+    files_of(path)[1].unlink()
+
+    (said,) = RunTables.read(tmp_path).shortcomings
+    assert "missing" in said

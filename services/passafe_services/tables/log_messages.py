@@ -51,6 +51,7 @@ class LogMessages:
         start_ns: Earliest log time of the messages read, whatever their topic, ns; ``None`` before the first.
         scenario: Scenario of the run, once it was read; ``None`` if the log has none that this build can read.
         tear: After an iteration: description of the damage at which reading stopped; empty if the end was reached.
+        shortcomings: After an iteration: reasons for which the log does not show that nothing is missing, in words.
         refused: After an iteration: messages that do not decode, by name of the topic.
 
     Raises:
@@ -64,6 +65,7 @@ class LogMessages:
         self.start_ns: int | None = None
         self.scenario: Scenario | None = None
         self.tear = ""
+        self.shortcomings: tuple[str, ...] = ()
         self.refused: dict[str, int] = {}
 
     def __iter__(self) -> Iterator[LoggedRow]:
@@ -84,7 +86,7 @@ class LogMessages:
                 self._add(record, channels, robots)
             elif isinstance(record, Metadata) and record.name == SCENARIO_RECORD:
                 self.scenario = _scenario(record.metadata.get("json", ""))
-        self.tear = self._reader.tear
+        self.tear, self.shortcomings = self._reader.tear, tuple(self._reader.shortcomings)
         if not channels:
             raise LogReadError(self.path, f"is no log of passafe: it has no channel {KEY_ROOT}/…")
 

@@ -30,6 +30,8 @@ class RunTables:
         scenario: Effective scenario of the run; ``None`` if the log has none that this version can read.
         start_ns: Earliest log time, Unix time, ns; ``time_s`` of every table counts from there.
         tear: Description of the damage at which reading stopped; empty if the end of the log was reached.
+        shortcomings: Reasons for which the log does not show that nothing is missing, in words: a file of it is not
+            there, say.
         refused: Messages that do not decode, by name of the topic; they are in no table.
         tables: Every table by name of its topic.
     """
@@ -38,6 +40,7 @@ class RunTables:
     scenario: Scenario | None = field(repr=False)
     start_ns: int
     tear: str
+    shortcomings: tuple[str, ...]
     refused: Mapping[str, int]
     tables: Mapping[str, Table] = field(repr=False)
 
@@ -67,6 +70,7 @@ class RunTables:
             start_ns=scan.start_ns,
             tables=_tables(scan),
             tear=scan.messages.tear,
+            shortcomings=scan.messages.shortcomings,
             refused=dict(scan.messages.refused),
         )
 
