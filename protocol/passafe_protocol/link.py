@@ -14,6 +14,7 @@ from passafe_protocol.correlated_uniform import CorrelatedUniform
 from passafe_protocol.delay_distribution import delay_sampler
 from passafe_protocol.delay_trace import DelayTrace
 from passafe_protocol.gilbert_elliott import GilbertElliott
+from passafe_protocol.link_draws import chance, corruption, zero
 from passafe_protocol.link_effect import (
     CORRUPTED,
     DROPPED_BY_LOSS,
@@ -221,7 +222,7 @@ class Link(Generic[T]):
         self._constant_ns = round(settings.delay_s * _NS_PER_S)
         self._base_ns = settings.delay_s * _NS_PER_S
         self._jitter_ns = settings.jitter_s * _NS_PER_S
-        self._draw_delay = draw if settings.jitter_s else _zero
+        self._draw_delay = draw if settings.jitter_s else zero
         self._uniform.correlate(settings.correlation)
         self._delay_ns = delay_sampler(settings, self._uniform if settings.correlation else draw)
         self._copy_delay_ns = delay_sampler(settings, self._sequence("copy"))
@@ -229,15 +230,15 @@ class Link(Generic[T]):
     def _apply_losses(self) -> None:
         settings = self.settings
         self._loss = settings.loss
-        self._draw_loss = self._sequence("loss") if settings.loss else _zero
+        self._draw_loss = self._sequence("loss") if settings.loss else zero
         self._bursts.settings = settings
-        self._is_lost = _chance(self._sequence("loss"), settings.loss)
+        self._is_lost = chance(self._sequence("loss"), settings.loss)
         if settings.has_bursts:
             independent = self._is_lost
             self._is_lost = lambda: bool(int(self._bursts()) | int(independent()))  # both draw for every message
-        self._is_copied = _chance(self._sequence("duplicate"), settings.duplicate)
-        self._corrupt_at = _corruption(self._sequence("corrupt"), settings.corrupt)
-        self._copy_corrupt_at = _corruption(self._sequence("copy"), settings.corrupt)
+        self._is_copied = chance(self._sequence("duplicate"), settings.duplicate)
+        self._corrupt_at = corruption(self._sequence("corrupt"), settings.corrupt)
+        self._copy_corrupt_at = corruption(self._sequence("copy"), settings.corrupt)
 
     def _apply_network(self, before: LinkSettings | None) -> None:
         """Begin another network or trace of delays; one that did not change goes on."""
@@ -269,38 +270,9 @@ def _schedule(settings: LinkSettings) -> Schedule:
     return TraceSchedule(settings.trace_s) if settings.trace_s else RateSchedule(settings.rate_hz)
 
 
-def _chance(draw: Callable[[], float], probability: float) -> Callable[[], bool]:
-    """Return a function that draws an event of this probability: one draw per call, none for probability zero."""
-    return (lambda: draw() < probability) if probability else _never
-
-
-def _corruption(draw: Callable[[], float], probability: float) -> Callable[[], float | None]:
-    """Return a function that draws the position of a flipped bit in [0, 1) or ``None``; two draws, none if disabled."""
-    if not probability:
-        return _no_corruption
-
-    def position() -> float | None:
-        corrupted, at = draw() < probability, draw()
-        return at if corrupted else None
-
-    return position
-
-
 def _unchanged(item: T, _position: float) -> T:
     return item
 
 
 def _no_delay(_now_ns: int) -> int | None:
     return 0
-
-
-def _zero() -> float:
-    return 0.0
-
-
-def _never() -> bool:
-    return False
-
-
-def _no_corruption() -> float | None:
-    return None

@@ -15,7 +15,7 @@ from passafe_services.tools.review.plant_evaluator import FloatArray
 
 
 class ExplanationCheck:
-    """Differences of logged explanations from those of decisions that were made anew.
+    """Differences of logged explanations from what follows from their ticks, and from decisions that were made anew.
 
     The distance to infeasibility is left out: it is of an earlier decision, and takes a linear program for each.
 
