@@ -6,8 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Final
 
-from passafe_services.loop.process_exit import ExitCause
-from passafe_services.loop.run_end import RunEnd
+from passafe_services.loop.process_exit import ExitCause, RunEnd
 
 _SIGNALS: Final = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 

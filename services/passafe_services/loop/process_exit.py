@@ -5,6 +5,7 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
+from typing import Self
 
 
 class ExitCause(Enum):
@@ -75,20 +76,34 @@ class Exit:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class RunOutcome:
-    """Outcome of a supervised run; none of its processes is left.
+class RunEnd:
+    """End of a run and its cause.
 
     Attributes:
         cause: Cause of the end.
         culprit: Process that caused it, if one did.
         detail: Description in one line.
-        exits: Exit of each process that was started, in the order in which they ended.
     """
 
     cause: ExitCause
     culprit: str | None
     detail: str
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class RunOutcome(RunEnd):
+    """Outcome of a supervised run; none of its processes is left.
+
+    Attributes:
+        exits: Exit of each process that was started, in the order in which they ended.
+    """
+
     exits: tuple[Exit, ...]
+
+    @classmethod
+    def of(cls, end: RunEnd, exits: tuple[Exit, ...]) -> Self:
+        """Return the outcome of a run that has ended so."""
+        return cls(cause=end.cause, culprit=end.culprit, detail=end.detail, exits=exits)
 
     @property
     def died(self) -> tuple[Exit, ...]:

@@ -9,9 +9,8 @@ from typing import Final
 from passafe_services.loop.child_process import ChildProcess, Intent
 from passafe_services.loop.end_requests import EndRequests
 from passafe_services.loop.first_of import first_of
-from passafe_services.loop.process_exit import Exit, ExitCause
+from passafe_services.loop.process_exit import Exit, ExitCause, RunEnd
 from passafe_services.loop.process_spec import ProcessSpec
-from passafe_services.loop.run_end import RunEnd
 from passafe_services.loop.session_epochs import SessionEpochs
 
 _NO_RESOURCES: Final = (OSError, RuntimeError, MemoryError)

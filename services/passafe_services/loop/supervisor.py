@@ -7,9 +7,8 @@ from collections.abc import Awaitable, Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from typing import Final, TypeVar
 
-from passafe_services.loop.process_exit import RunOutcome
+from passafe_services.loop.process_exit import RunEnd, RunOutcome
 from passafe_services.loop.process_spec import ProcessSpec
-from passafe_services.loop.run_end import RunEnd
 from passafe_services.loop.session_epochs import SessionEpochs
 from passafe_services.loop.supervision import PrintLine, Supervision
 
@@ -56,7 +55,7 @@ def supervise(
         return end, supervision
 
     end, supervision = supervised(start_and_watch, emit=emit, ready_timeout_s=ready_timeout_s, epochs=epochs)
-    return RunOutcome(cause=end.cause, culprit=end.culprit, detail=end.detail, exits=supervision.take_exits())
+    return RunOutcome.of(end, supervision.take_exits())
 
 
 def supervised(

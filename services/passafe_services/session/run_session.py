@@ -3,10 +3,9 @@
 from collections.abc import Callable, Sequence
 from typing import Final, Literal, Protocol
 
-from passafe_services.loop.process_exit import ExitCause, RunOutcome
+from passafe_services.loop.process_exit import ExitCause, RunEnd, RunOutcome
 from passafe_services.loop.process_name import ProcessName
 from passafe_services.loop.process_spec import ProcessSpec
-from passafe_services.loop.run_end import RunEnd
 from passafe_services.loop.supervision import Supervision
 from passafe_services.session.control_messages import EndedRun, ProcessView, SessionState
 from passafe_services.session.planned_run import PlannedRun
@@ -167,7 +166,7 @@ class RunSession:
         self._enter("stopping")
         names = {spec.name for spec in run.specs}
         await supervision.stop(names)
-        outcome = RunOutcome(cause=end.cause, culprit=end.culprit, detail=end.detail, exits=supervision.take_exits())
+        outcome = RunOutcome.of(end, supervision.take_exits())
         log = None if run.log is None else run.log.name
         self._last = EndedRun(run=self.number, log=log, detail=end.detail)
         self._reports.ended(self.number, run, outcome, self._conclusion(self.number), began=began)

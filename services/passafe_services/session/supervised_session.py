@@ -24,6 +24,6 @@ def run_session(session: RunSession, prepare: Prepare, *, emit: PrintLine | None
     async def run(supervision: Supervision) -> RunOutcome:
         end = await session.run(supervision)
         await supervision.stop()
-        return RunOutcome(cause=end.cause, culprit=end.culprit, detail=end.detail, exits=supervision.take_exits())
+        return RunOutcome.of(end, supervision.take_exits())
 
     return supervised(run, emit=emit, on_change=server.publish, on_control=server.connect)
