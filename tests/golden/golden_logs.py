@@ -11,6 +11,8 @@ from tempfile import TemporaryDirectory
 from typing import Any, Final
 
 from mcap.records import Channel, Message, Metadata
+from passafe_services.log.checkpoint import CHECKPOINT_RECORD, SIGNER_RECORD
+from passafe_services.log.log_files import RECORDING_RECORD
 from passafe_services.log.log_reader import LogReader
 from passafe_services.log.log_writer import LogWriter, run_metadata
 from passafe_services.recorder.lockstep_log import LockstepLog
@@ -82,8 +84,15 @@ def run_live(name: str, target: Path) -> None:
 
 
 def rewrite(source: Path, target: Path) -> None:
-    """Write a log in one chunk: a recorder that flushes for safety makes it half as large again."""
-    metadata = {record.name: record.metadata for record in LogReader(source).records() if isinstance(record, Metadata)}
+    """Write a log in one chunk: a recorder that flushes for safety makes it half as large again.
+
+    It is a recording of its own: what the source says of its files and checkpoints is not true of it.
+    """
+    metadata = {
+        record.name: record.metadata
+        for record in LogReader(source).records()
+        if isinstance(record, Metadata) and record.name not in {CHECKPOINT_RECORD, RECORDING_RECORD, SIGNER_RECORD}
+    }
     keys: dict[int, str] = {}
     with LogWriter(target, metadata) as writer:
         for record in LogReader(source).records():

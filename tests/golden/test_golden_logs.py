@@ -6,6 +6,7 @@ import pytest
 from golden_logs import FOLDER, LIVE, SIMULATED, simulate
 from passafe_protocol.messages import FilterTick
 from passafe_services.tools.replay.replay_log import replay_file
+from passafe_services.tools.review.log_judging import judge_log
 from passafe_services.tools.review.run_log import RunLog
 from passafe_services.tools.what_if.rerun import Conditions
 from passafe_services.tools.what_if.what_if import Question
@@ -18,6 +19,11 @@ NAMES = [*SIMULATED, *LIVE]
 def test_golden_log_replays(name: str) -> None:
     result = replay_file(FOLDER / f"{name}.mcap")
     assert result.exact, f"{result}: if this is meant, run make golden"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_golden_log_holds(name: str) -> None:
+    assert judge_log(FOLDER / f"{name}.mcap").verdict.verdict == "holds"
 
 
 @pytest.mark.parametrize("name", NAMES)
